@@ -1,0 +1,2 @@
+//! Drive a differential robot to a pose, and be sure.
+#![no_std]
