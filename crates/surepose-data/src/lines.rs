@@ -1,0 +1,239 @@
+//! Lines of a text recording, plain or gzip, with their numbers, and columns with typed errors.
+//!
+//! Memory is bounded: one line is held at a time, a line is at most [`LONGEST_LINE`] bytes and a text at most
+//! [`LONGEST_TEXT`] bytes after decompression, so neither a binary file nor a gzip bomb exhausts the machine.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use flate2::bufread::MultiGzDecoder;
+
+use crate::error::{DataError, Problem, excerpt};
+use crate::quantity::{Quantity, TIME};
+
+/// Longest line that is read \[bytes\]: a scan of 100 000 ranges.
+pub const LONGEST_LINE: usize = 1 << 20;
+
+/// Longest text that is read, after decompression \[bytes\].
+pub const LONGEST_TEXT: u64 = 1 << 28;
+
+const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+const BUFFER: usize = 1 << 16;
+
+/// A text file, read line by line.
+pub struct Lines<'a> {
+    file: PathBuf,
+    input: Box<dyn BufRead + 'a>,
+    compressed: bool,
+    line: Vec<u8>,
+    number: u64,
+    bytes_left: u64,
+}
+
+impl Lines<'static> {
+    /// Opens a file, plain or gzip; which of the two, its first bytes tell.
+    ///
+    /// # Errors
+    /// [`Problem::Unreadable`] where the file is absent or cannot be read.
+    pub fn open(path: &Path) -> Result<Self, DataError> {
+        let file = File::open(path).map_err(|error| DataError::in_file(path, Problem::Unreadable(error)))?;
+        Self::new(path, BufReader::with_capacity(BUFFER, file))
+    }
+}
+
+impl<'a> Lines<'a> {
+    /// Reads text, plain or gzip, that is in memory; `file` is the name that errors give it.
+    ///
+    /// # Errors
+    /// None in practice: memory can always be read.
+    pub fn from_bytes(file: &Path, bytes: &'a [u8]) -> Result<Self, DataError> {
+        Self::new(file, bytes)
+    }
+
+    fn new(file: &Path, mut input: impl BufRead + 'a) -> Result<Self, DataError> {
+        let head = input.fill_buf().map_err(|error| DataError::in_file(file, Problem::Unreadable(error)))?;
+        let compressed = head.starts_with(&GZIP_MAGIC);
+        let input: Box<dyn BufRead + 'a> = if compressed {
+            Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(input)))
+        } else {
+            Box::new(input)
+        };
+        let file = file.to_owned();
+        Ok(Self { file, input, compressed, line: Vec::new(), number: 0, bytes_left: LONGEST_TEXT })
+    }
+
+    /// The name of the file, as errors give it.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// A problem of this file as a whole.
+    pub(crate) fn error(&self, problem: Problem) -> DataError {
+        DataError::in_file(&self.file, problem)
+    }
+
+    /// The next line that holds anything but blanks; `None` at the end of the text.
+    ///
+    /// # Errors
+    /// A damaged gzip stream, an unreadable disk, a line or a text beyond its limit.
+    pub fn next_line(&mut self) -> Result<Option<Line<'_>>, DataError> {
+        while self.advance()? {
+            if !self.current().text.is_empty() {
+                return Ok(Some(self.current()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next line that is not a `#` comment either.
+    pub(crate) fn next_record(&mut self) -> Result<Option<Line<'_>>, DataError> {
+        while self.advance()? {
+            if !matches!(self.current().text, [] | [b'#', ..]) {
+                return Ok(Some(self.current()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Reads one line; false at the end of the text.
+    fn advance(&mut self) -> Result<bool, DataError> {
+        self.line.clear();
+        self.number += 1;
+        let limit = self.bytes_left.min(LONGEST_LINE as u64) + 1;
+        let result = (&mut self.input).take(limit).read_until(b'\n', &mut self.line);
+        let read = result.map_err(|error| self.line_error(self.unreadable(error)))? as u64;
+        if read > self.bytes_left {
+            return Err(self.line_error(Problem::TooLarge { limit: LONGEST_TEXT }));
+        }
+        if read > LONGEST_LINE as u64 {
+            return Err(self.line_error(Problem::LineTooLong { limit: LONGEST_LINE }));
+        }
+        self.bytes_left -= read;
+        Ok(read > 0)
+    }
+
+    fn current(&self) -> Line<'_> {
+        Line { file: &self.file, number: self.number, text: self.line.trim_ascii() }
+    }
+
+    fn line_error(&self, problem: Problem) -> DataError {
+        DataError::at_line(&self.file, self.number, problem)
+    }
+
+    fn unreadable(&self, error: std::io::Error) -> Problem {
+        if self.compressed { Problem::Compression(error) } else { Problem::Unreadable(error) }
+    }
+}
+
+/// One line of a file, without the blanks around it.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<'l> {
+    file: &'l Path,
+    number: u64,
+    text: &'l [u8],
+}
+
+impl<'l> Line<'l> {
+    /// The text of the line.
+    pub fn text(&self) -> &'l [u8] {
+        self.text
+    }
+
+    /// A problem of this line.
+    pub(crate) fn error(&self, problem: Problem) -> DataError {
+        DataError::at_line(self.file, self.number, problem)
+    }
+
+    /// The columns, split at blanks.
+    pub(crate) fn columns(self) -> impl Iterator<Item = Column<'l>> {
+        let words = self.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        words.enumerate().map(move |(before, text)| Column { line: self, number: before + 1, text })
+    }
+
+    /// Exactly `N` columns; `layout` names them for the error.
+    pub(crate) fn split<const N: usize>(self, layout: &'static str) -> Result<[Column<'l>; N], DataError> {
+        let mut columns = self.columns();
+        let mut exact = [Column { line: self, number: 0, text: &[] }; N];
+        let mut found = 0;
+        for (place, column) in exact.iter_mut().zip(&mut columns) {
+            *place = column;
+            found += 1;
+        }
+        found += columns.count();
+        if found == N { Ok(exact) } else { Err(self.error(Problem::Columns { expected: N, found, layout })) }
+    }
+}
+
+/// One column of a line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Column<'l> {
+    line: Line<'l>,
+    number: usize,
+    text: &'l [u8],
+}
+
+impl Column<'_> {
+    /// A finite number inside the bounds of its quantity.
+    pub(crate) fn read(&self, name: &'static str, quantity: &Quantity) -> Result<f64, DataError> {
+        self.read_in(name, quantity, 1.0)
+    }
+
+    /// A finite number in a unit of the file, which is `unit` in SI, inside the bounds of its quantity.
+    pub(crate) fn read_in(
+        &self,
+        name: &'static str,
+        quantity: &Quantity,
+        unit: f64,
+    ) -> Result<f64, DataError> {
+        let value = self.finite(name)? * unit;
+        if quantity.admits(value) {
+            return Ok(value);
+        }
+        let (column, value, bounds) = (self.number, excerpt(self.text), quantity.to_string());
+        Err(self.line.error(Problem::OutOfBounds { column, name, value, bounds }))
+    }
+
+    /// A finite number.
+    pub(crate) fn finite(&self, name: &'static str) -> Result<f64, DataError> {
+        let (column, wanted) = (self.number, "a number");
+        match fast_float2::parse::<f64, _>(self.text) {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self.line.error(Problem::NotFinite { column, name, value: excerpt(self.text) })),
+            Err(_) => {
+                Err(self.line.error(Problem::NotANumber { column, name, wanted, value: excerpt(self.text) }))
+            }
+        }
+    }
+
+    /// A whole number.
+    pub(crate) fn whole<N: std::str::FromStr>(&self, name: &'static str) -> Result<N, DataError> {
+        let parsed = std::str::from_utf8(self.text).ok().and_then(|text| text.parse().ok());
+        let (column, wanted) = (self.number, "a whole number");
+        parsed.ok_or_else(|| {
+            self.line.error(Problem::NotANumber { column, name, wanted, value: excerpt(self.text) })
+        })
+    }
+}
+
+/// Watches that the stamps of one file never go back.
+#[derive(Debug, Default)]
+pub(crate) struct Clock {
+    previous: Option<f64>,
+}
+
+impl Clock {
+    /// Reads the stamp in `column`, which is in units of `unit` seconds.
+    pub(crate) fn stamp(&mut self, column: Column<'_>, unit: f64) -> Result<f64, DataError> {
+        let found = column.read_in("time", &TIME, unit)?;
+        match self.previous.replace(found) {
+            Some(previous) if found < previous => {
+                Err(column.line.error(Problem::TimeDecreases { previous, found }))
+            }
+            _ => Ok(found),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
