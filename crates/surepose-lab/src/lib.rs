@@ -1,0 +1,1 @@
+//! Experiments: replays of recordings, metrics, sweeps, the paper's figures.

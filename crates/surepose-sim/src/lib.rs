@@ -1,0 +1,1 @@
+//! The simulated world: arenas, motors, encoders, compass, laser; owns the clock and the seeds.

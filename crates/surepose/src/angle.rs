@@ -1,0 +1,106 @@
+//! Angles on the circle: wrapped when made, so that no difference is ever a turn too large.
+
+use core::f64::consts::{PI, TAU};
+use core::ops::{Add, Neg, Sub};
+
+use crate::scalar::Scalar;
+
+/// An angle in (−π, π] \[rad], counter-clockwise positive.
+///
+/// Sums and differences wrap. What wrapping cannot give is a winding number: an [`Angle`] does not know how
+/// often the robot has turned.
+///
+/// ```
+/// use surepose::Angle;
+/// let left = Angle::from_degrees(170.0_f64);
+/// let right = Angle::from_degrees(-170.0);
+/// assert!(((left - right).degrees() + 20.0).abs() < 1e-9);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Angle<S>(S);
+
+impl<S: Scalar> Angle<S> {
+    /// The angle of `radians`, wrapped to (−π, π].
+    #[inline]
+    pub fn wrapped(radians: S) -> Self {
+        let (pi, tau) = (S::of(PI), S::of(TAU));
+        let near = radians - tau * (radians * S::of(1.0 / TAU)).round();
+        // Rounding may leave the remainder one ulp outside; −π itself is represented by π.
+        let inside = near.clamp(-pi, pi);
+        Self(S::select(inside.gt(-pi), inside, pi))
+    }
+
+    /// The angle of `degrees`, wrapped: for the edge of the system only.
+    #[inline]
+    pub fn from_degrees(degrees: S) -> Self {
+        Self::wrapped(degrees * S::of(PI / 180.0))
+    }
+
+    /// The direction of the vector (`x`, `y`); 0 for the null vector.
+    #[inline]
+    pub fn of_vector(x: S, y: S) -> Self {
+        let angle = y.atan2(x);
+        Self(S::select(angle.gt(S::of(-PI)), angle, S::of(PI)))
+    }
+
+    /// No turn at all.
+    #[inline]
+    pub fn zero() -> Self {
+        Self(S::of(0.0))
+    }
+
+    /// Half a turn, π.
+    #[inline]
+    pub fn half_turn() -> Self {
+        Self(S::of(PI))
+    }
+
+    /// The value in (−π, π] \[rad].
+    #[inline]
+    pub fn radians(self) -> S {
+        self.0
+    }
+
+    /// The value in (−180, 180] \[°], for the edge of the system only.
+    #[inline]
+    pub fn degrees(self) -> S {
+        self.0 * S::of(180.0 / PI)
+    }
+
+    /// Sine and cosine.
+    #[inline]
+    pub fn sin_cos(self) -> (S, S) {
+        self.0.sin_cos()
+    }
+
+    /// This angle turned by `radians`, which may be any size.
+    #[must_use]
+    #[inline]
+    pub fn turned(self, radians: S) -> Self {
+        Self::wrapped(self.0 + radians)
+    }
+}
+
+impl<S: Scalar> Add for Angle<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self::wrapped(self.0 + other.0)
+    }
+}
+
+impl<S: Scalar> Sub for Angle<S> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self::wrapped(self.0 - other.0)
+    }
+}
+
+impl<S: Scalar> Neg for Angle<S> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self::wrapped(-self.0)
+    }
+}

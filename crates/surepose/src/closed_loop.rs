@@ -1,0 +1,131 @@
+//! The closed loop: what the robot senses, where it is, what it wants, how its wheels turn.
+//!
+//! A tick is a pure function of its arguments: no clock, no allocation, no failure, bounded work. The robot, the
+//! simulator and a replayed log run these lines; the certificate bounds the law they call.
+
+use crate::drive::{Drive, Twist, Wheels};
+use crate::estimate::{Belief, Estimator, Measurement, Stamp, Stamped};
+use crate::frame::{Goal, Map};
+use crate::law::{Arrival, HybridLaw, Memory, Phase, Tolerance};
+use crate::limit::Limits;
+use crate::navigation::Navigation;
+use crate::pose::Pose;
+use crate::scalar::{Float, Scalar};
+
+/// One robot's controller: constants only, no hidden state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controller<S> {
+    /// The wheels' geometry.
+    pub drive: Drive<S>,
+    /// The control law.
+    pub law: HybridLaw<S>,
+    /// What the wheels can do.
+    pub limits: Limits<S>,
+    /// What counts as being there.
+    pub tolerance: Tolerance<S>,
+    /// Time between ticks \[s].
+    pub period: S,
+}
+
+/// What the controller carries from tick to tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress<S: Scalar> {
+    /// What the law remembers.
+    pub memory: Memory<S>,
+    /// How far arriving has come.
+    pub arrival: Arrival<S>,
+    /// The twist granted last.
+    pub granted: Twist<S>,
+}
+
+impl<S: Scalar> Progress<S> {
+    /// At rest, nothing decided.
+    pub fn fresh() -> Self {
+        Self { memory: Memory::fresh(), arrival: Arrival::fresh(), granted: Twist::rest() }
+    }
+}
+
+/// What one control step decided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<S: Scalar> {
+    /// The goal as seen.
+    pub navigation: Navigation<S>,
+    /// What the law asks for.
+    pub wanted: Twist<S>,
+    /// What the limits grant.
+    pub granted: Twist<S>,
+    /// The turn rates of the wheels \[rad/s].
+    pub wheels: Wheels<S>,
+    /// To pass to the next step.
+    pub progress: Progress<S>,
+}
+
+impl<S: Scalar> Controller<S> {
+    /// From where the robot is to how its wheels turn, for one period.
+    #[inline]
+    pub fn step(
+        &self,
+        progress: Progress<S>,
+        map_from_body: Pose<Map, crate::frame::Body, S>,
+        map_from_goal: Pose<Map, Goal, S>,
+    ) -> Step<S> {
+        // Where is the goal, seen from here? Inside the tolerance the wheels rest.
+        let navigation = Navigation::of(map_from_body, map_from_goal);
+        let arrival = progress.arrival.after(&navigation, &self.tolerance, self.period);
+
+        // How should I move? The law asks; the limits grant what the wheels can reach.
+        let decision = self.law.decide(&navigation, progress.memory);
+        let wanted = Twist::select(arrival.inside, Twist::rest(), decision.twist);
+        let granted = self.limits.grant(&self.drive, wanted, progress.granted, self.period);
+
+        // How do the wheels turn?
+        let wheels = self.drive.rates_from_twist(granted);
+        let progress = Progress { memory: decision.memory, arrival, granted };
+        Step { navigation, wanted, granted, wheels, progress }
+    }
+}
+
+/// What the robot sensed since the last tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensed<'a, S> {
+    /// Now.
+    pub stamp: Stamp,
+    /// How far the rims rolled since the last tick \[m].
+    pub rims: Wheels<S>,
+    /// What arrived since the last tick, in any order, each with the time it was measured.
+    pub measurements: &'a [Stamped<Measurement<S>>],
+}
+
+/// One tick of the loop, seen from outside.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick<S: Scalar> {
+    /// Where the robot thinks it is.
+    pub belief: Belief<S>,
+    /// What the controller made of it.
+    pub step: Step<S>,
+    /// Whether the goal is reached.
+    pub phase: Phase,
+}
+
+/// Carries the estimate one tick forward and says how to turn the wheels.
+///
+/// Measurements that are refused are counted in the estimator's tally and change nothing; a broken travel is
+/// counted too, and the belief then stays where it was.
+pub fn tick<S: Float, const N: usize>(
+    controller: &Controller<S>,
+    estimator: &mut Estimator<S, N>,
+    progress: Progress<S>,
+    sensed: &Sensed<'_, S>,
+    map_from_goal: Pose<Map, Goal, S>,
+) -> Tick<S> {
+    // Where am I? Odometry predicts; each measurement, gated, corrects. Refusals are in the estimator's tally.
+    let _counted = estimator.roll(sensed.stamp, sensed.rims);
+    for measured in sensed.measurements {
+        let _counted = estimator.measure(*measured);
+    }
+    let belief = estimator.belief();
+
+    let step = controller.step(progress, belief.pose, map_from_goal);
+    let phase = step.progress.arrival.phase(&controller.tolerance);
+    Tick { belief, step, phase }
+}

@@ -1,0 +1,178 @@
+//! Differential drive: wheels ↔ twist ↔ motion of the pose, [Tran2012] Eq. (1), (7)–(9).
+
+use crate::frame::{Body, Frame};
+use crate::pose::Pose;
+use crate::scalar::Scalar;
+
+/// How fast the robot moves: [Tran2012] Eq. (1).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist<S> {
+    /// Speed along the body's x axis `v` \[m/s].
+    pub v: S,
+    /// Turn rate `ω`, counter-clockwise \[rad/s].
+    pub omega: S,
+}
+
+impl<S: Scalar> Twist<S> {
+    /// The twist of `v` \[m/s] and `omega` \[rad/s].
+    #[inline]
+    pub fn new(v: S, omega: S) -> Self {
+        Self { v, omega }
+    }
+
+    /// At rest.
+    #[inline]
+    pub fn rest() -> Self {
+        Self::new(S::of(0.0), S::of(0.0))
+    }
+
+    /// Both parts times `factor`: the same path, driven at another speed.
+    #[must_use]
+    #[inline]
+    pub fn scaled(self, factor: S) -> Self {
+        Self::new(self.v * factor, self.omega * factor)
+    }
+
+    /// `yes` where `mask` is true, else `no`.
+    #[must_use]
+    #[inline]
+    pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        Self::new(S::select(mask, yes.v, no.v), S::select(mask, yes.omega, no.omega))
+    }
+
+    /// The motion of holding this twist for `period` \[s].
+    #[inline]
+    pub fn over(self, period: S) -> Motion<S> {
+        Motion { length: self.v * period, turn: self.omega * period }
+    }
+}
+
+/// One value for each drive wheel: turn rates \[rad/s], rim speeds \[m/s] or travels \[m], as the context says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wheels<S> {
+    /// The right wheel's.
+    pub right: S,
+    /// The left wheel's.
+    pub left: S,
+}
+
+impl<S: Scalar> Wheels<S> {
+    /// One value for each wheel.
+    #[inline]
+    pub fn new(right: S, left: S) -> Self {
+        Self { right, left }
+    }
+
+    /// Both times `factor`.
+    #[must_use]
+    #[inline]
+    pub fn scaled(self, factor: S) -> Self {
+        Self::new(self.right * factor, self.left * factor)
+    }
+
+    /// The larger of the two magnitudes.
+    #[inline]
+    pub fn largest(self) -> S {
+        self.right.abs().max(self.left.abs())
+    }
+}
+
+/// The geometry that turns wheel rotation into motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<S> {
+    /// Radius `R` of the drive wheels \[m].
+    pub wheel_radius: S,
+    /// Distance `L` between the wheels' contact points \[m].
+    pub track: S,
+}
+
+impl<S: Scalar> Drive<S> {
+    /// Motion from rim travels Δs_R, Δs_L \[m]: [Tran2012] Eq. (8).
+    #[inline]
+    pub fn motion_from_travel(&self, travel: Wheels<S>) -> Motion<S> {
+        Motion {
+            length: (travel.right + travel.left) * S::of(0.5),
+            turn: (travel.right - travel.left) / self.track,
+        }
+    }
+
+    /// Rim travels \[m] from turn rates ω_R, ω_L \[rad/s] held for `period` \[s]: [Tran2012] Eq. (7).
+    #[inline]
+    pub fn travel_from_rates(&self, rates: Wheels<S>, period: S) -> Wheels<S> {
+        rates.scaled(self.wheel_radius * period)
+    }
+
+    /// Rim speeds \[m/s] that give `twist`: the inverse of Eq. (8), per second.
+    #[inline]
+    pub fn rims_from_twist(&self, twist: Twist<S>) -> Wheels<S> {
+        let swing = twist.omega * self.track * S::of(0.5);
+        Wheels::new(twist.v + swing, twist.v - swing)
+    }
+
+    /// The twist of rim speeds \[m/s]: Eq. (8), per second.
+    #[inline]
+    pub fn twist_from_rims(&self, rims: Wheels<S>) -> Twist<S> {
+        let motion = self.motion_from_travel(rims);
+        Twist::new(motion.length, motion.turn)
+    }
+
+    /// Wheel turn rates \[rad/s] that give `twist`.
+    #[inline]
+    pub fn rates_from_twist(&self, twist: Twist<S>) -> Wheels<S> {
+        self.rims_from_twist(twist).scaled(S::of(1.0) / self.wheel_radius)
+    }
+}
+
+/// A short drive along an arc: what one period of odometry measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion<S> {
+    /// Path length Δs, negative backwards \[m].
+    pub length: S,
+    /// Turn Δθ \[rad].
+    pub turn: S,
+}
+
+/// How a motion moves the pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integration {
+    /// Along the circular arc: exact while speed and turn rate are constant.
+    ///
+    /// # Departure
+    /// [Tran2012] Eq. (9) is the midpoint rule, second order in Δθ. The chord of the arc is shorter than its length by
+    /// sinc(Δθ/2); with that factor the motion is exact for inputs that are held over the period, as ours are.
+    #[default]
+    Arc,
+    /// Along the chord's direction by the arc's length: [Tran2012] Eq. (9) as printed.
+    Midpoint,
+}
+
+impl<S: Scalar> Motion<S> {
+    /// The chord of the arc: its length over Δs, and that factor's derivative by Δθ.
+    #[inline]
+    pub(crate) fn chord(self, integration: Integration) -> (S, S) {
+        match integration {
+            Integration::Midpoint => (S::of(1.0), S::of(0.0)),
+            Integration::Arc => {
+                let half = self.turn * S::of(0.5);
+                let (_, cos, sinc) = half.sin_cos_sinc();
+                // d sinc(u)/du = (cos u − sinc u)/u loses all digits near 0, where the series −u/3 takes over.
+                let small = half.abs().lt(S::of(1e-3));
+                let safe = S::select(small, S::of(1.0), half);
+                let slope = S::select(small, -half * S::of(1.0 / 3.0), (cos - sinc) / safe);
+                (sinc, slope * S::of(0.5))
+            }
+        }
+    }
+}
+
+impl<To: Frame, S: Scalar> Pose<To, Body, S> {
+    /// The pose after `motion`: [Tran2012] Eq. (9), or its exact form, by `integration`.
+    #[must_use]
+    #[inline]
+    pub fn moved(self, motion: Motion<S>, integration: Integration) -> Self {
+        let (chord, _) = motion.chord(integration);
+        let (sin, cos) = (self.heading.radians() + motion.turn * S::of(0.5)).sin_cos();
+        let length = motion.length * chord;
+        Self::new(self.x + length * cos, self.y + length * sin, self.heading.turned(motion.turn))
+    }
+}

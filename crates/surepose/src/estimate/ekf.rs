@@ -1,0 +1,162 @@
+//! The extended Kalman filter of [Tran2012] Eq. (11)–(18), generic over the scalar and free of branches.
+
+use crate::covariance::Covariance;
+use crate::drive::{Drive, Integration, Wheels};
+use crate::frame::{Body, Map};
+use crate::matrix::Matrix;
+use crate::pose::Pose;
+use crate::scalar::Scalar;
+
+use super::measurement::Innovation;
+
+/// Where the robot thinks it is, and how sure it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belief<S> {
+    /// The estimated pose x̂.
+    pub pose: Pose<Map, Body, S>,
+    /// The covariance P of (x \[m], y \[m], θ \[rad]), in the map frame.
+    pub covariance: Covariance<S, 3>,
+}
+
+impl<S: Scalar> Belief<S> {
+    /// `pose`, with independent standard deviations of x \[m], y \[m] and θ \[rad].
+    #[inline]
+    pub fn new(pose: Pose<Map, Body, S>, std: [S; 3]) -> Self {
+        Self { pose, covariance: Covariance::from_std(std) }
+    }
+
+    /// The estimation error `estimate − truth` (x, y, θ), heading wrapped.
+    #[inline]
+    pub fn error(&self, truth: Pose<Map, Body, S>) -> [S; 3] {
+        [self.pose.x - truth.x, self.pose.y - truth.y, (self.pose.heading - truth.heading).radians()]
+    }
+
+    /// The normalised estimation error squared, χ² with 3 degrees of freedom for a consistent filter.
+    #[inline]
+    pub fn nees(&self, truth: Pose<Map, Body, S>) -> S {
+        self.covariance.mahalanobis_squared(self.error(truth))
+    }
+}
+
+/// What odometry says of a stretch of time: how far each rim rolled, and how well that is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel<S> {
+    /// Δs_R, Δs_L \[m].
+    pub rims: Wheels<S>,
+    /// Their variances \[m²].
+    pub variance: Wheels<S>,
+}
+
+impl<S: Scalar> Travel<S> {
+    /// The part `fraction` ∈ [0, 1] of this travel, with the same share of its variance.
+    #[must_use]
+    #[inline]
+    pub fn part(self, fraction: S) -> Self {
+        Self { rims: self.rims.scaled(fraction), variance: self.variance.scaled(fraction) }
+    }
+}
+
+/// The filter's constants; all state is in the [`Belief`] it is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ekf<S> {
+    /// The wheels' geometry.
+    pub drive: Drive<S>,
+    /// δ of [Tran2012] Eq. (15): the *variance* of a wheel speed is δω², its standard deviation √δ·|ω|.
+    pub delta: S,
+    /// The motion model.
+    pub integration: Integration,
+}
+
+/// A belief after a measurement was tried on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction<S: Scalar> {
+    /// Corrected where accepted, untouched elsewhere.
+    pub belief: Belief<S>,
+    /// The normalised innovation squared, νᵀ (H P Hᵀ + R)⁻¹ ν.
+    pub nis: S,
+    /// Where the gate let the measurement in.
+    pub accepted: S::Mask,
+}
+
+impl<S: Scalar> Ekf<S> {
+    /// The travel of `rims` \[m] with the variances of [Tran2012] Eq. (15).
+    ///
+    /// In travels instead of turn rates the factors Δt·R of Q and of W cancel: Var(Δs) = δΔs².
+    #[inline]
+    pub fn travel(&self, rims: Wheels<S>) -> Travel<S> {
+        let variance = |rim: S| self.delta * rim.squared();
+        Travel { rims, variance: Wheels::new(variance(rims.right), variance(rims.left)) }
+    }
+
+    /// The belief after `travel`: [Tran2012] Eq. (11), (12).
+    #[must_use]
+    #[inline]
+    pub fn predict(&self, belief: Belief<S>, travel: Travel<S>) -> Belief<S> {
+        let motion = self.drive.motion_from_travel(travel.rims);
+        let (chord, chord_slope) = motion.chord(self.integration);
+        let (sin, cos) = (belief.pose.heading.radians() + motion.turn * S::of(0.5)).sin_cos();
+        let length = motion.length * chord;
+        let (dx, dy) = (length * cos, length * sin);
+        let (zero, one, half) = (S::of(0.0), S::of(1.0), S::of(0.5));
+
+        // Eq. (13): the pose by itself.
+        let a = Matrix([[one, zero, -dy], [zero, one, dx], [zero, zero, one]]);
+        // Eq. (14): the pose by Δs, then by Δθ, then by the rims through Eq. (8).
+        let stretch = motion.length * chord_slope;
+        let by_turn = [stretch * cos - dy * half, stretch * sin + dx * half, one];
+        let by_length = [chord * cos * half, chord * sin * half, zero];
+        let per_track = one / self.drive.track;
+        let row = |i: usize| {
+            let swing = by_turn[i] * per_track;
+            [by_length[i] + swing, by_length[i] - swing]
+        };
+        let w = Matrix([row(0), row(1), row(2)]);
+
+        let pose = Pose::new(belief.pose.x + dx, belief.pose.y + dy, belief.pose.heading.turned(motion.turn));
+        let noise = [travel.variance.right, travel.variance.left];
+        Belief { pose, covariance: belief.covariance.propagated(&a, &w, noise) }
+    }
+
+    /// Tries a measurement on the belief: [Tran2012] Eq. (16)–(18), row by row, inside the gate `nis < threshold`.
+    ///
+    /// The rows of `innovation` carry independent noise, so taking them one after the other equals the joint update,
+    /// and the sum of their squared normalised residuals is the joint νᵀS⁻¹ν: no matrix is inverted.
+    #[inline]
+    pub fn correct<const M: usize>(
+        &self,
+        belief: Belief<S>,
+        innovation: &Innovation<S, M>,
+        threshold: S,
+    ) -> Correction<S> {
+        let mut step = [S::of(0.0); 3];
+        let mut covariance = belief.covariance;
+        let mut nis = S::of(0.0);
+        for m in 0..M {
+            let row = innovation.jacobian[m];
+            let seen = covariance.observed(row, innovation.variance[m]);
+            let predicted = row[0] * step[0] + row[1] * step[1] + row[2] * step[2];
+            let residual = innovation.residual[m] - predicted;
+            nis = nis + residual.squared() / seen.variance;
+            for (component, gain) in step.iter_mut().zip(seen.gain) {
+                *component = *component + gain * residual;
+            }
+            covariance = seen.covariance;
+        }
+        // A NaN compares false, so it is refused.
+        let accepted = nis.lt(threshold);
+        let pose = belief.pose;
+        let keep = |value: S| S::select(accepted, value, S::of(0.0));
+        Correction {
+            belief: Belief {
+                pose: Pose::new(
+                    pose.x + keep(step[0]),
+                    pose.y + keep(step[1]),
+                    pose.heading.turned(keep(step[2])),
+                ),
+                covariance: Covariance::select(accepted, &covariance, &belief.covariance),
+            },
+            nis,
+            accepted,
+        }
+    }
+}

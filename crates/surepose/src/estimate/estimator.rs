@@ -1,0 +1,193 @@
+//! The filter with its memory: checks, gates, rewinds what comes late, counts what it refuses.
+
+use crate::drive::Wheels;
+use crate::scalar::Float;
+
+use super::ekf::{Belief, Ekf, Travel};
+use super::gate::Gate;
+use super::history::{Entry, Event, History};
+use super::measurement::Measurement;
+use super::outcome::{Outcome, Refusal, Tally};
+use super::time::{Stamp, Stamped};
+
+/// A belief that is carried through time by odometry and corrected by measurements, late ones included.
+///
+/// `N` entries of history bound the memory and the work: one call costs at most `N` + 2 filter steps. A
+/// measurement that is late is put where it belongs and everything after it is done again; one older than the
+/// history is refused as [`Refusal::Stale`].
+#[derive(Clone, Copy, Debug)]
+pub struct Estimator<S, const N: usize = 64> {
+    ekf: Ekf<S>,
+    gate: Gate<S>,
+    /// How far back the history may reach \[s].
+    reach: f64,
+    history: History<S, N>,
+    tally: Tally,
+}
+
+impl<S: Float, const N: usize> Estimator<S, N> {
+    /// Starts at `stamp` with `belief`; remembers at most `reach` seconds and at most `N` events.
+    pub fn new(ekf: Ekf<S>, gate: Gate<S>, reach: f64, stamp: Stamp, belief: Belief<S>) -> Self {
+        Self { ekf, gate, reach, history: History::starting(stamp, belief), tally: Tally::default() }
+    }
+
+    /// The newest belief.
+    pub fn belief(&self) -> Belief<S> {
+        self.history.after(self.history.len()).1
+    }
+
+    /// When the newest belief holds.
+    pub fn stamp(&self) -> Stamp {
+        self.history.after(self.history.len()).0
+    }
+
+    /// What was accepted and what was refused so far.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// The filter's constants.
+    pub fn ekf(&self) -> &Ekf<S> {
+        &self.ekf
+    }
+
+    /// The belief at `stamp`, as far as it is known now; `None` where the history does not reach.
+    pub fn belief_at(&self, stamp: Stamp) -> Option<Belief<S>> {
+        if stamp > self.stamp() {
+            return None;
+        }
+        let count = self.history.count_until(stamp);
+        let (start, belief) = self.history.after(count);
+        if stamp < start {
+            return None;
+        }
+        match self.history.get(count) {
+            Some(Entry { stamp: end, event: Event::Travel(travel), .. }) if stamp > start => {
+                Some(self.ekf.predict(belief, travel.part(fraction(start, stamp, end))))
+            }
+            _ => Some(belief),
+        }
+    }
+
+    /// Forgets everything and starts anew, from a pose that somebody is sure of. The tally is kept.
+    pub fn restart(&mut self, stamp: Stamp, belief: Belief<S>) {
+        self.history = History::starting(stamp, belief);
+    }
+
+    /// The robot rolled by `rims` \[m] since the last call and it is now `stamp`.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFinite`] for a broken travel, [`Refusal::Stale`] for a stamp before the newest belief's; the
+    /// belief then stays as it was.
+    pub fn roll(&mut self, stamp: Stamp, rims: Wheels<S>) -> Result<(), Refusal> {
+        self.roll_by(stamp, self.ekf.travel(rims))
+    }
+
+    /// As [`Estimator::roll`], where the variance of the travel is known better than by δ.
+    ///
+    /// # Errors
+    /// As [`Estimator::roll`], and [`Refusal::BadVariance`] for a negative variance.
+    pub fn roll_by(&mut self, stamp: Stamp, travel: Travel<S>) -> Result<(), Refusal> {
+        let checked = self.check_travel(stamp, &travel);
+        if let Err(reason) = checked {
+            self.tally.count(Outcome::Refused(reason));
+            return Err(reason);
+        }
+        let after = self.ekf.predict(self.belief(), travel);
+        self.history.insert(self.history.len(), Entry { stamp, event: Event::Travel(travel), after });
+        self.history.forget_before(stamp.after(-self.reach));
+        Ok(())
+    }
+
+    /// Corrects the belief by a measurement, at the time when it was taken.
+    pub fn measure(&mut self, measured: Stamped<Measurement<S>>) -> Outcome {
+        let outcome = match self.check_measurement(&measured) {
+            Err(reason) => Outcome::Refused(reason),
+            Ok(()) => self.apply(measured),
+        };
+        self.tally.count(outcome);
+        outcome
+    }
+
+    fn check_travel(&self, stamp: Stamp, travel: &Travel<S>) -> Result<(), Refusal> {
+        use super::measurement::finite;
+        finite(&[travel.rims.right, travel.rims.left])?;
+        finite(&[travel.variance.right, travel.variance.left]).map_err(|_| Refusal::BadVariance)?;
+        if travel.variance.right < S::of(0.0) || travel.variance.left < S::of(0.0) {
+            return Err(Refusal::BadVariance);
+        }
+        if stamp < self.stamp() { Err(Refusal::Stale) } else { Ok(()) }
+    }
+
+    fn check_measurement(&self, measured: &Stamped<Measurement<S>>) -> Result<(), Refusal> {
+        measured.value.check()?;
+        if measured.stamp > self.stamp() {
+            Err(Refusal::Future)
+        } else if measured.stamp < self.history.after(0).0 {
+            Err(Refusal::Stale)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Rewinds to the measurement's time, applies it, and does again what came after.
+    fn apply(&mut self, measured: Stamped<Measurement<S>>) -> Outcome {
+        let mut count = self.history.count_until(measured.stamp);
+        let (start, mut belief) = self.history.after(count);
+        if measured.stamp > start {
+            // The robot was rolling: the stretch is split at the measurement.
+            if let Some(Entry { stamp: end, event: Event::Travel(travel), after }) = self.history.get(count) {
+                let part = fraction(start, measured.stamp, end);
+                belief = self.ekf.predict(belief, travel.part(part));
+                let rest = travel.part(S::of(1.0) - part);
+                self.history.set(count, Entry { stamp: end, event: Event::Travel(rest), after });
+                let first =
+                    Entry { stamp: measured.stamp, event: Event::Travel(travel.part(part)), after: belief };
+                count = self.history.insert(count, first).map_or(0, |index| index + 1);
+            }
+        }
+        let (after, nis, accepted) = self.correct(belief, &measured.value);
+        let entry = Entry { stamp: measured.stamp, event: Event::Measurement(measured.value), after };
+        if accepted {
+            let index = self.history.insert(count, entry);
+            self.redo(index.map_or(0, |index| index + 1), after);
+            Outcome::Accepted { nis: nis.to_f64() }
+        } else {
+            self.redo(count, belief);
+            Outcome::Refused(Refusal::Outlier)
+        }
+    }
+
+    /// Applies the entries from `index` on to `belief`.
+    fn redo(&mut self, index: usize, mut belief: Belief<S>) {
+        for i in index..self.history.len() {
+            if let Some(mut entry) = self.history.get(i) {
+                belief = match &entry.event {
+                    Event::Travel(travel) => self.ekf.predict(belief, *travel),
+                    Event::Measurement(measurement) => self.correct(belief, measurement).0,
+                };
+                entry.after = belief;
+                self.history.set(i, entry);
+            }
+        }
+    }
+
+    fn correct(&self, belief: Belief<S>, measurement: &Measurement<S>) -> (Belief<S>, S, bool) {
+        let pair = self.gate.threshold(2);
+        let correction = match measurement {
+            Measurement::Compass(compass) => {
+                self.ekf.correct(belief, &compass.innovation(&belief), self.gate.threshold(1))
+            }
+            Measurement::Wall(wall) => self.ekf.correct(belief, &wall.innovation(&belief), pair),
+            Measurement::Landmark(landmark) => self.ekf.correct(belief, &landmark.innovation(&belief), pair),
+            Measurement::Position(position) => self.ekf.correct(belief, &position.innovation(&belief), pair),
+        };
+        (correction.belief, correction.nis, correction.accepted)
+    }
+}
+
+/// Which part of the time from `start` to `end` lies before `at`.
+fn fraction<S: Float>(start: Stamp, at: Stamp, end: Stamp) -> S {
+    let whole = end.since(start);
+    if whole > 0.0 { S::of((at.since(start) / whole).clamp(0.0, 1.0)) } else { S::of(1.0) }
+}

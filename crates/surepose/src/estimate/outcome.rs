@@ -1,0 +1,76 @@
+//! What became of a measurement: accepted, or refused for a reason that has a name and a count.
+
+/// The fate of one measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// It corrected the belief; its normalised innovation squared.
+    Accepted {
+        /// νᵀ S⁻¹ ν, χ² distributed for a consistent filter.
+        nis: f64,
+    },
+    /// It changed nothing.
+    Refused(Refusal),
+}
+
+/// Why a measurement was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Refusal {
+    /// A value is NaN or infinite, or a range or travel is impossibly large.
+    NotFinite,
+    /// A variance is not positive, or a covariance not positive definite.
+    BadVariance,
+    /// Its stamp is older than the history reaches.
+    Stale,
+    /// Its stamp is later than the odometry reaches.
+    Future,
+    /// Its innovation lies outside the χ² gate.
+    Outlier,
+}
+
+impl Refusal {
+    /// Every reason, in the order of [`Tally`].
+    pub const ALL: [Self; 5] = [Self::NotFinite, Self::BadVariance, Self::Stale, Self::Future, Self::Outlier];
+
+    /// The name used in reports and JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotFinite => "not_finite",
+            Self::BadVariance => "bad_variance",
+            Self::Stale => "stale",
+            Self::Future => "future",
+            Self::Outlier => "outlier",
+        }
+    }
+}
+
+/// How many measurements were accepted, and how many refused for each reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Measurements that corrected the belief.
+    pub accepted: u32,
+    refused: [u32; Refusal::ALL.len()],
+}
+
+impl Tally {
+    /// Counts one outcome.
+    pub fn count(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Accepted { .. } => self.accepted = self.accepted.saturating_add(1),
+            Outcome::Refused(reason) => {
+                if let Some(entry) = self.refused.get_mut(reason as usize) {
+                    *entry = entry.saturating_add(1);
+                }
+            }
+        }
+    }
+
+    /// How many were refused for `reason`.
+    pub fn refused(&self, reason: Refusal) -> u32 {
+        self.refused.get(reason as usize).copied().unwrap_or(0)
+    }
+
+    /// How many were refused in all.
+    pub fn refused_in_all(&self) -> u32 {
+        self.refused.iter().fold(0, |sum, n| sum.saturating_add(*n))
+    }
+}

@@ -1,0 +1,78 @@
+//! Fixed-size matrices: just what Jacobians and covariances need.
+
+use core::ops::{Index, IndexMut, Mul};
+
+use crate::scalar::Scalar;
+
+/// `R` rows by `C` columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Matrix<S, const R: usize, const C: usize>(
+    /// The rows.
+    pub [[S; C]; R],
+);
+
+impl<S: Scalar, const R: usize, const C: usize> Matrix<S, R, C> {
+    /// All zeros.
+    #[inline]
+    pub fn zeros() -> Self {
+        Self([[S::of(0.0); C]; R])
+    }
+
+    /// Rows and columns exchanged.
+    #[must_use]
+    #[inline]
+    pub fn transposed(&self) -> Matrix<S, C, R> {
+        let mut result = Matrix::zeros();
+        for row in 0..R {
+            for column in 0..C {
+                result[(column, row)] = self[(row, column)];
+            }
+        }
+        result
+    }
+}
+
+impl<S: Scalar, const N: usize> Matrix<S, N, N> {
+    /// `diagonal` on the diagonal, zeros elsewhere.
+    #[inline]
+    pub fn diagonal(diagonal: [S; N]) -> Self {
+        let mut result = Self::zeros();
+        for (i, value) in diagonal.into_iter().enumerate() {
+            result[(i, i)] = value;
+        }
+        result
+    }
+}
+
+impl<S, const R: usize, const C: usize> Index<(usize, usize)> for Matrix<S, R, C> {
+    type Output = S;
+    #[inline]
+    fn index(&self, (row, column): (usize, usize)) -> &S {
+        &self.0[row][column]
+    }
+}
+
+impl<S, const R: usize, const C: usize> IndexMut<(usize, usize)> for Matrix<S, R, C> {
+    #[inline]
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut S {
+        &mut self.0[row][column]
+    }
+}
+
+impl<S: Scalar, const R: usize, const K: usize, const C: usize> Mul<&Matrix<S, K, C>> for &Matrix<S, R, K> {
+    type Output = Matrix<S, R, C>;
+    #[inline]
+    fn mul(self, other: &Matrix<S, K, C>) -> Matrix<S, R, C> {
+        let mut result = Matrix::zeros();
+        for row in 0..R {
+            for column in 0..C {
+                let mut sum = S::of(0.0);
+                for k in 0..K {
+                    sum = sum + self[(row, k)] * other[(k, column)];
+                }
+                result[(row, column)] = sum;
+            }
+        }
+        result
+    }
+}

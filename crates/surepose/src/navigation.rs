@@ -1,0 +1,104 @@
+//! The navigation variables: the goal as the robot sees it, [Tran2012] Eq. (3)–(6).
+
+use crate::angle::Angle;
+use crate::drive::Twist;
+use crate::frame::{Body, Goal, Map};
+use crate::pose::Pose;
+use crate::scalar::Scalar;
+
+/// ρ, α and φ of the goal: [Tran2012] Eq. (3).
+///
+/// | symbol | meaning | unit | range |
+/// |---|---|---|---|
+/// | `rho` | distance from robot to goal | m | ≥ 0 |
+/// | `alpha` | direction of the goal, seen from the robot's heading | rad | (−π, π] |
+/// | `phi` | direction of the goal, seen from the goal's heading | rad | (−π, π] |
+///
+/// φ − α = θ − θ₂, the heading error. On the goal itself (ρ = 0) the direction is taken as 0 in the map, so that
+/// every value is finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Navigation<S> {
+    /// Distance ρ \[m].
+    pub rho: S,
+    /// Bearing of the goal α.
+    pub alpha: Angle<S>,
+    /// Direction of approach φ.
+    pub phi: Angle<S>,
+}
+
+impl<S: Scalar> Navigation<S> {
+    /// The goal seen from the robot: [Tran2012] Eq. (3), or (5) where the pose is an estimate.
+    #[inline]
+    pub fn of(map_from_body: Pose<Map, Body, S>, map_from_goal: Pose<Map, Goal, S>) -> Self {
+        let (body, goal) = (map_from_body.origin(), map_from_goal.origin());
+        let bearing = body.direction_to(goal);
+        Self {
+            rho: body.distance(goal),
+            alpha: bearing - map_from_body.heading,
+            phi: bearing - map_from_goal.heading,
+        }
+    }
+
+    /// θ_e = θ − θ₂ = φ − α, how far the robot is turned from the commanded heading.
+    #[inline]
+    pub fn heading_error(&self) -> Angle<S> {
+        self.phi - self.alpha
+    }
+
+    /// The same goal seen by a robot that drives backwards: what is ahead is behind.
+    #[must_use]
+    #[inline]
+    pub fn reversed(self) -> Self {
+        let half = Angle::half_turn();
+        Self { rho: self.rho, alpha: self.alpha + half, phi: self.phi + half }
+    }
+
+    /// `yes` where `mask` is true, else `no`.
+    #[must_use]
+    #[inline]
+    pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        let angle = |a: Angle<S>, b: Angle<S>| Angle::wrapped(S::select(mask, a.radians(), b.radians()));
+        Self {
+            rho: S::select(mask, yes.rho, no.rho),
+            alpha: angle(yes.alpha, no.alpha),
+            phi: angle(yes.phi, no.phi),
+        }
+    }
+
+    /// The rates (ρ̇, α̇, φ̇) \[m/s, rad/s, rad/s] under `twist`: [Tran2012] Eq. (2).
+    ///
+    /// With `twist` the commanded one plus its disturbance (ε_v, ε_ω) this is Eq. (6). Only for ρ > 0.
+    #[inline]
+    pub fn rates(&self, twist: Twist<S>) -> (S, S, S) {
+        let (sin, cos) = self.alpha.sin_cos();
+        let swing = twist.v * sin / self.rho;
+        (-twist.v * cos, swing - twist.omega, swing)
+    }
+}
+
+/// What the noise of the estimated pose does to the navigation variables: [Tran2012] Eq. (4).
+///
+/// # Departure
+/// The printed line for ε_φ repeats the line for ε_ρ. Here ε_φ is the wrapped difference of the two bearings; ε_α =
+/// ε_φ − ε_θ as printed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavigationNoise<S> {
+    /// ε_ρ \[m].
+    pub rho: S,
+    /// ε_α.
+    pub alpha: Angle<S>,
+    /// ε_φ.
+    pub phi: Angle<S>,
+}
+
+impl<S: Scalar> NavigationNoise<S> {
+    /// Estimated minus true.
+    #[inline]
+    pub fn between(estimated: Navigation<S>, truth: Navigation<S>) -> Self {
+        Self {
+            rho: estimated.rho - truth.rho,
+            alpha: estimated.alpha - truth.alpha,
+            phi: estimated.phi - truth.phi,
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! The closed loop comes to rest at the goal.
+
+use surepose::closed_loop::{Controller, Progress};
+use surepose::{
+    Angle, Body, Direction, Drive, Gains, Goal, HybridLaw, Integration, Limits, Map, Pose, Tolerance,
+};
+
+fn controller(direction: Direction) -> Controller<f64> {
+    Controller {
+        drive: Drive { wheel_radius: 0.05, track: 0.6 },
+        law: HybridLaw {
+            gains: Gains { k_v: 4.0, k_alpha: 8.0, h: 0.5, k_theta: 2.0 },
+            capture_radius: 0.01,
+            release: 2.0,
+            direction,
+        },
+        limits: Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 },
+        tolerance: Tolerance { position: 0.01, heading: 1f64.to_radians(), hold: 1.0, release: 1.5 },
+        period: 0.02,
+    }
+}
+
+#[test]
+fn every_direction_of_approach_parks() {
+    let goal: Pose<Map, Goal, f64> = Pose::new(0.0, 0.0, Angle::zero());
+    for direction in [Direction::Forward, Direction::Reverse, Direction::Auto] {
+        for k in 0..64_u32 {
+            let bearing = f64::from(k) * 0.1;
+            let heading = Angle::wrapped(f64::from(k) * 2.4);
+            let mut pose: Pose<Map, Body, f64> = Pose::new(2.0 * bearing.cos(), 2.0 * bearing.sin(), heading);
+            let controller = controller(direction);
+            let mut progress = Progress::fresh();
+            let mut reached = false;
+            for _ in 0..6000 {
+                let step = controller.step(progress, pose, goal);
+                assert!(controller.drive.rims_from_twist(step.granted).largest() <= 0.3 + 1e-12);
+                pose = pose.moved(step.granted.over(controller.period), Integration::Arc);
+                progress = step.progress;
+                reached = progress.arrival.reached(&controller.tolerance);
+                if reached {
+                    break;
+                }
+            }
+            assert!(reached, "{direction:?} from start {k} stands at {pose:?}");
+        }
+    }
+}
