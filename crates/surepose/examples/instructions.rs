@@ -1,0 +1,141 @@
+//! One piece of work, many times: for counting instructions under callgrind, see `cargo xtask instructions`.
+//!
+//! `instructions NAME COUNT` does the work NAME (`law`, `predict`, `compass`, `wall`, `cycle`, `step`) COUNT times.
+
+use std::hint::black_box;
+use std::process::ExitCode;
+
+use surepose::closed_loop::{Controller, Progress};
+use surepose::{
+    Angle, Belief, Compass, Direction, Drive, Ekf, Gains, Gate, Goal, HybridLaw, Integration, Limits, Line,
+    Map, Memory, Navigation, Pose, Tolerance, WallSighting, Wheels,
+};
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1);
+    let (name, count) = (arguments.next(), arguments.next().and_then(|n| n.parse().ok()));
+    let (Some(name), Some(count)) = (name, count) else {
+        eprintln!("usage: instructions law|predict|compass|wall|cycle|step COUNT");
+        return ExitCode::from(2);
+    };
+    let bench = Bench::new();
+    let work: fn(&Bench, u32) = match name.as_str() {
+        "law" => law,
+        "predict" => predict,
+        "compass" => compass,
+        "wall" => wall,
+        "cycle" => cycle,
+        "step" => step,
+        other => {
+            eprintln!("there is no work called {other}");
+            return ExitCode::from(2);
+        }
+    };
+    for k in 0..count {
+        work(&bench, black_box(k));
+    }
+    ExitCode::SUCCESS
+}
+
+struct Bench {
+    ekf: Ekf<f64>,
+    gate: Gate<f64>,
+    controller: Controller<f64>,
+    belief: Belief<f64>,
+    walls: [Line<Map, f64>; 4],
+}
+
+impl Bench {
+    fn new() -> Self {
+        let drive = Drive { wheel_radius: 0.05, track: 0.6 };
+        let quarter = |k: f64| Angle::from_degrees(90.0 * k);
+        Self {
+            ekf: Ekf { drive, delta: 0.0025, integration: Integration::Arc },
+            gate: Gate::new(0.99),
+            controller: Controller {
+                drive,
+                law: HybridLaw {
+                    gains: Gains { k_v: 4.0, k_alpha: 8.0, h: 0.5, k_theta: 2.0 },
+                    capture_radius: 0.01,
+                    release: 2.0,
+                    direction: Direction::Auto,
+                },
+                limits: Limits { wheel_speed: 0.3, wheel_acceleration: 1.0 },
+                tolerance: Tolerance { position: 0.01, heading: 0.017, hold: 1.0, release: 1.5 },
+                period: 0.02,
+            },
+            belief: Belief::new(Pose::new(1.5, 1.0, Angle::from_degrees(20.0)), [0.01, 0.01, 0.01]),
+            walls: [
+                Line::new(6.0, quarter(0.0)),
+                Line::new(4.0, quarter(1.0)),
+                Line::new(0.0, quarter(2.0)),
+                Line::new(0.0, quarter(3.0)),
+            ],
+        }
+    }
+
+    fn sighting(&self, k: usize) -> WallSighting<f64> {
+        let wall = self.walls[k];
+        let seen = self.belief.pose.inverse() * wall;
+        WallSighting { wall, seen, distance_variance: 1e-5, direction_variance: 1e-5, covariance: 1e-6 }
+    }
+
+    fn rims(k: u32) -> Wheels<f64> {
+        let swing = f64::from(k % 16) * 1e-4;
+        Wheels::new(0.02 + swing, 0.02 - swing)
+    }
+}
+
+#[inline(never)]
+fn law(bench: &Bench, k: u32) {
+    let angle = f64::from(k % 64) * 0.1 - 3.1;
+    let navigation =
+        Navigation { rho: 1.0 + angle * 0.2, alpha: Angle::wrapped(angle), phi: Angle::wrapped(angle * 0.7) };
+    black_box(bench.controller.law.decide(black_box(&navigation), Memory::fresh()));
+}
+
+#[inline(never)]
+fn predict(bench: &Bench, k: u32) {
+    black_box(bench.ekf.predict(black_box(bench.belief), bench.ekf.travel(Bench::rims(k))));
+}
+
+#[inline(never)]
+fn compass(bench: &Bench, _: u32) {
+    let compass = black_box(Compass { heading: Angle::from_degrees(20.1), std: 0.002 });
+    let belief = black_box(bench.belief);
+    black_box(bench.ekf.correct(belief, &compass.innovation(&belief), bench.gate.threshold(1)));
+}
+
+#[inline(never)]
+fn wall(bench: &Bench, _: u32) {
+    let belief = black_box(bench.belief);
+    black_box(bench.ekf.correct(belief, &black_box(seen()[0]).innovation(&belief), bench.gate.threshold(2)));
+}
+
+/// Prediction, compass and four walls, each gated: the cycle of the paper's Fig. 4.
+#[inline(never)]
+fn cycle(bench: &Bench, k: u32) {
+    let mut belief = bench.ekf.predict(black_box(bench.belief), bench.ekf.travel(Bench::rims(k)));
+    let compass = black_box(Compass { heading: Angle::from_degrees(20.1), std: 0.002 });
+    belief = bench.ekf.correct(belief, &compass.innovation(&belief), bench.gate.threshold(1)).belief;
+    for wall in black_box(seen()) {
+        belief = bench.ekf.correct(belief, &wall.innovation(&belief), bench.gate.threshold(2)).belief;
+    }
+    black_box(belief);
+}
+
+/// From an estimated pose to turn rates of the wheels.
+#[inline(never)]
+fn step(bench: &Bench, k: u32) {
+    let goal: Pose<Map, Goal, f64> = Pose::new(2.0, 2.0, Angle::from_degrees(f64::from(k % 90)));
+    black_box(bench.controller.step(black_box(Progress::fresh()), bench.belief.pose, black_box(goal)));
+}
+
+/// The four walls as seen from the belief, made once.
+fn seen() -> &'static [WallSighting<f64>; 4] {
+    static SEEN: std::sync::OnceLock<[WallSighting<f64>; 4]> = std::sync::OnceLock::new();
+    SEEN.get_or_init(|| {
+        let bench = Bench::new();
+        core::array::from_fn(|k| bench.sighting(k))
+    })
+}

@@ -1,0 +1,123 @@
+//! The factored covariance is the matrix of the textbook, and stays a covariance.
+
+use proptest::prelude::*;
+use surepose::{Covariance, Float, Matrix, NotACovariance};
+
+type M3 = Matrix<f64, 3, 3>;
+
+fn entries() -> impl Strategy<Value = [f64; 9]> {
+    prop::array::uniform9(-2.0..2.0_f64)
+}
+
+fn square(e: [f64; 9]) -> M3 {
+    Matrix([[e[0], e[1], e[2]], [e[3], e[4], e[5]], [e[6], e[7], e[8]]])
+}
+
+/// G Gᵀ: a covariance whatever G.
+fn gram(g: &M3) -> M3 {
+    g * &g.transposed()
+}
+
+fn largest_difference(a: &M3, b: &M3) -> f64 {
+    (0..9).map(|i| (a[(i / 3, i % 3)] - b[(i / 3, i % 3)]).abs()).fold(0.0, f64::max)
+}
+
+proptest! {
+    #[test]
+    fn factors_multiply_back(e in entries()) {
+        let p = gram(&square(e));
+        let factored = Covariance::from_matrix(&p).unwrap();
+        prop_assert!(factored.is_valid());
+        prop_assert!(largest_difference(&factored.matrix(), &p) < 1e-12);
+    }
+
+    /// [Tran2012] Eq. (12), multiplied out.
+    #[test]
+    fn propagation_is_the_textbooks(e in entries(), a in entries(), w in entries(), q in 0.0..3.0, r in 0.0..3.0) {
+        let p = gram(&square(e));
+        let a = square(a);
+        let w = Matrix([[w[0], w[1]], [w[2], w[3]], [w[4], w[5]]]);
+        let noise = &(&w * &Matrix::diagonal([q, r])) * &w.transposed();
+        let mut expected = &(&a * &p) * &a.transposed();
+        for i in 0..9 {
+            expected[(i / 3, i % 3)] += noise[(i / 3, i % 3)];
+        }
+        let found = Covariance::from_matrix(&p).unwrap().propagated(&a, &w, [q, r]);
+        prop_assert!(found.is_valid());
+        prop_assert!(largest_difference(&found.matrix(), &expected) < 1e-11);
+    }
+
+    /// [Tran2012] Eq. (16), (18): K = P hᵀ/s, P − K s Kᵀ.
+    #[test]
+    fn observation_is_the_textbooks(e in entries(), row in prop::array::uniform3(-2.0..2.0_f64), r in 0.01..3.0) {
+        let p = gram(&square(e));
+        let ph: Vec<f64> = (0..3).map(|i| (0..3).map(|k| p[(i, k)] * row[k]).sum()).collect();
+        let s: f64 = r + (0..3).map(|i| row[i] * ph[i]).sum::<f64>();
+        let mut expected = p;
+        for i in 0..9 {
+            expected[(i / 3, i % 3)] -= ph[i / 3] * ph[i % 3] / s;
+        }
+        let seen = Covariance::from_matrix(&p).unwrap().observed(row, r);
+        prop_assert!((seen.variance - s).abs() < 1e-12 * s);
+        for i in 0..3 {
+            prop_assert!((seen.gain[i] - ph[i] / s).abs() < 1e-12);
+        }
+        prop_assert!(seen.covariance.is_valid());
+        prop_assert!(largest_difference(&seen.covariance.matrix(), &expected) < 1e-11);
+    }
+
+    /// With P e' = e the squared length of e is eᵀe'.
+    #[test]
+    fn mahalanobis_inverts_the_matrix(e in entries(), x in prop::array::uniform3(-2.0..2.0_f64)) {
+        let mut p = gram(&square(e));
+        for i in 0..3 {
+            p[(i, i)] += 0.1;
+        }
+        let error: [f64; 3] = core::array::from_fn(|i| (0..3).map(|k| p[(i, k)] * x[k]).sum());
+        let expected: f64 = (0..3).map(|i| error[i] * x[i]).sum();
+        let found = Covariance::from_matrix(&p).unwrap().mahalanobis_squared(error);
+        prop_assert!((found - expected).abs() < 1e-9 * (1.0 + expected));
+    }
+}
+
+/// A million updates of every badly scaled kind leave a covariance, in single precision too.
+fn endures<S: Float>() {
+    let of = S::of;
+    let mut p = Covariance::from_std([of(1.0), of(1e-4), of(0.5)]);
+    for k in 0..1_000_000_u32 {
+        let phase = f64::from(k % 997) * 0.0063;
+        let (sin, cos) = (of(phase.sin()), of(phase.cos()));
+        let step = of(0.03);
+        let zero = of(0.0);
+        let a = Matrix([[of(1.0), zero, -(step * sin)], [zero, of(1.0), step * cos], [zero, zero, of(1.0)]]);
+        let w = Matrix([[cos, cos], [sin, sin], [of(1.6), of(-1.6)]]);
+        p = p.propagated(&a, &w, [of(1e-6), of(1e-6)]);
+        if k % 3 == 0 {
+            p = p.observed([zero, zero, of(1.0)], of(3e-6)).covariance;
+        }
+        if k % 7 == 0 {
+            p = p.observed([cos, sin, zero], of(1e-10)).covariance;
+        }
+        assert!(p.is_valid(), "step {k}: {p:?}");
+    }
+}
+
+#[test]
+fn a_million_steps_leave_a_covariance_in_f32() {
+    endures::<f32>();
+}
+
+#[test]
+fn a_million_steps_leave_a_covariance_in_f64() {
+    endures::<f64>();
+}
+
+#[test]
+fn what_is_no_covariance_is_refused() {
+    let negative = Matrix::diagonal([1.0, -1.0, 1.0]);
+    assert_eq!(Covariance::from_matrix(&negative), Err(NotACovariance));
+    let indefinite = Matrix([[1.0, 2.0], [2.0, 1.0]]);
+    assert_eq!(Covariance::from_matrix(&indefinite), Err(NotACovariance));
+    let broken = Matrix([[1.0, f64::NAN], [f64::NAN, 1.0]]);
+    assert_eq!(Covariance::from_matrix(&broken), Err(NotACovariance));
+}

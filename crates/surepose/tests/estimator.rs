@@ -1,0 +1,240 @@
+//! Late, stale, broken and outlying measurements: each is expected, named, counted, and kept out of the state.
+
+use proptest::prelude::*;
+use surepose::{
+    Angle, Belief, Compass, Drive, Ekf, Estimator, Float, Gate, Integration, LandmarkSighting, Line,
+    Measurement, Outcome, Point, Pose, PositionFix, Refusal, Stamp, Stamped, WallSighting, Wheels,
+};
+
+fn estimator<S: Float>() -> Estimator<S, 64> {
+    let ekf = Ekf {
+        drive: Drive { wheel_radius: S::of(0.05), track: S::of(0.6) },
+        delta: S::of(0.0025),
+        integration: Integration::Arc,
+    };
+    let belief = Belief::new(Pose::identity(), [S::of(0.05), S::of(0.05), S::of(0.02)]);
+    Estimator::new(ekf, Gate::new(0.999), 1.0, Stamp::default(), belief)
+}
+
+fn at(milliseconds: i64) -> Stamp {
+    Stamp::from_nanoseconds(milliseconds * 1_000_000)
+}
+
+fn compass(heading: f64) -> Measurement<f64> {
+    Measurement::Compass(Compass { heading: Angle::wrapped(heading), std: 0.01 })
+}
+
+fn landmark(range: f64) -> Measurement<f64> {
+    Measurement::Landmark(LandmarkSighting {
+        landmark: Point::new(2.0, 1.0),
+        range,
+        bearing: Angle::wrapped(0.45),
+        range_std: 0.05,
+        bearing_std: 0.02,
+    })
+}
+
+fn same(a: &Belief<f64>, b: &Belief<f64>) -> bool {
+    let pose = a.error(b.pose).iter().all(|e| e.abs() < 1e-12);
+    let covariance =
+        (0..9).all(|i| (a.covariance.entry(i / 3, i % 3) - b.covariance.entry(i / 3, i % 3)).abs() < 1e-14);
+    pose && covariance
+}
+
+/// Whatever order measurements arrive in, the belief is the one of their order in time.
+#[test]
+fn late_measurements_end_where_timely_ones_do() {
+    let rims = Wheels::new(0.03, 0.02);
+    let measured = [(100, compass(0.02)), (150, landmark(2.1)), (200, compass(0.04)), (260, landmark(2.0))];
+
+    let mut timely = estimator::<f64>();
+    let mut late = timely;
+    let mut pending = measured.iter().peekable();
+    for tick in 1..=6_i64 {
+        // The timely one is told of every stretch as soon as a measurement falls into it.
+        let mut from = (tick - 1) * 50;
+        let whole = timely.ekf().travel(rims);
+        while let Some((time, value)) = pending.next_if(|(time, _)| *time <= tick * 50) {
+            let part = (time - from) as f64 / 50.0;
+            timely.roll_by(at(*time), whole.part(part)).unwrap();
+            assert!(matches!(timely.measure(Stamped::new(at(*time), *value)), Outcome::Accepted { .. }));
+            from = *time;
+        }
+        timely.roll_by(at(tick * 50), whole.part((tick * 50 - from) as f64 / 50.0)).unwrap();
+        late.roll(at(tick * 50), rims).unwrap();
+    }
+    for (time, value) in [measured[3], measured[1], measured[0], measured[2]] {
+        assert!(matches!(late.measure(Stamped::new(at(time), value)), Outcome::Accepted { .. }));
+    }
+    assert!(same(&timely.belief(), &late.belief()), "{:?}\n{:?}", timely.belief(), late.belief());
+    assert_eq!(late.tally().accepted, 4);
+}
+
+#[test]
+fn the_past_can_be_asked_for() {
+    let mut estimator = estimator::<f64>();
+    for tick in 1..=4 {
+        estimator.roll(at(tick * 50), Wheels::new(0.02, 0.02)).unwrap();
+    }
+    let halfway = estimator.belief_at(at(125)).unwrap();
+    assert!((halfway.pose.x - 0.05).abs() < 1e-12);
+    assert!(estimator.belief_at(at(250)).is_none(), "the future is not known");
+    assert!(estimator.belief_at(at(-10)).is_none(), "nor is what was before the start");
+}
+
+#[test]
+fn what_is_too_old_or_too_new_is_refused_by_name() {
+    let mut estimator = estimator::<f64>();
+    for tick in 1..=60 {
+        estimator.roll(at(tick * 50), Wheels::new(0.0, 0.0)).unwrap();
+    }
+    let before = estimator.belief();
+    assert_eq!(estimator.measure(Stamped::new(at(1000), compass(0.0))), Outcome::Refused(Refusal::Stale));
+    assert_eq!(estimator.measure(Stamped::new(at(3001), compass(0.0))), Outcome::Refused(Refusal::Future));
+    assert_eq!(estimator.measure(Stamped::new(at(3000), compass(1.0))), Outcome::Refused(Refusal::Outlier));
+    assert_eq!(estimator.roll(at(2900), Wheels::new(0.0, 0.0)), Err(Refusal::Stale));
+    assert_eq!(estimator.belief(), before);
+    assert_eq!(estimator.tally().refused(Refusal::Stale), 2);
+    assert_eq!(estimator.tally().refused_in_all(), 4);
+    assert!(matches!(estimator.measure(Stamped::new(at(2500), compass(0.0))), Outcome::Accepted { .. }));
+}
+
+/// Entries beyond the capacity push out the oldest; measurements older than those are stale, not lost in the state.
+#[test]
+fn a_full_history_forgets_its_oldest_only() {
+    let mut estimator = estimator::<f64>();
+    for tick in 1..=640_i64 {
+        estimator.roll(at(tick), Wheels::new(0.0001, 0.0001)).unwrap();
+        let late = Stamped::new(at(tick - 20), compass(0.0));
+        let outcome = estimator.measure(late);
+        assert!(matches!(outcome, Outcome::Accepted { .. } | Outcome::Refused(Refusal::Stale)));
+        assert!(estimator.belief().covariance.is_valid());
+    }
+    assert!(estimator.tally().accepted > 600, "{:?}", estimator.tally());
+    assert!((estimator.belief().pose.x - 0.064).abs() < 1e-9);
+}
+
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        3 => -10.0..10.0_f64,
+        1 => prop::sample::select(vec![
+            0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 1e-300, f64::MAX, 1e7
+        ]),
+    ]
+}
+
+fn any_measurement() -> impl Strategy<Value = Measurement<f64>> {
+    (0..4, prop::array::uniform8(any_number())).prop_map(|(kind, v)| match kind {
+        0 => Measurement::Compass(Compass { heading: Angle::wrapped(v[0]), std: v[1] }),
+        1 => Measurement::Wall(WallSighting {
+            wall: Line::new(v[0], Angle::wrapped(v[1])),
+            seen: Line::new(v[2], Angle::wrapped(v[3])),
+            distance_variance: v[4],
+            direction_variance: v[5],
+            covariance: v[6],
+        }),
+        2 => Measurement::Landmark(LandmarkSighting {
+            landmark: Point::new(v[0], v[1]),
+            range: v[2],
+            bearing: Angle::wrapped(v[3]),
+            range_std: v[4],
+            bearing_std: v[5],
+        }),
+        _ => Measurement::Position(PositionFix {
+            position: Point::new(v[0], v[1]),
+            x_variance: v[2],
+            y_variance: v[3],
+            covariance: v[4],
+        }),
+    })
+}
+
+proptest! {
+    /// Whatever arrives, the belief stays finite with a valid covariance, and every refusal changes nothing.
+    #[test]
+    fn nothing_breaks_the_belief(
+        inputs in prop::collection::vec((any_measurement(), any_number(), any_number(), -200_i64..50), 1..40),
+    ) {
+        let mut estimator = estimator::<f64>();
+        let mut now = 0;
+        for (measurement, right, left, lateness) in inputs {
+            now += 50;
+            let before = estimator.belief();
+            let rolled = estimator.roll(at(now), Wheels::new(right, left));
+            if rolled.is_err() {
+                prop_assert_eq!(estimator.belief(), before);
+            }
+            let before = estimator.belief();
+            let outcome = estimator.measure(Stamped::new(at(now + lateness), measurement));
+            if let Outcome::Refused(reason) = outcome {
+                if reason != Refusal::Outlier {
+                    prop_assert_eq!(estimator.belief(), before);
+                }
+            }
+            let belief = estimator.belief();
+            prop_assert!(belief.pose.x.is_finite() && belief.pose.y.is_finite());
+            prop_assert!(belief.pose.heading.radians().is_finite() && belief.covariance.is_valid());
+        }
+    }
+}
+
+/// A simulated filter's mistakes have the size it claims: mean NEES within the 95 % χ² band of 3, in both precisions.
+fn consistent<S: Float>() {
+    let runs = 400;
+    let mut sum = 0.0;
+    let mut random = Noise(7);
+    for _ in 0..runs {
+        let mut estimator = estimator::<S>();
+        let start = [random.normal() * 0.05, random.normal() * 0.05, random.normal() * 0.02];
+        let mut truth = Pose::new(S::of(start[0]), S::of(start[1]), Angle::wrapped(S::of(start[2])));
+        for tick in 1..=50_i64 {
+            let rims = Wheels::new(S::of(0.03), S::of(0.025));
+            estimator.roll(at(tick * 100), rims).unwrap();
+            let slip = |rim: S, noise: f64| rim * S::of(1.0 + 0.05 * noise);
+            let real = Wheels::new(slip(rims.right, random.normal()), slip(rims.left, random.normal()));
+            truth = truth.moved(estimator.ekf().drive.motion_from_travel(real), Integration::Arc);
+
+            let point = Point::new(S::of(2.0), S::of(1.0));
+            let seen = LandmarkSighting {
+                landmark: point,
+                range: truth.origin().distance(point) + S::of(0.05 * random.normal()),
+                bearing: (truth.origin().direction_to(point) - truth.heading)
+                    .turned(S::of(0.02 * random.normal())),
+                range_std: S::of(0.05),
+                bearing_std: S::of(0.02),
+            };
+            estimator.measure(Stamped::new(at(tick * 100), Measurement::Landmark(seen)));
+        }
+        sum += estimator.belief().nees(truth).to_f64();
+    }
+    // χ² with 3·runs degrees of freedom: mean 3, standard deviation √(6/runs).
+    let (mean, band) = (sum / f64::from(runs), 1.96 * (6.0 / f64::from(runs)).sqrt());
+    assert!((mean - 3.0).abs() < band, "mean NEES {mean}, expected 3 ± {band}");
+}
+
+#[test]
+fn mistakes_have_the_claimed_size_in_f64() {
+    consistent::<f64>();
+}
+
+#[test]
+fn mistakes_have_the_claimed_size_in_f32() {
+    consistent::<f32>();
+}
+
+/// SplitMix64 and the sum of twelve uniforms: enough of a normal for a mean square.
+struct Noise(u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}

@@ -1,0 +1,154 @@
+//! Every Jacobian against central differences of the function it claims to be the derivative of.
+
+use proptest::prelude::*;
+use surepose::{
+    Angle, Belief, Body, Compass, Drive, Ekf, Innovation, Integration, LandmarkSighting, Line, Map, Matrix,
+    Point, Pose, PositionFix, Travel, WallSighting, Wheels,
+};
+
+type MapFromBody = Pose<Map, Body, f64>;
+const STEP: f64 = 1e-5;
+/// Central differences err by STEP² times the third derivative, here below 100, and rounding over STEP.
+const TOLERANCE: f64 = 1e-7;
+
+fn shifted(pose: MapFromBody, component: usize, by: f64) -> MapFromBody {
+    let mut d = [0.0; 3];
+    d[component] = by;
+    Pose::new(pose.x + d[0], pose.y + d[1], pose.heading.turned(d[2]))
+}
+
+fn difference(a: MapFromBody, b: MapFromBody) -> [f64; 3] {
+    [a.x - b.x, a.y - b.y, (a.heading - b.heading).radians()]
+}
+
+fn ekf(integration: Integration) -> Ekf<f64> {
+    Ekf { drive: Drive { wheel_radius: 0.05, track: 0.6 }, delta: 0.0025, integration }
+}
+
+/// The covariance after one prediction, with Jacobians by central differences of the pose.
+fn expected_covariance(ekf: &Ekf<f64>, belief: Belief<f64>, travel: Travel<f64>) -> Matrix<f64, 3, 3> {
+    let moved = |pose: MapFromBody, rims: Wheels<f64>| {
+        pose.moved(ekf.drive.motion_from_travel(rims), ekf.integration)
+    };
+    let slope = |ahead: MapFromBody, behind: MapFromBody| difference(ahead, behind).map(|d| d / (2.0 * STEP));
+    let (pose, rims) = (belief.pose, travel.rims);
+    let a: [[f64; 3]; 3] = core::array::from_fn(|j| {
+        slope(moved(shifted(pose, j, STEP), rims), moved(shifted(pose, j, -STEP), rims))
+    });
+    let right = |by| moved(pose, Wheels::new(rims.right + by, rims.left));
+    let left = |by| moved(pose, Wheels::new(rims.right, rims.left + by));
+    let w = [slope(right(STEP), right(-STEP)), slope(left(STEP), left(-STEP))];
+    let q = Matrix::diagonal([travel.variance.right, travel.variance.left]);
+    let (a, w) = (Matrix(a).transposed(), Matrix(w).transposed());
+    let mut sum = &(&a * &belief.covariance.matrix()) * &a.transposed();
+    let noise = &(&w * &q) * &w.transposed();
+    for i in 0..9 {
+        sum[(i / 3, i % 3)] += noise[(i / 3, i % 3)];
+    }
+    sum
+}
+
+/// How far a Jacobian is from the central difference of −ν: ν = z − h, so ∂ν/∂x = −H.
+fn jacobian_error<const M: usize>(
+    belief: Belief<f64>,
+    f: impl Fn(&Belief<f64>) -> Innovation<f64, M>,
+) -> f64 {
+    let at = f(&belief);
+    let mut worst: f64 = 0.0;
+    for j in 0..3 {
+        let ahead = f(&Belief { pose: shifted(belief.pose, j, STEP), ..belief });
+        let behind = f(&Belief { pose: shifted(belief.pose, j, -STEP), ..belief });
+        for m in 0..M {
+            let slope = (ahead.residual[m] - behind.residual[m]) / (2.0 * STEP);
+            worst = worst.max((slope + at.jacobian[m][j]).abs());
+        }
+    }
+    worst
+}
+
+proptest! {
+    /// [Tran2012] Eq. (12)–(14), the errata's W included.
+    #[test]
+    fn prediction_covariance_is_that_of_the_motion_model(
+        heading in -3.0..3.0, right in -0.4..0.4, left in -0.4..0.4, midpoint in any::<bool>(),
+    ) {
+        let ekf = ekf(if midpoint { Integration::Midpoint } else { Integration::Arc });
+        let belief = Belief::new(Pose::new(1.0, -2.0, Angle::wrapped(heading)), [0.3, 0.2, 0.1]);
+        let travel = Travel { rims: Wheels::new(right, left), variance: Wheels::new(0.02, 0.03) };
+        let predicted = ekf.predict(belief, travel);
+        let expected = expected_covariance(&ekf, belief, travel);
+        for i in 0..9 {
+            let (row, column) = (i / 3, i % 3);
+            prop_assert!((predicted.covariance.entry(row, column) - expected[(row, column)]).abs() < TOLERANCE);
+        }
+        let moved = belief.pose.moved(ekf.drive.motion_from_travel(travel.rims), ekf.integration);
+        prop_assert!(difference(predicted.pose, moved).iter().all(|d| d.abs() < 1e-14));
+    }
+
+    #[test]
+    fn measurement_jacobians(
+        x in -3.0..3.0_f64, y in -3.0..3.0_f64, heading in -3.1..3.1_f64,
+        direction in -3.0..3.0_f64, distance in 4.5..9.0_f64, flip in any::<bool>(),
+    ) {
+        let belief = Belief::new(Pose::new(x, y, Angle::wrapped(heading)), [0.1, 0.1, 0.1]);
+        let compass = Compass { heading: Angle::wrapped(heading + 0.2), std: 0.01 };
+        prop_assert!(jacobian_error(belief, |b| compass.innovation(b)) < TOLERANCE);
+
+        let side = if flip { core::f64::consts::PI } else { 0.0 };
+        let wall = WallSighting {
+            wall: Line::new(distance, Angle::wrapped(direction)),
+            seen: Line::new(if flip { -distance } else { distance }, Angle::wrapped(direction - heading + 0.1 + side)),
+            distance_variance: 0.02,
+            direction_variance: 0.01,
+            covariance: 0.005,
+        };
+        prop_assert!(jacobian_error(belief, |b| wall.innovation(b)) < TOLERANCE);
+
+        let landmark = LandmarkSighting {
+            landmark: Point::new(distance * f64::cos(direction), distance * f64::sin(direction)),
+            range: 5.0,
+            bearing: Angle::wrapped(direction - heading),
+            range_std: 0.1,
+            bearing_std: 0.01,
+        };
+        prop_assert!(jacobian_error(belief, |b| landmark.innovation(b)) < TOLERANCE);
+
+        let fix = PositionFix {
+            position: Point::new(y, x), x_variance: 0.1, y_variance: 0.2, covariance: -0.05,
+        };
+        prop_assert!(jacobian_error(belief, |b| fix.innovation(b)) < TOLERANCE);
+    }
+
+    /// A wall says the same whichever way its seen normal points, and nothing new where it is expected.
+    #[test]
+    fn a_wall_has_two_normals(x in -3.0..3.0, y in -3.0..3.0, heading in -3.1..3.1, direction in -3.0..3.0) {
+        let pose: MapFromBody = Pose::new(x, y, Angle::wrapped(heading));
+        let belief = Belief::new(pose, [0.1, 0.1, 0.1]);
+        let wall: Line<Map, f64> = Line::new(1.0, Angle::wrapped(direction));
+        let seen = pose.inverse() * wall;
+        let other: Line<Body, f64> = Line::new(-seen.distance, seen.direction + Angle::half_turn());
+        for seen in [seen, other] {
+            let sighting = WallSighting {
+                wall, seen, distance_variance: 1e-4, direction_variance: 1e-4, covariance: 0.0,
+            };
+            prop_assert!(sighting.innovation(&belief).residual.iter().all(|r| r.abs() < 1e-12));
+        }
+    }
+
+    /// Rows made independent carry the joint information: νᵀS⁻¹ν is that of the correlated pair.
+    #[test]
+    fn a_correlated_pair_keeps_its_information(u in -1.0..1.0, v in -1.0..1.0, share in -0.9..0.9) {
+        let (first, second) = (0.04, 0.09);
+        let covariance = share * f64::sqrt(first * second);
+        let (a, b) = ([1.0, 0.5, 0.0], [0.0, 1.0, -1.0]);
+        let belief = Belief::new(Pose::identity(), [0.3, 0.2, 0.1]);
+        let p = [0.09, 0.04, 0.01];
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * p[i] * b[i]).sum::<f64>();
+        let s = [[dot(a, a) + first, dot(a, b) + covariance], [dot(a, b) + covariance, dot(b, b) + second]];
+        let determinant = s[0][0] * s[1][1] - s[0][1] * s[1][0];
+        let joint = (s[1][1] * u * u - 2.0 * s[0][1] * u * v + s[0][0] * v * v) / determinant;
+        let pair = Innovation::with_correlated_pair([u, v], [a, b], [first, second], covariance);
+        let found = ekf(Integration::Arc).correct(belief, &pair, 1e9);
+        prop_assert!((found.nis - joint).abs() < 1e-9 * (1.0 + joint));
+    }
+}
