@@ -43,6 +43,13 @@ impl<S: Scalar> Angle<S> {
         Self(S::select(angle.gt(S::of(-PI)), angle, S::of(PI)))
     }
 
+    /// `yes` where `mask` is true, else `no`.
+    #[must_use]
+    #[inline]
+    pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        Self(S::select(mask, yes.0, no.0))
+    }
+
     /// No turn at all.
     #[inline]
     pub fn zero() -> Self {

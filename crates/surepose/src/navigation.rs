@@ -57,11 +57,10 @@ impl<S: Scalar> Navigation<S> {
     #[must_use]
     #[inline]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
-        let angle = |a: Angle<S>, b: Angle<S>| Angle::wrapped(S::select(mask, a.radians(), b.radians()));
         Self {
             rho: S::select(mask, yes.rho, no.rho),
-            alpha: angle(yes.alpha, no.alpha),
-            phi: angle(yes.phi, no.phi),
+            alpha: Angle::select(mask, yes.alpha, no.alpha),
+            phi: Angle::select(mask, yes.phi, no.phi),
         }
     }
 
