@@ -1,1 +1,16 @@
 //! The simulated world: arenas, motors, encoders, compass, laser; owns the clock and the seeds.
+//!
+//! Everything random is drawn from a [`Seed`], each source from its own named stream: the same seed gives the same
+//! bits, and a sensor that is added or left out changes nothing about the others.
+
+mod arena;
+mod compass;
+mod laser;
+mod random;
+mod slip;
+
+pub use arena::{Arena, LOOP_SPEED, Segment, loop_course};
+pub use compass::CompassModel;
+pub use laser::{Clutter, LaserModel, Scan};
+pub use random::{Seed, Stream};
+pub use slip::Slip;

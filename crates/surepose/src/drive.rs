@@ -1,6 +1,6 @@
 //! Differential drive: wheels ↔ twist ↔ motion of the pose, [Tran2012] Eq. (1), (7)–(9).
 
-use crate::frame::{Body, Frame};
+use crate::frame::Frame;
 use crate::pose::Pose;
 use crate::scalar::Scalar;
 
@@ -165,8 +165,8 @@ impl<S: Scalar> Motion<S> {
     }
 }
 
-impl<To: Frame, S: Scalar> Pose<To, Body, S> {
-    /// The pose after `motion`: [Tran2012] Eq. (9), or its exact form, by `integration`.
+impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
+    /// The pose after `motion` along its own x axis: [Tran2012] Eq. (9), or its exact form, by `integration`.
     #[must_use]
     #[inline]
     pub fn moved(self, motion: Motion<S>, integration: Integration) -> Self {

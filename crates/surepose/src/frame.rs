@@ -19,6 +19,8 @@ frames! {
     Body,
     /// The pose to come to rest at: origin there, x along the commanded heading.
     Goal,
+    /// The point of a path to be at now: origin there, x along the path.
+    Target,
     /// The laser range finder: origin at its mirror, x along its zero bearing.
     Laser,
 }

@@ -51,6 +51,14 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
         Self::new(S::of(0.0), S::of(0.0), Angle::zero())
     }
 
+    /// `yes` where `mask` is true, else `no`.
+    #[must_use]
+    #[inline]
+    pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        let heading = S::select(mask, yes.heading.radians(), no.heading.radians());
+        Self::new(S::select(mask, yes.x, no.x), S::select(mask, yes.y, no.y), Angle::wrapped(heading))
+    }
+
     /// The same relation, seen from the other side: `from_from_to`.
     #[must_use]
     #[inline]

@@ -1,0 +1,150 @@
+//! Where the robot drives: flat walls and plates, as segments of the map.
+
+use surepose::{Angle, Map, NotAPath, Path, Point, Pose};
+
+/// A flat piece of wall, seen from both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// One end \[m].
+    pub start: Point<Map, f64>,
+    /// The other end \[m].
+    pub end: Point<Map, f64>,
+}
+
+impl Segment {
+    /// The segment between two points, each (x, y) \[m].
+    pub fn between(start: (f64, f64), end: (f64, f64)) -> Self {
+        Self { start: Point::new(start.0, start.1), end: Point::new(end.0, end.1) }
+    }
+
+    /// Distance from `point` to the nearest point of the segment \[m].
+    pub fn distance_to(&self, point: Point<Map, f64>) -> f64 {
+        let (ex, ey) = (self.end.x - self.start.x, self.end.y - self.start.y);
+        let (px, py) = (point.x - self.start.x, point.y - self.start.y);
+        let squared = ex * ex + ey * ey;
+        let part = if squared > 0.0 { ((px * ex + py * ey) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        (px - part * ex).hypot(py - part * ey)
+    }
+}
+
+/// A place with walls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arena {
+    name: &'static str,
+    /// Corners (x, y) of the surrounding rectangle \[m].
+    corners: [(f64, f64); 2],
+    walls: Vec<Segment>,
+}
+
+impl Arena {
+    /// The paper's arena: a rectangle of flat wall around wooden plates, [Tran2012] Sec. 5.2.
+    ///
+    /// # Departure
+    /// The paper gives no measures. Here the walls are (−2, −2)–(4.5, 4.5), so that its start (0, 0, 0) and its goal
+    /// (2, 2) are at least 2 m from them, and four plates stand beside the way.
+    pub fn paper() -> Self {
+        let plates = [
+            Segment::between((-1.0, 0.8), (-1.0, 2.0)),
+            Segment::between((0.6, -1.2), (1.8, -1.2)),
+            Segment::between((3.6, 0.4), (3.6, 1.6)),
+            Segment::between((0.4, 3.6), (1.4, 3.6)),
+        ];
+        Self::rectangle("paper", (-2.0, -2.0), (4.5, 4.5), &plates)
+    }
+
+    /// The paper's arena with its plates taken out.
+    pub fn open() -> Self {
+        Self::rectangle("open", (-2.0, -2.0), (4.5, 4.5), &[])
+    }
+
+    /// The loop world, in which localisation is judged: the rectangle (0, 0)–(6, 4) and two plates.
+    pub fn loop_world() -> Self {
+        let plates = [Segment::between((2.5, 2.0), (3.5, 2.0)), Segment::between((5.2, 0.6), (5.2, 1.6))];
+        Self::rectangle("loop", (0.0, 0.0), (6.0, 4.0), &plates)
+    }
+
+    /// The arenas by name.
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::paper(), Self::open(), Self::loop_world()].into_iter().find(|arena| arena.name == name)
+    }
+
+    /// A rectangle of walls between two opposite corners, with `plates` in it.
+    pub fn rectangle(name: &'static str, low: (f64, f64), high: (f64, f64), plates: &[Segment]) -> Self {
+        let (a, b, c, d) = (low, (high.0, low.1), high, (low.0, high.1));
+        let mut walls = vec![
+            Segment::between(a, b),
+            Segment::between(b, c),
+            Segment::between(c, d),
+            Segment::between(d, a),
+        ];
+        walls.extend_from_slice(plates);
+        Self { name, corners: [low, high], walls }
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Every wall and plate.
+    pub fn walls(&self) -> &[Segment] {
+        &self.walls
+    }
+
+    /// The corners of the surrounding rectangle, lowest and highest (x, y) \[m].
+    pub fn corners(&self) -> [(f64, f64); 2] {
+        self.corners
+    }
+
+    /// Distance from `point` to the nearest wall \[m], negative outside the surrounding rectangle.
+    pub fn clearance(&self, point: Point<Map, f64>) -> f64 {
+        let nearest = self.walls.iter().map(|w| w.distance_to(point)).fold(f64::INFINITY, f64::min);
+        let [low, high] = self.corners;
+        let inside = point.x > low.0 && point.x < high.0 && point.y > low.1 && point.y < high.1;
+        if inside { nearest } else { -nearest }
+    }
+}
+
+/// The speed at which the loop world's course is run \[m/s].
+pub const LOOP_SPEED: f64 = 0.3;
+
+/// The course of the loop world: a 3 × 2 m rectangle with corners of 0.5 m, centred on (3, 2), from (2, 1, 0°).
+///
+/// # Errors
+/// Never: its measures are constants that make a path.
+pub fn loop_course() -> Result<Path<f64, 8>, NotAPath> {
+    Path::rounded_rectangle(Pose::new(2.0, 1.0, Angle::zero()), 3.0, 2.0, 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Arena, loop_course};
+    use surepose::Point;
+
+    #[test]
+    fn clearance_is_the_distance_to_the_nearest_wall_and_negative_outside() {
+        let arena = Arena::loop_world();
+        for (x, y, clearance) in
+            [(3.0, 1.0, 1.0), (3.0, 1.75, 0.25), (5.0, 1.0, 0.2), (2.2, 2.4, 0.5), (-1.0, 2.0, -1.0)]
+        {
+            assert!((arena.clearance(Point::new(x, y)) - clearance).abs() < 1e-12, "at {x}, {y}");
+        }
+    }
+
+    #[test]
+    fn course_of_the_loop_world_keeps_clear_of_its_walls() {
+        let (arena, course) = (Arena::loop_world(), loop_course().unwrap());
+        for k in 0..1000 {
+            let place = course.at(f64::from(k) * 0.01).map_from_target;
+            assert!(arena.clearance(place.origin()) > 0.4, "at {place:?}");
+        }
+    }
+
+    #[test]
+    fn every_arena_is_found_by_its_name() {
+        for name in ["paper", "open", "loop"] {
+            assert_eq!(Arena::named(name).map(|arena| arena.name()), Some(name));
+        }
+        assert_eq!(Arena::named("lop"), None);
+    }
+}

@@ -1,0 +1,167 @@
+//! The laser range finder: rays against wall segments, with the noise of [Tran2012] Sec. 5.2.
+
+use core::f64::consts::{FRAC_PI_2, PI};
+
+use surepose::{Angle, Body, Laser, Map, Pose};
+
+use crate::arena::Segment;
+use crate::random::Stream;
+
+/// How a laser range finder sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LaserModel {
+    /// Where it is mounted.
+    pub body_from_laser: Pose<Body, Laser, f64>,
+    /// Direction of the first beam from the laser's x axis \[rad].
+    pub first_bearing: f64,
+    /// From one beam to the next \[rad].
+    pub bearing_step: f64,
+    /// Number of beams.
+    pub beams: usize,
+    /// Standard deviation of a range \[m].
+    pub range_std: f64,
+    /// Standard deviation of the direction a beam really takes \[rad].
+    pub bearing_std: f64,
+    /// What is farther away gives no return \[m].
+    pub max_range: f64,
+    /// Things in the way that are on no map.
+    pub clutter: Clutter,
+    /// Probability that a beam does not come back.
+    pub lost: f64,
+}
+
+/// Things that are on no map, people for instance: each hides a few neighbouring beams.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clutter {
+    /// Part of the beams that is hidden, in [0, 1).
+    pub fraction: f64,
+    /// Mean number of neighbouring beams that one thing hides, at least 1.
+    pub width: f64,
+}
+
+/// What one turn of the mirror saw.
+///
+/// A beam without return reads +∞; no reading is ever NaN unless a fault makes it so.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scan {
+    /// Direction of the first beam from the laser's x axis \[rad].
+    pub first_bearing: f64,
+    /// From one beam to the next \[rad].
+    pub bearing_step: f64,
+    /// Range of every beam \[m].
+    pub ranges: Vec<f64>,
+}
+
+impl LaserModel {
+    /// The paper's laser with this many beams over 180°, at the robot's centre, facing forward.
+    pub fn half_circle(beams: usize) -> Self {
+        Self {
+            body_from_laser: Pose::identity(),
+            first_bearing: -FRAC_PI_2,
+            bearing_step: PI / beams.saturating_sub(1).max(1) as f64,
+            beams,
+            range_std: 0.030,
+            bearing_std: 0.25_f64.to_radians(),
+            max_range: 8.0,
+            clutter: Clutter::default(),
+            lost: 0.0,
+        }
+    }
+
+    /// A scan of `walls` from where the robot is.
+    pub fn scan(&self, walls: &[Segment], map_from_body: Pose<Map, Body, f64>, noise: &mut Stream) -> Scan {
+        let map_from_laser = map_from_body * self.body_from_laser;
+        let mut rays = Rays::from(map_from_laser, self.beams, |i| {
+            self.first_bearing + self.bearing_step * i as f64 + self.bearing_std * noise.normal()
+        });
+        for wall in walls {
+            rays.meet(wall);
+        }
+        let mut ranges = rays.ranges;
+        self.clutter.hide(&mut ranges, noise);
+        for range in &mut ranges {
+            let read = *range + self.range_std * noise.normal();
+            let back = *range <= self.max_range && !noise.chance(self.lost);
+            *range = if back { read.max(0.0) } else { f64::INFINITY };
+        }
+        Scan { first_bearing: self.first_bearing, bearing_step: self.bearing_step, ranges }
+    }
+}
+
+impl Clutter {
+    /// Puts things between 20 % and 90 % of the way to the walls.
+    fn hide(&self, ranges: &mut [f64], noise: &mut Stream) {
+        if self.fraction <= 0.0 {
+            return;
+        }
+        // A chain of two states, free and hidden, whose hidden runs have the mean length and the share asked for.
+        let leave = 1.0 / self.width.max(1.0);
+        let fraction = self.fraction.min(0.99);
+        let enter = leave * fraction / (1.0 - fraction);
+        let mut hidden = noise.chance(fraction);
+        let mut part = noise.uniform(0.2, 0.9);
+        for range in ranges {
+            if hidden {
+                *range *= part;
+            }
+            let change = noise.chance(if hidden { leave } else { enter });
+            if change {
+                hidden = !hidden;
+                part = noise.uniform(0.2, 0.9);
+            }
+        }
+    }
+}
+
+/// Rays from one point, and how far each gets.
+struct Rays {
+    origin: (f64, f64),
+    cos: Vec<f64>,
+    sin: Vec<f64>,
+    ranges: Vec<f64>,
+}
+
+impl Rays {
+    fn from(
+        map_from_laser: Pose<Map, Laser, f64>,
+        beams: usize,
+        mut bearing: impl FnMut(usize) -> f64,
+    ) -> Self {
+        let (mut cos, mut sin) = (Vec::with_capacity(beams), Vec::with_capacity(beams));
+        for i in 0..beams {
+            let direction: Angle<f64> = map_from_laser.heading.turned(bearing(i));
+            let (s, c) = direction.sin_cos();
+            cos.push(c);
+            sin.push(s);
+        }
+        let origin = (map_from_laser.x, map_from_laser.y);
+        Self { origin, cos, sin, ranges: vec![f64::INFINITY; beams] }
+    }
+
+    /// Shortens the rays that meet `wall`.
+    ///
+    /// The rays are the inner loop, without a branch, so that the compiler can make vector code of it.
+    #[allow(
+        clippy::needless_bitwise_bool,
+        clippy::manual_range_contains,
+        reason = "lazy operators are branches, and branches keep the loop from being vector code"
+    )]
+    fn meet(&mut self, wall: &Segment) {
+        let (ax, ay) = (wall.start.x - self.origin.0, wall.start.y - self.origin.1);
+        let (ex, ey) = (wall.end.x - wall.start.x, wall.end.y - wall.start.y);
+        // The ray t·d meets the wall a + u·e where t = (a × e)/(d × e) and u = (a × d)/(d × e).
+        let area = ax * ey - ay * ex;
+        let directions = self.cos.iter().zip(&self.sin);
+        for (range, (cos, sin)) in self.ranges.iter_mut().zip(directions) {
+            let cross = cos * ey - sin * ex;
+            let t = area / cross;
+            let u = (ax * sin - ay * cos) / cross;
+            // A ray along the wall divides by 0: its NaN or ∞ compares false.
+            let meets = (t > 0.0) & (u >= 0.0) & (u <= 1.0) & (t < *range);
+            *range = if meets { t } else { *range };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
