@@ -1,5 +1,33 @@
 //! Drive a differential robot to a pose, and be sure.
+//!
+//! The control and estimation core of Surepose: the system of [Tran2012], its misprints mended, written once over
+//! every [`Scalar`]. No allocation, no I/O, no clock, no unsafe code; once its parts are built, nothing here fails
+//! or panics. Read the files in the order in which data flows:
+//!
+//! | file | what |
+//! |---|---|
+//! | `scalar`, `angle`, `frame`, `pose`, `line`, `matrix`, `covariance` | the words |
+//! | [`drive`](Drive) | wheels ↔ twist ↔ motion: Eq. (1), (7)–(9) |
+//! | `estimate` | where am I: Eq. (11)–(18), gates, late measurements |
+//! | [`navigation`](Navigation) | the goal as the robot sees it: Eq. (3)–(6) |
+//! | `law` | how should I move: Eq. (19)–(29), hysteresis, arrival |
+//! | [`limit`](Limits) | what the wheels can do |
+//! | [`closed_loop`] | all of it, one tick |
+//!
+//! # Frames and units
+//! [`Map`], [`Body`], [`Goal`] and [`Laser`] are right-handed, x forward, angles counter-clockwise. A pose is
+//! named `to_from_from`. Metres, seconds, radians and their squares throughout; degrees exist at the edge only.
+//!
+//! # What the types do not protect
+//! Two different maps are the same type, and so are a turn rate, a rim speed and a travel of [`Wheels`]: the
+//! function's name says which it takes. Time stamps share one origin because the caller sees to it.
+//!
+//! # What is claimed
+//! The filter is consistent while its noise is what its parameters say. The local law leaves a sideways error that
+//! is bounded by the capture radius and does not vanish. What holds for sampled, noisy, saturated loops is the
+//! business of the certificate in `surepose-cert`, which evaluates this very source in intervals.
 #![no_std]
+#![forbid(unsafe_code)]
 
 mod angle;
 pub mod closed_loop;

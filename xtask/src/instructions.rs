@@ -1,0 +1,49 @@
+//! How many instructions the hot paths take: steady where times are not.
+
+use std::path::Path;
+use std::process::Command;
+
+/// Work of the core's example `instructions`, and the most instructions it may take in f64 on x86-64-v3.
+///
+/// The budgets of `law` and `cycle` are those of hand-written C++ with Eigen; the others hold what was reached.
+const BUDGETS: [(&str, u64); 6] =
+    [("law", 450), ("predict", 500), ("compass", 220), ("wall", 420), ("cycle", 2355), ("step", 800)];
+
+/// Measures every work and fails where one is over its budget.
+pub(crate) fn check(root: &Path) -> Result<(), String> {
+    if cfg!(not(target_arch = "x86_64")) || Command::new("valgrind").arg("--version").output().is_err() {
+        eprintln!("instructions: skipped, this needs valgrind on x86-64");
+        return Ok(());
+    }
+    let target = root.join("target/x86-64-v3");
+    let build = ["build", "--release", "-p", "surepose", "--example", "instructions", "--target-dir"];
+    let arguments: Vec<&str> = build.into_iter().chain(target.to_str()).collect();
+    crate::run::cargo(root, &arguments, &[("RUSTFLAGS", "-C target-cpu=x86-64-v3")])?;
+    let program = target.join("release/examples/instructions");
+
+    let mut over = Vec::new();
+    for (work, budget) in BUDGETS {
+        // The difference of two lengths leaves start-up out.
+        let (short, long) = (count(&program, work, 1000)?, count(&program, work, 3000)?);
+        let each = long.saturating_sub(short) / 2000;
+        println!("{work:>8} {each:>6} instructions, budget {budget}");
+        if each > budget {
+            over.push(work);
+        }
+    }
+    if over.is_empty() { Ok(()) } else { Err(format!("over budget: {}", over.join(", "))) }
+}
+
+fn count(program: &Path, work: &str, times: u32) -> Result<u64, String> {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(program)
+        .args([work, &times.to_string()])
+        .output()
+        .map_err(|error| format!("valgrind does not start: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    text.lines()
+        .filter_map(|line| line.split_once("Collected :"))
+        .find_map(|(_, count)| count.trim().parse().ok())
+        .ok_or_else(|| format!("valgrind gives no count for {work}:\n{text}"))
+}

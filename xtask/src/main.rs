@@ -1,0 +1,30 @@
+//! Chores of the project: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`.
+
+mod instructions;
+mod run;
+mod tidy;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask ci              everything the gate checks: format, lints, tidy, documentation, tests
+cargo xtask tidy            whether documents and code still say the same
+cargo xtask instructions    instruction counts of law and filter against their budgets (needs valgrind, x86-64)";
+
+fn main() -> ExitCode {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
+    let outcome = match std::env::args().nth(1).as_deref() {
+        Some("ci") => run::ci(&root),
+        Some("tidy") => tidy::check(&root),
+        Some("instructions") => instructions::check(&root),
+        _ => Err(USAGE.to_owned()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}

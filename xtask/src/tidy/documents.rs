@@ -1,0 +1,90 @@
+//! Documents against code: every name they give must exist.
+
+use std::path::Path;
+
+use super::Source;
+
+pub(super) fn check(root: &Path, files: &[Source], findings: &mut Vec<String>) -> Result<(), String> {
+    let text = |path: &str| files.iter().find(|file| file.path == path).map(|file| file.text.as_str());
+    let architecture = text("ARCHITECTURE.md").ok_or("ARCHITECTURE.md is missing")?;
+    let references = text("docs/references.bib").ok_or("docs/references.bib is missing")?;
+    crates(root, architecture, findings)?;
+    citations(files, references, findings);
+    named_tests(files, findings);
+    links(root, files, findings);
+    Ok(())
+}
+
+/// Every crate has its line in ARCHITECTURE.md.
+fn crates(root: &Path, architecture: &str, findings: &mut Vec<String>) -> Result<(), String> {
+    for entry in std::fs::read_dir(root.join("crates")).map_err(|e| e.to_string())?.filter_map(Result::ok) {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !architecture.contains(&format!("`{name}`")) {
+            findings.push(format!("ARCHITECTURE.md: does not name the crate `{name}`"));
+        }
+    }
+    Ok(())
+}
+
+/// Every citation, a key in brackets, in sources and documents is in docs/references.bib.
+fn citations(files: &[Source], references: &str, findings: &mut Vec<String>) {
+    for file in files {
+        for (number, line) in file.text.lines().enumerate() {
+            for key in line.split('[').skip(1).filter_map(|rest| rest.split_once(']')).map(|(key, _)| key) {
+                if is_citation(key) && !references.contains(&format!("{{{key},")) {
+                    let at = format!("{}:{}", file.path, number + 1);
+                    findings.push(format!("{at}: [{key}] is not in docs/references.bib"));
+                }
+            }
+        }
+    }
+}
+
+/// A name that begins with a capital and ends in a year.
+fn is_citation(key: &str) -> bool {
+    let name = key.trim_end_matches(|c: char| c.is_ascii_digit());
+    key.len() == name.len() + 4
+        && key[name.len()..].starts_with(['1', '2'])
+        && name.len() > 2
+        && name.starts_with(|c: char| c.is_ascii_uppercase())
+        && name.chars().all(|c| c.is_ascii_alphabetic())
+}
+
+/// Where a document says "tested by `name`", that test exists.
+fn named_tests(files: &[Source], findings: &mut Vec<String>) {
+    let exists = |name: &str| {
+        let function = name.rsplit("::").next().unwrap_or(name);
+        files.iter().any(|file| file.is_rust() && file.text.contains(&format!("fn {function}(")))
+    };
+    for file in files.iter().filter(|file| !file.path.starts_with("xtask/")) {
+        for (number, line) in file.text.lines().enumerate() {
+            for marker in ["ested by `", "uarded by `"] {
+                for rest in line.split(marker).skip(1) {
+                    // Several tests are a list: `one`, `two`.
+                    for name in rest.split("`, `").filter_map(|part| part.split('`').next()) {
+                        // A command or an attribute is no test's name.
+                        let is_name = name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == ':');
+                        if is_name && !exists(name) {
+                            let at = format!("{}:{}", file.path, number + 1);
+                            findings.push(format!("{at}: there is no test `{name}`"));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Relative links of documents lead somewhere.
+fn links(root: &Path, files: &[Source], findings: &mut Vec<String>) {
+    for file in files.iter().filter(|file| Path::new(&file.path).extension().is_some_and(|e| e == "md")) {
+        let folder = Path::new(&file.path).parent().unwrap_or(Path::new(""));
+        for link in file.text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let target = link.split('#').next().unwrap_or_default();
+            let local = !target.is_empty() && !target.contains("://") && !target.contains(' ');
+            if local && !root.join(folder).join(target).exists() {
+                findings.push(format!("{}: the link {target} leads nowhere", file.path));
+            }
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The shape of source files: their length, and what the core must not contain.
+
+use super::Source;
+
+/// The most lines a file may have: one idea fits.
+const LONGEST: usize = 400;
+
+/// What the core must not name, and why.
+const NOT_IN_CORE: [(&str, &str); 8] = [
+    ("std::", "the core is no_std"),
+    ("extern crate alloc", "the core does not allocate"),
+    ("unsafe ", "the core has no unsafe code"),
+    (".unwrap()", "the core cannot panic"),
+    (".expect(", "the core cannot panic"),
+    ("panic!(", "the core cannot panic"),
+    ("unreachable!(", "the core cannot panic"),
+    ("Instant", "the core reads no clock"),
+];
+
+pub(super) fn check(files: &[Source], findings: &mut Vec<String>) {
+    for file in files.iter().filter(|file| file.is_rust()) {
+        let lines = file.text.lines().count();
+        if lines > LONGEST {
+            findings.push(format!("{}: {lines} lines, more than {LONGEST}: split the ideas", file.path));
+        }
+        if file.in_core() && !file.path.contains("tests") {
+            core(file, findings);
+        }
+    }
+    let forbids = |file: &Source| file.text.contains("#![forbid(unsafe_code)]");
+    let root = files.iter().find(|file| file.path == "crates/surepose/src/lib.rs");
+    if !root.is_some_and(|file| forbids(file) && file.text.contains("#![no_std]")) {
+        findings
+            .push("crates/surepose/src/lib.rs: must say #![no_std] and #![forbid(unsafe_code)]".to_owned());
+    }
+}
+
+fn core(file: &Source, findings: &mut Vec<String>) {
+    let code = file.text.split("#[cfg(test)]").next().unwrap_or_default();
+    for (number, line) in code.lines().enumerate() {
+        let line = line.split("//").next().unwrap_or_default();
+        for (word, why) in NOT_IN_CORE {
+            if line.contains(word) {
+                findings.push(format!("{}:{}: `{}`: {why}", file.path, number + 1, word.trim()));
+            }
+        }
+    }
+}
