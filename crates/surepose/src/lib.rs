@@ -41,6 +41,7 @@ mod line;
 mod matrix;
 mod navigation;
 mod path;
+pub mod param;
 mod pose;
 mod scalar;
 

@@ -1,0 +1,221 @@
+//! The configuration: the table of parameters, filled from layers that each know where their values come from.
+//!
+//! A value is the table's default, or a preset of a recording's format, or a line of a TOML file, or an option on
+//! the command line; the later one wins. Every value that arrives here has passed the table's bounds, so that the
+//! core's constants can be made from it without failing: [`build`](self) is where that happens, once for every
+//! command.
+
+mod build;
+mod file;
+mod key;
+mod problem;
+#[cfg(test)]
+mod tests;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use surepose::param::{self, Kind, Parameter};
+
+pub use build::{CompassMounting, LaserMounting};
+pub use problem::{ConfigError, ConfigProblem};
+
+/// Every parameter's value, with where it came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// In the order of the table.
+    settings: Vec<Setting>,
+}
+
+/// One parameter's value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// Which parameter.
+    pub parameter: &'static Parameter,
+    /// Its value, in the unit of its key.
+    pub value: Value,
+    /// Where the value came from.
+    pub origin: Origin,
+}
+
+/// The value of a parameter, in the unit of its key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number inside the parameter's range.
+    Number(f64),
+    /// One of the parameter's options.
+    Choice(&'static str),
+}
+
+/// Where a value came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The table of parameters.
+    Default,
+    /// What fits a format of recordings, or a scenario, better than the default.
+    Preset(&'static str),
+    /// A configuration file.
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Where, from 1.
+        line: usize,
+    },
+    /// An option.
+    CommandLine,
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Choice(name) => f.write_str(name),
+        }
+    }
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Default => f.write_str("default"),
+            Self::Preset(name) => write!(f, "preset {name}"),
+            Self::File { path, line } => write!(f, "{}:{line}", path.display()),
+            Self::CommandLine => f.write_str("command line"),
+        }
+    }
+}
+
+impl Default for Config {
+    /// Every parameter at the table's default.
+    fn default() -> Self {
+        let setting = |parameter| Setting { parameter, value: default(parameter), origin: Origin::Default };
+        Self { settings: param::ALL.iter().map(setting).collect() }
+    }
+}
+
+impl Config {
+    /// Puts the values of a TOML file over these.
+    ///
+    /// # Errors
+    /// Every problem of the file at once; nothing is taken from a file that has one.
+    pub fn with_file(mut self, path: &Path) -> Result<Self, ConfigError> {
+        for setting in file::read(path)? {
+            self.put(setting);
+        }
+        Ok(self)
+    }
+
+    /// Puts the values of a TOML text over these; `path` is the name that errors give it.
+    ///
+    /// # Errors
+    /// As [`Config::with_file`].
+    pub fn with_text(mut self, path: &Path, text: &[u8]) -> Result<Self, ConfigError> {
+        for setting in file::parse(path, text)? {
+            self.put(setting);
+        }
+        Ok(self)
+    }
+
+    /// Puts values over these that fit `name`, a format of recordings or a scenario, better than the defaults.
+    ///
+    /// Values are in the unit of the key. One outside its range is a mistake of the preset and is left out.
+    #[must_use]
+    pub fn with_preset(mut self, name: &'static str, values: &[(&Parameter, f64)]) -> Self {
+        for (parameter, value) in values {
+            self.put_number(parameter, *value, Origin::Preset(name));
+        }
+        self
+    }
+
+    /// Puts `section.key=value` from the command line over these.
+    ///
+    /// # Errors
+    /// What is wrong with the text, as for a line of a file.
+    pub fn with_option(mut self, text: &str) -> Result<Self, ConfigError> {
+        let name = Path::new("--set");
+        let settings = file::parse(name, option_as_toml(text).as_bytes())?;
+        let [setting] = settings.as_slice() else {
+            let what = format!("is not one SECTION.KEY=VALUE: '{}'", text.escape_debug());
+            let help = "write `--set law.k_v=3`; `surepose config show` lists the names";
+            return Err(ConfigError::unreadable(name, None, what, help));
+        };
+        self.put(Setting { origin: Origin::CommandLine, ..setting.clone() });
+        Ok(self)
+    }
+
+    /// The value of a number, in SI units and radians.
+    pub fn number(&self, parameter: &Parameter) -> f64 {
+        match self.value(parameter) {
+            Value::Number(number) => number * parameter.unit.to_si(),
+            Value::Choice(_) => 0.0,
+        }
+    }
+
+    /// The value of a choice.
+    pub fn choice(&self, parameter: &Parameter) -> &'static str {
+        match self.value(parameter) {
+            Value::Choice(name) => name,
+            Value::Number(_) => "",
+        }
+    }
+
+    /// Where a value came from.
+    pub fn origin(&self, parameter: &Parameter) -> Origin {
+        self.setting(parameter).map_or(Origin::Default, |setting| setting.origin.clone())
+    }
+
+    /// Every value, in the order of the table.
+    pub fn settings(&self) -> &[Setting] {
+        &self.settings
+    }
+
+    fn value(&self, parameter: &Parameter) -> Value {
+        self.setting(parameter).map_or_else(|| default(parameter), |setting| setting.value.clone())
+    }
+
+    fn setting(&self, parameter: &Parameter) -> Option<&Setting> {
+        self.settings.iter().find(|setting| setting.parameter == parameter)
+    }
+
+    fn put_number(&mut self, parameter: &Parameter, value: f64, origin: Origin) {
+        let fits = match parameter.kind {
+            Kind::Number { range, .. } => range.admits(value),
+            Kind::Whole { range, .. } => range.admits(value) && value.fract() == 0.0,
+            Kind::Choice { .. } => false,
+        };
+        if fits && let Some(slot) = self.settings.iter_mut().find(|slot| slot.parameter == parameter) {
+            slot.value = Value::Number(value);
+            slot.origin = origin;
+        }
+    }
+
+    fn put(&mut self, setting: Setting) {
+        if let Some(slot) = self.settings.iter_mut().find(|slot| slot.parameter == setting.parameter) {
+            *slot = setting;
+        }
+    }
+}
+
+fn default(parameter: &Parameter) -> Value {
+    match parameter.kind {
+        Kind::Number { default, .. } => Value::Number(default),
+        Kind::Whole { default, .. } => Value::Number(default.into()),
+        Kind::Choice { options } => Value::Choice(options.first().copied().unwrap_or("")),
+    }
+}
+
+/// `law.name=paper` as a line of TOML, so that there is one way to read values: names need no quotes in a shell.
+fn option_as_toml(text: &str) -> String {
+    let Some((name, value)) = text.split_once('=') else { return text.to_owned() };
+    let (name, value) = (name.trim(), value.trim());
+    let name = match param::find_by_name(name) {
+        Some(found) => format!("{}.{}", found.section, found.key),
+        None => name.to_owned(),
+    };
+    let bare = value.chars().all(|c| c.is_ascii_alphabetic() || c == '_');
+    if bare && !value.is_empty() && !["nan", "inf", "true", "false"].contains(&value) {
+        format!("{name} = \"{value}\"")
+    } else {
+        format!("{name} = {value}")
+    }
+}

@@ -1,0 +1,136 @@
+//! The core's constants from a configuration: the one place, so that every command runs the same loop.
+
+use surepose::closed_loop::Controller;
+use surepose::param;
+use surepose::{
+    Angle, Belief, Body, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw, Integration, Laser,
+    Limits, Map, Pose, Stamp, Tolerance,
+};
+
+use super::Config;
+
+/// How the compass is mounted, and what it is worth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CompassMounting {
+    /// Standard deviation \[rad].
+    pub std: f64,
+    /// What it reads when the robot faces along the map's x axis.
+    pub offset: Angle<f64>,
+    /// How long a reading is under way \[s].
+    pub latency: f64,
+}
+
+/// How the laser is mounted, and what it is worth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LaserMounting {
+    /// Standard deviation of a range \[m].
+    pub range_std: f64,
+    /// Standard deviation of a beam's direction \[rad].
+    pub bearing_std: f64,
+    /// Where it sits.
+    pub body_from_laser: Pose<Body, Laser, f64>,
+    /// How long a scan is under way \[s].
+    pub latency: f64,
+    /// How many beams it has.
+    pub beams: usize,
+}
+
+impl Config {
+    /// The wheels' geometry.
+    pub fn drive(&self) -> Drive<f64> {
+        Drive { wheel_radius: self.number(&param::WHEEL_RADIUS), track: self.number(&param::TRACK) }
+    }
+
+    /// The control law.
+    pub fn law(&self) -> HybridLaw<f64> {
+        HybridLaw {
+            gains: Gains {
+                k_v: self.number(&param::K_V),
+                k_alpha: self.number(&param::K_ALPHA),
+                h: self.number(&param::H),
+                k_theta: self.number(&param::K_THETA),
+            },
+            capture_radius: self.number(&param::CAPTURE_RADIUS),
+            release: self.number(&param::CAPTURE_RELEASE),
+            direction: match self.choice(&param::DIRECTION) {
+                "forward" => Direction::Forward,
+                "reverse" => Direction::Reverse,
+                _ => Direction::Auto,
+            },
+        }
+    }
+
+    /// The whole controller.
+    pub fn controller(&self) -> Controller<f64> {
+        Controller {
+            drive: self.drive(),
+            law: self.law(),
+            limits: Limits {
+                wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
+                wheel_acceleration: self.number(&param::WHEEL_ACCELERATION_LIMIT),
+            },
+            tolerance: Tolerance {
+                position: self.number(&param::POSITION_TOLERANCE),
+                heading: self.number(&param::HEADING_TOLERANCE),
+                hold: self.number(&param::HOLD),
+                release: self.number(&param::TOLERANCE_RELEASE),
+            },
+            period: self.number(&param::PERIOD),
+        }
+    }
+
+    /// The filter's constants.
+    pub fn ekf(&self) -> Ekf<f64> {
+        Ekf {
+            drive: self.drive(),
+            delta: self.number(&param::DELTA),
+            integration: match self.choice(&param::INTEGRATION) {
+                "midpoint" => Integration::Midpoint,
+                _ => Integration::Arc,
+            },
+        }
+    }
+
+    /// The χ² gate.
+    pub fn gate(&self) -> Gate<f64> {
+        Gate::new(self.number(&param::GATE_PROBABILITY))
+    }
+
+    /// The filter with its memory, starting at `stamp` with `belief`.
+    pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> Estimator<f64, N> {
+        Estimator::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
+    }
+
+    /// The compass.
+    pub fn compass(&self) -> CompassMounting {
+        CompassMounting {
+            std: self.number(&param::COMPASS_STD),
+            offset: Angle::wrapped(self.number(&param::COMPASS_OFFSET)),
+            latency: self.number(&param::COMPASS_LATENCY),
+        }
+    }
+
+    /// The laser.
+    pub fn laser(&self) -> LaserMounting {
+        let heading = Angle::wrapped(self.number(&param::LASER_HEADING));
+        LaserMounting {
+            range_std: self.number(&param::LASER_RANGE_STD),
+            bearing_std: self.number(&param::LASER_BEARING_STD),
+            body_from_laser: Pose::new(self.number(&param::LASER_X), self.number(&param::LASER_Y), heading),
+            latency: self.number(&param::LASER_LATENCY),
+            beams: self.number(&param::LASER_BEAMS) as usize,
+        }
+    }
+
+    /// Where the robot starts.
+    pub fn start(&self) -> Pose<Map, Body, f64> {
+        let heading = Angle::wrapped(self.number(&param::START_HEADING));
+        Pose::new(self.number(&param::START_X), self.number(&param::START_Y), heading)
+    }
+
+    /// Where it shall come to rest.
+    pub fn goal(&self) -> Pose<Map, Goal, f64> {
+        let heading = Angle::wrapped(self.number(&param::GOAL_HEADING));
+        Pose::new(self.number(&param::GOAL_X), self.number(&param::GOAL_Y), heading)
+    }
+}

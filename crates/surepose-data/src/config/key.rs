@@ -1,0 +1,117 @@
+//! Keys that are not in the table, and which one was meant: another unit's, another section's, or a slip.
+
+use surepose::param::{ALL, Parameter, Unit};
+
+/// What is wrong with a key.
+#[derive(Debug, PartialEq)]
+pub(super) enum Misnomer {
+    /// The right name with the suffix of another unit.
+    OtherUnit {
+        /// Which parameter was meant.
+        parameter: &'static Parameter,
+        /// What the value is multiplied by to be in its unit.
+        factor: f64,
+    },
+    /// The right name without its unit.
+    NoUnit(&'static Parameter),
+    /// A key of other sections.
+    OtherSection(Vec<&'static str>),
+    /// Nearly a key of this section.
+    Typo(&'static str),
+    /// Nothing like it.
+    Unknown,
+}
+
+/// Units that people write, as suffixes, with the SI unit (radians for angles) and the size in it.
+const SUFFIXES: [(&str, Unit, f64); 28] = [
+    ("_um", Unit::Metre, 1e-6),
+    ("_mm", Unit::Metre, 1e-3),
+    ("_cm", Unit::Metre, 1e-2),
+    ("_m", Unit::Metre, 1.0),
+    ("_meters", Unit::Metre, 1.0),
+    ("_metres", Unit::Metre, 1.0),
+    ("_km", Unit::Metre, 1e3),
+    ("_in", Unit::Metre, 0.0254),
+    ("_inch", Unit::Metre, 0.0254),
+    ("_ns", Unit::Second, 1e-9),
+    ("_us", Unit::Second, 1e-6),
+    ("_ms", Unit::Second, 1e-3),
+    ("_s", Unit::Second, 1.0),
+    ("_sec", Unit::Second, 1.0),
+    ("_min", Unit::Second, 60.0),
+    ("_rad", Unit::Degree, 1.0),
+    ("_mrad", Unit::Degree, 1e-3),
+    ("_deg", Unit::Degree, core::f64::consts::PI / 180.0),
+    ("_degrees", Unit::Degree, core::f64::consts::PI / 180.0),
+    ("_mm_s", Unit::MetrePerSecond, 1e-3),
+    ("_cm_s", Unit::MetrePerSecond, 1e-2),
+    ("_m_s", Unit::MetrePerSecond, 1.0),
+    ("_mps", Unit::MetrePerSecond, 1.0),
+    ("_km_h", Unit::MetrePerSecond, 1.0 / 3.6),
+    ("_mm_s2", Unit::MetrePerSecondSquared, 1e-3),
+    ("_cm_s2", Unit::MetrePerSecondSquared, 1e-2),
+    ("_m_s2", Unit::MetrePerSecondSquared, 1.0),
+    ("_mps2", Unit::MetrePerSecondSquared, 1.0),
+];
+
+impl Misnomer {
+    /// What was meant by `key` in `section`, which does not have it.
+    pub(super) fn of(section: &str, key: &str) -> Self {
+        let here = || ALL.iter().filter(|p| p.section == section);
+        if let Some((stem, unit, size)) = split(key)
+            && let Some(parameter) = here().find(|p| p.unit == unit && stem_of(p) == stem)
+        {
+            return Self::OtherUnit { parameter, factor: size / unit.to_si() };
+        }
+        if let Some(parameter) = here().find(|p| p.unit != Unit::One && stem_of(p) == key) {
+            return Self::NoUnit(parameter);
+        }
+        let elsewhere = sections_of(key);
+        if !elsewhere.is_empty() {
+            return Self::OtherSection(elsewhere);
+        }
+        nearest(key, here().map(|p| p.key)).map_or(Self::Unknown, Self::Typo)
+    }
+}
+
+/// The unit at the end of a key as people write it: `mm`, `m/s`.
+pub(super) fn unit_shown(key: &str) -> String {
+    let suffix = suffix_of(key).map_or("", |(suffix, ..)| suffix);
+    suffix.trim_start_matches('_').replacen('_', "/", 1)
+}
+
+/// The name nearest to `name`, if it is near enough to have been meant.
+pub(super) fn nearest(name: &str, names: impl Iterator<Item = &'static str>) -> Option<&'static str> {
+    let rated = names.map(|candidate| (strsim::jaro_winkler(name, candidate), candidate));
+    rated.filter(|(score, _)| *score > 0.8).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
+}
+
+/// The sections that have `key`.
+pub(super) fn sections_of(key: &str) -> Vec<&'static str> {
+    ALL.iter().filter(|p| p.key == key).map(|p| p.section).collect()
+}
+
+/// Every section, for a message.
+pub(super) fn sections() -> String {
+    let mut names: Vec<_> = ALL.iter().map(|p| format!("[{}]", p.section)).collect();
+    names.dedup();
+    names.join(", ")
+}
+
+/// Every key of a section, for a message.
+pub(super) fn keys(section: &str) -> String {
+    ALL.iter().filter(|p| p.section == section).map(|p| p.key).collect::<Vec<_>>().join(", ")
+}
+
+fn stem_of(parameter: &'static Parameter) -> &'static str {
+    parameter.key.strip_suffix(parameter.unit.suffix()).unwrap_or(parameter.key)
+}
+
+fn split(key: &str) -> Option<(&str, Unit, f64)> {
+    suffix_of(key).and_then(|(suffix, unit, size)| Some((key.strip_suffix(suffix)?, unit, size)))
+}
+
+/// The longest suffix that is a unit: `_mm_s` rather than `_s`.
+fn suffix_of(key: &str) -> Option<(&'static str, Unit, f64)> {
+    SUFFIXES.into_iter().filter(|(suffix, ..)| key.ends_with(suffix)).max_by_key(|(suffix, ..)| suffix.len())
+}

@@ -1,0 +1,122 @@
+use std::path::Path;
+
+use surepose::param;
+
+use super::{Config, ConfigError, Origin};
+
+fn read(text: &str) -> Result<Config, ConfigError> {
+    Config::default().with_text(Path::new("robot.toml"), text.as_bytes())
+}
+
+/// `problem | help` of each problem of the text.
+fn complaints(text: &str) -> Vec<String> {
+    let error = read(text).expect_err("the text is wrong");
+    error.problems.iter().map(|p| format!("{p} | {}", p.help.as_deref().unwrap_or(""))).collect()
+}
+
+#[test]
+fn every_value_knows_where_it_came_from() {
+    let text =
+        "[robot]\ntrack_m = 0.5\n\n[goal]\nheading_tolerance_deg = 2\n[law]\ndirection = \"reverse\"\n";
+    let config = read(text).expect("right").with_option("law.k_v=3.5").expect("right");
+    assert!((config.controller().drive.track - 0.5).abs() < 1e-15);
+    assert!((config.controller().tolerance.heading - 2f64.to_radians()).abs() < 1e-15);
+    assert_eq!(config.law().direction, surepose::Direction::Reverse);
+    let line = |line| Origin::File { path: "robot.toml".into(), line };
+    assert_eq!(config.origin(&param::TRACK), line(2));
+    assert_eq!(config.origin(&param::HEADING_TOLERANCE), line(5));
+    assert_eq!(config.origin(&param::K_V), Origin::CommandLine);
+    assert_eq!(config.origin(&param::WHEEL_RADIUS), Origin::Default);
+}
+
+#[test]
+fn a_wrong_unit_is_converted_for_the_user() {
+    let found = complaints("[robot]\nwheel_radius_mm = 50\n");
+    assert_eq!(
+        found,
+        [
+            "robot.toml:2: unknown key `wheel_radius_mm` in [robot] | the key is `wheel_radius_m`; 50 mm is 0.05"
+        ]
+    );
+    let found = complaints("[compass]\nstd_rad = 0.01\n[robot]\nwheel_speed_limit_km_h = 3.6\ntrack = 0.6");
+    assert_eq!(
+        found,
+        [
+            "robot.toml:2: unknown key `std_rad` in [compass] | the key is `std_deg`; 0.01 rad is 0.572957795",
+            "robot.toml:4: unknown key `wheel_speed_limit_km_h` in [robot] | the key is \
+             `wheel_speed_limit_m_s`; 3.6 km/h is 1",
+            "robot.toml:5: unknown key `track` in [robot] | the key is `track_m`, its value in m",
+        ]
+    );
+}
+
+#[test]
+fn slips_are_recognised() {
+    let found = complaints(
+        "[robott]\n[law]\nk_alfa = 3\ntrack_m = 1\nname = \"papper\"\nxyz = 1\n[loop]\nperiod_s = \"0.1\"",
+    );
+    assert_eq!(
+        found,
+        [
+            "robot.toml:1: unknown section [robott] | did you mean [robot]?",
+            "robot.toml:3: unknown key `k_alfa` in [law] | did you mean `k_alpha`?",
+            "robot.toml:4: unknown key `track_m` in [law] | `track_m` belongs under [robot]",
+            "robot.toml:5: `name` cannot be \"papper\" | did you mean \"paper\"? The choice is \"surepose\", \"paper\"",
+            "robot.toml:6: unknown key `xyz` in [law] | [law] has name, k_v, k_alpha, h, k_theta, \
+             capture_radius_m, capture_release, direction",
+            "robot.toml:8: `period_s` is a number, and this is text; leave out the quotes | write a number s in \
+             [0.001, 1]",
+        ]
+    );
+}
+
+#[test]
+fn impossible_values_are_refused_with_the_reason() {
+    let found = complaints(
+        "[robot]\ntrack_m = 0\n[compass]\nstd_deg = -0.1\n[law]\nk_v = nan\nh = inf\nk_theta = 1e400\n\
+         [laser]\nbeams = 180.5\nrange_std_m = true",
+    );
+    let expected = [
+        ("robot.toml:2: `track_m` is out of range: 0 m", "two wheels cannot share one contact point"),
+        ("robot.toml:4: `std_deg` is negative: -0.1 °", "a standard deviation is positive"),
+        ("robot.toml:6: `k_v` is NaN, and must be finite", "positive gains"),
+        ("robot.toml:7: `h` is inf, and must be finite", "positive gains"),
+        ("robot.toml:8: `k_theta` is inf, and must be finite", "positive gains"),
+        ("robot.toml:10: `beams` is a whole number, and this is 180.5", "[2, 4096]"),
+        ("robot.toml:11: `range_std_m` is a number, and this is true or false", "write a number m"),
+    ];
+    assert_eq!(found.len(), expected.len(), "{found:#?}");
+    for (found, (what, help)) in found.iter().zip(expected) {
+        assert!(found.starts_with(what) && found.contains(help), "{found}");
+    }
+}
+
+#[test]
+fn damaged_text_is_an_error_with_its_line() {
+    let not_toml = read("[robot]\ntrack_m = = 2\n").expect_err("not TOML");
+    assert_eq!(not_toml.problems.len(), 1, "{not_toml:?}");
+    assert!(not_toml.problems[0].to_string().starts_with("robot.toml:2: not TOML:"), "{not_toml:?}");
+    let bytes = b"[robot]\n# caf\xe9\n";
+    let not_text = Config::default().with_text(Path::new("x"), bytes).expect_err("not UTF-8");
+    assert_eq!(not_text.problems[0].to_string(), "x:2: is not text in UTF-8");
+    let absent = Config::default().with_file(Path::new("no/such/file.toml")).expect_err("absent");
+    assert!(absent.problems[0].to_string().starts_with("no/such/file.toml: cannot be read:"));
+    for option in ["", "=", "law.k_v", "law.k_v=", "law.k_v=1\nlaw.h=2", "k_v=-1", "🦀=1", "[robot]"] {
+        assert!(Config::default().with_option(option).is_err(), "{option:?}");
+    }
+}
+
+#[test]
+fn deep_and_huge_text_is_refused() {
+    let deep = format!("[law]\nk_v = {}", "[".repeat(100_000));
+    assert!(read(&deep).is_err());
+    let huge = vec![b'#'; super::file::LONGEST + 1];
+    assert!(Config::default().with_text(Path::new("x"), &huge).is_err());
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_text_panics(text in "([\\[\\]a-z_=.\"0-9\n -]|\\[robot\\]\n|track_m = ){0,60}") {
+        let _ = read(&text);
+    }
+}

@@ -1,0 +1,144 @@
+//! The table itself. The sentence above an entry is its documentation here, in help, in errors and in ROS.
+
+use super::{Kind, Parameter, Range, Unit};
+
+const fn within(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
+    Kind::Number { default, range: Range { low, low_allowed: true, high, reason } }
+}
+
+const fn positive(high: f64, default: f64, reason: &'static str) -> Kind {
+    Kind::Number { default, range: Range { low: 0.0, low_allowed: false, high, reason } }
+}
+
+const fn whole(low: f64, high: f64, default: u32, reason: &'static str) -> Kind {
+    Kind::Whole { default, range: Range { low, low_allowed: true, high, reason } }
+}
+
+const fn one_of(options: &'static [&'static str]) -> Kind {
+    Kind::Choice { options }
+}
+
+macro_rules! parameters {
+    ($($(#[doc = $meaning:literal])+ $name:ident = $section:literal $key:literal, $unit:ident, $kind:expr;)*) => {
+        $(
+            $(#[doc = $meaning])+
+            pub const $name: Parameter = Parameter {
+                section: $section,
+                key: $key,
+                unit: Unit::$unit,
+                kind: $kind,
+                meaning: concat!($($meaning),+),
+            };
+        )*
+
+        /// Every parameter, section by section.
+        pub const ALL: &[Parameter] = &[$($name),*];
+    };
+}
+
+const SIGMA: &str = "a standard deviation is positive; zero would claim a perfect sensor";
+const LATENCY: &str = "a measurement is taken before it arrives, and the history reaches back 10 s at most";
+const GAIN: &str = "the Lyapunov derivative is negative only for positive gains";
+const PLACE: &str = "a place farther than 10 km away is a mistake of unit";
+const TURN: &str = "an angle beyond one turn is a mistake of unit";
+
+parameters! {
+    /// Radius of the drive wheels.
+    WHEEL_RADIUS = "robot" "wheel_radius_m", Metre,
+        positive(1.0, 0.05, "a wheel has a radius, and one above 1 m is a mistake of unit");
+    /// Distance between the contact points of the two drive wheels.
+    TRACK = "robot" "track_m", Metre,
+        positive(5.0, 0.6, "two wheels cannot share one contact point, and a track above 5 m is a mistake of unit");
+    /// Largest speed of a wheel's rim. Faster wishes are slowed down along their path.
+    WHEEL_SPEED_LIMIT = "robot" "wheel_speed_limit_m_s", MetrePerSecond,
+        positive(10.0, 0.3, "a robot whose wheels may not turn goes nowhere, and 10 m/s is beyond this class");
+    /// Largest change of a rim's speed per second.
+    WHEEL_ACCELERATION_LIMIT = "robot" "wheel_acceleration_limit_m_s2", MetrePerSecondSquared,
+        positive(1000.0, 0.5, "a wheel that may not accelerate never turns");
+
+    /// The control law: this program's own, or the paper's without its additions.
+    LAW_NAME = "law" "name", One, one_of(&["surepose", "paper"]);
+    /// Gain of the distance to the goal.
+    K_V = "law" "k_v", PerSecond, positive(1000.0, 4.0, GAIN);
+    /// Gain of the goal's bearing; times the period it must stay well under 1.
+    K_ALPHA = "law" "k_alpha", PerSecond, positive(1000.0, 8.0, GAIN);
+    /// Weight of the direction of approach against the bearing in the global Lyapunov function.
+    H = "law" "h", One, positive(100.0, 0.5, GAIN);
+    /// Gain of the heading error near the goal.
+    K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 2.0, GAIN);
+    /// Distance from the goal at which the local law takes over; the final sideways error can be as large.
+    CAPTURE_RADIUS = "law" "capture_radius_m", Metre,
+        positive(1.0, 0.01, "the bearing of a goal at distance 0 is noise, and beyond 1 m turning in place parks nothing");
+    /// How many capture radii away the global law takes over again.
+    CAPTURE_RELEASE = "law" "capture_release", One,
+        within(1.0, 100.0, 2.0, "below 1 the laws would take turns at every tick");
+    /// Which end of the robot goes first; `auto` takes the one that points at the goal.
+    DIRECTION = "law" "direction", One, one_of(&["auto", "forward", "reverse"]);
+
+    /// Largest distance from the goal that counts as being there.
+    POSITION_TOLERANCE = "goal" "position_tolerance_m", Metre,
+        positive(1.0, 0.01, "no robot reaches a point exactly");
+    /// Largest heading error that counts as being there.
+    HEADING_TOLERANCE = "goal" "heading_tolerance_deg", Degree,
+        positive(180.0, 1.0, "no robot reaches a heading exactly");
+    /// How long the robot must be there without a break.
+    HOLD = "goal" "hold_s", Second, within(0.0, 60.0, 1.0, "a hold time is not negative, and a minute is long");
+    /// How much wider the tolerance is once inside, so that noise does not break the hold.
+    TOLERANCE_RELEASE = "goal" "tolerance_release", One,
+        within(1.0, 10.0, 1.5, "below 1 arriving would undo itself");
+
+    /// Variance of a wheel's speed over the speed squared: δ of the paper's Eq. (15), so 5 % is 0.0025.
+    DELTA = "filter" "delta", One,
+        positive(1.0, 0.0025, "a variance is positive; above 1 odometry says nothing");
+    /// Probability that a measurement the model explains passes the χ² gate.
+    GATE_PROBABILITY = "filter" "gate_probability", One,
+        within(0.5, 0.999_999_999, 0.999, "below 0.5 good measurements are lost, and a gate of 1 refuses nothing");
+    /// How far back a late measurement is still put in its place.
+    HISTORY = "filter" "history_s", Second,
+        within(0.0, 10.0, 1.0, "a history is not negative, and beyond 10 s the memory would not hold it");
+    /// How odometry moves the pose: along the exact arc, or by the paper's midpoint rule.
+    INTEGRATION = "filter" "integration", One, one_of(&["arc", "midpoint"]);
+
+    /// Standard deviation of the compass.
+    COMPASS_STD = "compass" "std_deg", Degree, positive(180.0, 0.1, SIGMA);
+    /// What the compass reads when the robot faces along the map's x axis.
+    COMPASS_OFFSET = "compass" "offset_deg", Degree, within(-360.0, 360.0, 0.0, TURN);
+    /// How long a compass reading is under way.
+    COMPASS_LATENCY = "compass" "latency_s", Second, within(0.0, 10.0, 0.0, LATENCY);
+
+    /// Standard deviation of a laser range.
+    LASER_RANGE_STD = "laser" "range_std_m", Metre, positive(10.0, 0.03, SIGMA);
+    /// Standard deviation of a beam's direction.
+    LASER_BEARING_STD = "laser" "bearing_std_deg", Degree, positive(90.0, 0.25, SIGMA);
+    /// Where the laser sits, ahead of the wheels' axle.
+    LASER_X = "laser" "x_m", Metre, within(-10.0, 10.0, 0.0, "a sensor sits on the robot");
+    /// Where the laser sits, to the left of the robot's middle.
+    LASER_Y = "laser" "y_m", Metre, within(-10.0, 10.0, 0.0, "a sensor sits on the robot");
+    /// Which way the laser's zero bearing points, counter-clockwise from straight ahead.
+    LASER_HEADING = "laser" "heading_deg", Degree, within(-360.0, 360.0, 0.0, TURN);
+    /// How long a scan is under way.
+    LASER_LATENCY = "laser" "latency_s", Second, within(0.0, 10.0, 0.0, LATENCY);
+    /// How many beams the simulated laser has over its 180°.
+    LASER_BEAMS = "laser" "beams", One,
+        whole(2.0, 4096.0, 181, "a line needs two beams, and a scan holds at most 4096");
+
+    /// Time between two ticks of the loop.
+    PERIOD = "loop" "period_s", Second,
+        within(0.001, 1.0, 0.1, "below 1 ms no wheel follows; above 1 s the robot drives blind");
+
+    /// Where the simulated robot starts, x.
+    START_X = "scenario" "start_x_m", Metre, within(-10_000.0, 10_000.0, 0.0, PLACE);
+    /// Where the simulated robot starts, y.
+    START_Y = "scenario" "start_y_m", Metre, within(-10_000.0, 10_000.0, 0.0, PLACE);
+    /// Which way the simulated robot faces at the start.
+    START_HEADING = "scenario" "start_heading_deg", Degree, within(-360.0, 360.0, 0.0, TURN);
+    /// Where the robot shall come to rest, x.
+    GOAL_X = "scenario" "goal_x_m", Metre, within(-10_000.0, 10_000.0, 2.0, PLACE);
+    /// Where the robot shall come to rest, y.
+    GOAL_Y = "scenario" "goal_y_m", Metre, within(-10_000.0, 10_000.0, 2.0, PLACE);
+    /// Which way the robot shall face in the end.
+    GOAL_HEADING = "scenario" "goal_heading_deg", Degree, within(-360.0, 360.0, 30.0, TURN);
+    /// When to give up, in simulated time.
+    TIMEOUT = "scenario" "timeout_s", Second,
+        positive(3600.0, 120.0, "a drive takes time, and one that takes an hour is stuck");
+}
