@@ -40,8 +40,8 @@ mod limit;
 mod line;
 mod matrix;
 mod navigation;
-mod path;
 pub mod param;
+mod path;
 mod pose;
 mod scalar;
 
