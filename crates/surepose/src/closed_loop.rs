@@ -3,6 +3,10 @@
 //! A tick is a pure function of its arguments: no clock, no allocation, no failure, bounded work. The robot, the
 //! simulator and a replayed log run these lines; the certificate bounds the law they call.
 
+mod follower;
+
+pub use follower::{Followed, Follower};
+
 use crate::drive::{Drive, Twist, Wheels};
 use crate::estimate::{Belief, Estimator, Measurement, Stamp, Stamped};
 use crate::frame::{Goal, Map};

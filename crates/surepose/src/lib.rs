@@ -42,6 +42,7 @@ mod matrix;
 mod navigation;
 pub mod param;
 mod path;
+mod pid;
 mod pose;
 mod scalar;
 
@@ -56,5 +57,6 @@ pub use line::Line;
 pub use matrix::Matrix;
 pub use navigation::{Navigation, NavigationNoise};
 pub use path::{Leg, NotAPath, Path, Place};
+pub use pid::{Pid, PidState};
 pub use pose::{Point, Pose};
 pub use scalar::{Float, Mask, Scalar};
