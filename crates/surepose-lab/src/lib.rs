@@ -1,1 +1,3 @@
 //! Experiments: replays of recordings, metrics, sweeps, the paper's figures.
+
+pub mod replay;

@@ -1,0 +1,13 @@
+//! The estimator on recordings of real robots, judged against their references.
+//!
+//! One module per format. Each one merges its streams by stamp and is causal: a pose is estimated from what had
+//! been recorded by then, and is judged at that time.
+
+pub mod mrclam;
+mod reference;
+mod report;
+mod score;
+
+pub use reference::Reference;
+pub use report::{ReplayError, ReplayReport};
+pub use score::{Score, Summary};

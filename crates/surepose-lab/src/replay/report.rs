@@ -1,0 +1,123 @@
+//! What a replay found, under the names of the command line's JSON, and why it may fail.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use surepose::{Refusal, Tally};
+use surepose_data::DataError;
+
+use super::score::Summary;
+
+/// The figures of one replay; those that need a reference are absent where the recording has none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReplayReport {
+    /// Odometry records that moved the estimate.
+    pub steps: u64,
+    /// Time from the first to the last of them \[s].
+    pub duration_s: f64,
+    /// Length of the way \[m].
+    pub distance_m: f64,
+    /// Time that reading and replaying took \[s].
+    pub wall_s: f64,
+    /// Root mean square of the position error \[m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_rmse_m: Option<f64>,
+    /// Root mean square of the heading error \[°].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heading_rmse_deg: Option<f64>,
+    /// Median of the position error \[m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_median_m: Option<f64>,
+    /// Mean of the normalised estimation error squared; 3 for a consistent filter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nees_mean: Option<f64>,
+    /// Median of the same; 2.37 for a consistent filter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nees_median: Option<f64>,
+    /// Position error of the recorded odometry alone \[m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dead_reckoning_position_rmse_m: Option<f64>,
+    /// Heading error of the recorded odometry alone \[°].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dead_reckoning_heading_rmse_deg: Option<f64>,
+    /// Measurements that corrected the estimate.
+    pub accepted: u32,
+    /// Measurements that the filter refused, by reason.
+    pub rejected: BTreeMap<&'static str, u32>,
+    /// Records that are no measurement of the map, by kind; the filter never saw them.
+    pub skipped: BTreeMap<&'static str, u32>,
+}
+
+impl ReplayReport {
+    /// Fills in the figures of the filter.
+    pub fn judge(&mut self, filter: Option<Summary>) {
+        self.position_rmse_m = filter.map(|summary| summary.position_rmse);
+        self.heading_rmse_deg = filter.map(|summary| summary.heading_rmse.to_degrees());
+        self.position_median_m = filter.map(|summary| summary.position_median);
+        self.nees_mean = filter.and_then(|summary| summary.nees_mean);
+        self.nees_median = filter.and_then(|summary| summary.nees_median);
+    }
+
+    /// Fills in the figures of the odometry alone.
+    pub fn judge_dead_reckoning(&mut self, odometry: Option<Summary>) {
+        self.dead_reckoning_position_rmse_m = odometry.map(|summary| summary.position_rmse);
+        self.dead_reckoning_heading_rmse_deg = odometry.map(|summary| summary.heading_rmse.to_degrees());
+    }
+
+    /// Fills in what became of the measurements; every reason is named, also those that never occurred.
+    pub fn count(&mut self, tally: &Tally) {
+        self.accepted = tally.accepted;
+        self.rejected = Refusal::ALL.iter().map(|reason| (reason.name(), tally.refused(*reason))).collect();
+    }
+}
+
+/// Why a recording could not be replayed.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The recording is unreadable or malformed.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// Nothing says where the robot starts.
+    #[error("no reference pose at the time of any odometry record, so there is nowhere to start")]
+    NoStart,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The keys that scripts rely on; what does not exist is absent, never 0 and never null.
+    #[test]
+    fn the_json_has_the_promised_keys() {
+        let keys = |report: &ReplayReport| -> Vec<String> {
+            let json = serde_json::to_value(report).unwrap();
+            json.as_object().unwrap().keys().cloned().collect()
+        };
+        let always = ["accepted", "distance_m", "duration_s", "rejected", "skipped", "steps", "wall_s"];
+        let mut report = ReplayReport::default();
+        assert_eq!(keys(&report), always);
+
+        let summary = Summary {
+            position_rmse: 1.0,
+            position_median: 1.0,
+            heading_rmse: core::f64::consts::PI,
+            nees_mean: Some(3.0),
+            nees_median: Some(2.4),
+        };
+        report.judge(Some(summary));
+        report.judge_dead_reckoning(Some(summary));
+        let with_reference = keys(&report);
+        for key in [
+            "position_rmse_m",
+            "heading_rmse_deg",
+            "position_median_m",
+            "nees_mean",
+            "nees_median",
+            "dead_reckoning_position_rmse_m",
+            "dead_reckoning_heading_rmse_deg",
+        ] {
+            assert!(with_reference.iter().any(|present| present == key), "{key}");
+        }
+        assert!((report.heading_rmse_deg.unwrap() - 180.0).abs() < 1e-12);
+    }
+}
