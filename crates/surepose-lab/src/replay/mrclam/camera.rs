@@ -5,9 +5,9 @@ use surepose::{Angle, LandmarkSighting, Map, Point};
 /// The camera that reads the barcodes.
 ///
 /// The recorded "range" is the *depth* along the optical axis, range·cos(bearing), times a constant: the height of a
-/// barcode in a pinhole image gives depth, [Hartley2004] Sec. 6.1. Taken as a range, it is too short by 15 % at the
-/// edge of the image, and that error fills the 0.06–0.24 m of range noise that the data set is known for; as a depth
-/// it is good to about 1.2 %.
+/// barcode in a pinhole image gives depth, [Hartley2004] Sec. 6.1. Taken as a range, it is 13 % too short at the edge
+/// of the image and 4 % too long in its middle, which fills the 0.06–0.24 m of range noise that the data set is known
+/// for; as a depth it scatters by 0.9 % to 1.6 %, robot by robot.
 ///
 /// The defaults are means of five fits to reference poses, one for each robot of data set 7.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,9 +20,9 @@ pub struct Camera {
     pub depth_std: f64,
     /// Its growth with depth.
     pub depth_std_per_metre: f64,
-    /// Standard deviation of a single bearing \[rad].
+    /// Standard deviation of a single bearing \[rad]. The robots scatter by 0.6° to 0.7°, but robot 1 by 1.5°.
     pub bearing_std: f64,
-    /// How long the error of a sighting lasts \[s].
+    /// How long the error of a sighting lasts \[s]: the integral of its autocorrelation is 1.5 s to 6 s.
     pub correlation_time: f64,
     /// Time between two images \[s].
     pub frame_period: f64,
