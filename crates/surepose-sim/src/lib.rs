@@ -5,12 +5,18 @@
 
 mod arena;
 mod compass;
+mod fault;
 mod laser;
+mod motor;
 mod random;
 mod slip;
+mod world;
 
 pub use arena::{Arena, LOOP_SPEED, Segment, loop_course};
 pub use compass::CompassModel;
+pub use fault::{Fault, Kind, Sensor};
 pub use laser::{Clutter, LaserModel, Scan};
+pub use motor::MotorModel;
 pub use random::{Seed, Stream};
 pub use slip::Slip;
+pub use world::{Sensed, Timing, World, WorldModel};

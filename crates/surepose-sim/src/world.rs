@@ -1,0 +1,239 @@
+//! The world: one robot in an arena, and the clock.
+
+use surepose::{Angle, Body, Drive, Integration, Map, Pose, Stamp, Stamped, Twist, Wheels};
+
+use crate::arena::Arena;
+use crate::compass::CompassModel;
+use crate::fault::{Disturbance, Fault, Kind, Sensor, disturbance};
+use crate::laser::{LaserModel, Scan};
+use crate::motor::{MotorModel, Wheel};
+use crate::random::{Seed, Stream};
+use crate::slip::Slip;
+
+/// How often the wheels' controllers run and the world moves on.
+const SUBSTEP: f64 = 0.01;
+const SUBSTEP_NANOSECONDS: i64 = 10_000_000;
+
+/// When a sensor measures, and how long its message is under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// From one measurement to the next \[s], rounded to 10 ms.
+    pub period: f64,
+    /// From a measurement to its arrival \[s], rounded to 10 ms.
+    pub latency: f64,
+}
+
+/// What a world is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldModel {
+    /// The walls.
+    pub arena: Arena,
+    /// The robot's geometry.
+    pub drive: Drive<f64>,
+    /// Its motors with their encoders and controllers.
+    pub motor: MotorModel,
+    /// Between wheel and floor.
+    pub slip: Slip,
+    /// The compass, where there is one.
+    pub compass: Option<(CompassModel, Timing)>,
+    /// The laser, where there is one.
+    pub laser: Option<(LaserModel, Timing)>,
+    /// What goes wrong.
+    pub faults: Vec<Fault>,
+}
+
+impl WorldModel {
+    /// The paper's robot, [Tran2012] Sec. 5.2, in `arena`; nothing goes wrong.
+    ///
+    /// # Departure
+    /// The paper gives no rates or latencies of its sensors. Here both measure at its ΔT of 100 ms; a scan arrives
+    /// 40 ms late, a heading 10 ms.
+    pub fn paper(arena: Arena) -> Self {
+        Self {
+            arena,
+            drive: Drive { wheel_radius: 0.05, track: 0.60 },
+            motor: MotorModel::default(),
+            slip: Slip { delta: 0.0025 },
+            compass: Some((CompassModel::default(), Timing { period: 0.1, latency: 0.01 })),
+            laser: Some((LaserModel::half_circle(181), Timing { period: 0.1, latency: 0.04 })),
+            faults: Vec::new(),
+        }
+    }
+}
+
+/// What the robot sensed during one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensed {
+    /// Now.
+    pub stamp: Stamp,
+    /// How far the rims rolled since the last step, by the encoders \[m].
+    pub rims: Wheels<f64>,
+    /// Headings that arrived, as the compass reads them.
+    pub headings: Vec<Stamped<Angle<f64>>>,
+    /// Scans that arrived.
+    pub scans: Vec<Stamped<Scan>>,
+}
+
+/// A message under way: when it arrives, and what it says.
+type UnderWay<T> = Vec<(Stamp, Stamped<T>)>;
+
+/// One robot in an arena.
+#[derive(Clone, Debug)]
+pub struct World {
+    model: WorldModel,
+    now: Stamp,
+    pose: Pose<Map, Body, f64>,
+    twist: Twist<f64>,
+    wheels: Wheels<Wheel>,
+    counted: Wheels<f64>,
+    slip: Stream,
+    compass: Stream,
+    laser: Stream,
+    headings: UnderWay<Angle<f64>>,
+    scans: UnderWay<Scan>,
+}
+
+impl World {
+    /// The robot stands at `start` and it is 0 o'clock.
+    pub fn new(model: WorldModel, start: Pose<Map, Body, f64>, seed: Seed) -> Self {
+        Self {
+            model,
+            now: Stamp::default(),
+            pose: start,
+            twist: Twist::rest(),
+            wheels: Wheels {
+                right: Wheel::at_rest(seed.stream("right wheel")),
+                left: Wheel::at_rest(seed.stream("left wheel")),
+            },
+            counted: Wheels::new(0.0, 0.0),
+            slip: seed.stream("slip"),
+            compass: seed.stream("compass"),
+            laser: seed.stream("laser"),
+            headings: Vec::new(),
+            scans: Vec::new(),
+        }
+    }
+
+    /// What the world is made of.
+    pub fn model(&self) -> &WorldModel {
+        &self.model
+    }
+
+    /// The time.
+    pub fn now(&self) -> Stamp {
+        self.now
+    }
+
+    /// Where the robot truly is.
+    pub fn pose(&self) -> Pose<Map, Body, f64> {
+        self.pose
+    }
+
+    /// How it truly moves.
+    pub fn twist(&self) -> Twist<f64> {
+        self.twist
+    }
+
+    /// True rim speeds of the wheels, before slip \[m/s].
+    pub fn rim_speeds(&self) -> Wheels<f64> {
+        Wheels::new(self.wheels.right.rate(), self.wheels.left.rate()).scaled(self.model.drive.wheel_radius)
+    }
+
+    /// Lets the wheels' controllers hold the turn rates `wanted` \[rad/s] for `period` \[s], rounded to 10 ms.
+    ///
+    /// One step is one odometry period: one slip factor for each wheel holds throughout.
+    pub fn step(&mut self, wanted: Wheels<f64>, period: f64) -> Sensed {
+        let slip = self.model.slip.factors(&mut self.slip);
+        let substeps = (period / SUBSTEP).round().max(1.0) as i64;
+        for _ in 0..substeps {
+            self.push();
+            self.roll(wanted, slip);
+            self.measure();
+        }
+        Sensed {
+            stamp: self.now,
+            rims: self.rims(),
+            headings: arrived(&mut self.headings, self.now),
+            scans: arrived(&mut self.scans, self.now),
+        }
+    }
+
+    /// Moves everything on by one substep.
+    fn roll(&mut self, wanted: Wheels<f64>, slip: Wheels<f64>) {
+        let motor = &self.model.motor;
+        let radius = self.model.drive.wheel_radius;
+        let right = self.wheels.right.turn(motor, wanted.right, SUBSTEP) * radius * slip.right;
+        let left = self.wheels.left.turn(motor, wanted.left, SUBSTEP) * radius * slip.left;
+        let motion = self.model.drive.motion_from_travel(Wheels::new(right, left));
+        self.pose = self.pose.moved(motion, Integration::Arc);
+        self.twist = Twist::new(motion.length / SUBSTEP, motion.turn / SUBSTEP);
+        self.now = Stamp::from_nanoseconds(self.now.nanoseconds() + SUBSTEP_NANOSECONDS);
+    }
+
+    /// Lets the sensors measure whose time it is.
+    fn measure(&mut self) {
+        if let Some((compass, timing)) = &self.model.compass
+            && let Some(disturbance) = self.due(Sensor::Compass, timing)
+        {
+            let read = compass.read(self.pose.heading, &mut self.compass).turned(disturbance.offset);
+            send(&mut self.headings, read, self.now, timing, &disturbance);
+        }
+        if let Some((laser, timing)) = &self.model.laser
+            && let Some(disturbance) = self.due(Sensor::Laser, timing)
+        {
+            let mut scan = laser.scan(self.model.arena.walls(), self.pose, &mut self.laser);
+            for range in &mut scan.ranges {
+                *range += disturbance.offset;
+            }
+            send(&mut self.scans, scan, self.now, timing, &disturbance);
+        }
+    }
+
+    /// Whether `sensor` measures now, and what disturbs it.
+    fn due(&self, sensor: Sensor, timing: &Timing) -> Option<Disturbance> {
+        let every = substeps(timing.period).max(1) * SUBSTEP_NANOSECONDS;
+        (self.now.nanoseconds() % every == 0)
+            .then(|| disturbance(&self.model.faults, sensor, self.now))
+            .filter(|disturbance| !disturbance.silent)
+    }
+
+    /// How far the rims rolled by the encoders since this was last asked.
+    fn rims(&mut self) -> Wheels<f64> {
+        let motor = &self.model.motor;
+        let counted = Wheels::new(self.wheels.right.counted(motor), self.wheels.left.counted(motor));
+        let turned = Wheels::new(counted.right - self.counted.right, counted.left - self.counted.left);
+        self.counted = counted;
+        let disturbance = disturbance(&self.model.faults, Sensor::Encoders, self.now);
+        let factor = if disturbance.silent { 0.0 } else { 1.0 + disturbance.offset };
+        turned.scaled(self.model.drive.wheel_radius * factor)
+    }
+
+    /// Puts the robot elsewhere where somebody does so now.
+    fn push(&mut self) {
+        for fault in &self.model.faults {
+            if let Kind::Pushed([x, y, turn]) = fault.kind
+                && fault.during.start == self.now
+            {
+                let heading = self.pose.heading.turned(turn);
+                self.pose = Pose::new(self.pose.x + x, self.pose.y + y, heading);
+            }
+        }
+    }
+}
+
+fn substeps(seconds: f64) -> i64 {
+    (seconds / SUBSTEP).round() as i64
+}
+
+fn send<T>(under_way: &mut UnderWay<T>, value: T, now: Stamp, timing: &Timing, disturbance: &Disturbance) {
+    let latency = substeps(timing.latency).max(0) * SUBSTEP_NANOSECONDS;
+    let arrival = Stamp::from_nanoseconds(now.nanoseconds() + latency);
+    under_way.push((arrival, Stamped::new(now.after(-disturbance.backdated), value)));
+}
+
+fn arrived<T>(under_way: &mut UnderWay<T>, now: Stamp) -> Vec<Stamped<T>> {
+    under_way.extract_if(.., |(arrival, _)| *arrival <= now).map(|(_, message)| message).collect()
+}
+
+#[cfg(test)]
+mod tests;
