@@ -25,9 +25,10 @@ impl<S: Scalar> Angle<S> {
     pub fn wrapped(radians: S) -> Self {
         let (pi, tau) = (S::of(PI), S::of(TAU));
         let near = radians - tau * (radians * S::of(1.0 / TAU)).round();
-        // Rounding may leave the remainder one ulp outside; −π itself is represented by π.
+        // Rounding may leave the remainder one ulp outside; −π itself is represented by π. NaN stays NaN: a made-up
+        // angle could not be refused.
         let inside = near.clamp(-pi, pi);
-        Self(S::select(inside.gt(-pi), inside, pi))
+        Self(S::select(inside.gt(-pi), inside, inside.abs()))
     }
 
     /// The angle of `degrees`, wrapped: for the edge of the system only.
@@ -40,7 +41,7 @@ impl<S: Scalar> Angle<S> {
     #[inline]
     pub fn of_vector(x: S, y: S) -> Self {
         let angle = y.atan2(x);
-        Self(S::select(angle.gt(S::of(-PI)), angle, S::of(PI)))
+        Self(S::select(angle.gt(S::of(-PI)), angle, angle.abs()))
     }
 
     /// `yes` where `mask` is true, else `no`.

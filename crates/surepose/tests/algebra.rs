@@ -109,3 +109,13 @@ fn the_wrap_keeps_pi_and_turns_minus_pi() {
     assert!((Angle::wrapped(-PI).radians() - PI).abs() < 1e-15);
     assert!((Angle::of_vector(-1.0, -0.0).radians() - PI).abs() < 1e-15);
 }
+
+/// A made-up angle could not be refused: what is not a number must stay so, for the filter to see it.
+#[test]
+fn the_wrap_of_what_is_no_angle_is_nan() {
+    for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert!(Angle::wrapped(broken).radians().is_nan(), "{broken}");
+        assert!(Angle::zero().turned(broken).radians().is_nan(), "{broken}");
+    }
+    assert!(Angle::of_vector(f64::NAN, 1.0).radians().is_nan());
+}
