@@ -123,6 +123,12 @@ pub enum Problem {
         /// What may stand there.
         expected: &'static str,
     },
+    /// A structured document (YAML, TOML) that does not have the form it should have.
+    #[error("{message}")]
+    Document {
+        /// What is wrong, and what would be right.
+        message: String,
+    },
     /// A recording without the robot that was asked for.
     #[error("robot {wanted} is not in this data set; it has robots {present}")]
     UnknownRobot {

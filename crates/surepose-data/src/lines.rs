@@ -3,14 +3,13 @@
 //! Memory is bounded: one line is held at a time, a line is at most [`LONGEST_LINE`] bytes and a text at most
 //! [`LONGEST_TEXT`] bytes after decompression, so neither a binary file nor a gzip bomb exhausts the machine.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, Read};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use flate2::bufread::MultiGzDecoder;
-
 use crate::error::{DataError, Problem, excerpt};
-use crate::quantity::{Quantity, TIME};
+use crate::quantity::{Quantity, RANGE, TIME};
+use crate::source::Source;
 
 /// Longest line that is read \[bytes\]: a scan of 100 000 ranges.
 pub const LONGEST_LINE: usize = 1 << 20;
@@ -18,14 +17,10 @@ pub const LONGEST_LINE: usize = 1 << 20;
 /// Longest text that is read, after decompression \[bytes\].
 pub const LONGEST_TEXT: u64 = 1 << 28;
 
-const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
-const BUFFER: usize = 1 << 16;
-
 /// A text file, read line by line.
 pub struct Lines<'a> {
     file: PathBuf,
-    input: Box<dyn BufRead + 'a>,
-    compressed: bool,
+    source: Source<'a>,
     line: Vec<u8>,
     number: u64,
     bytes_left: u64,
@@ -37,30 +32,19 @@ impl Lines<'static> {
     /// # Errors
     /// [`Problem::Unreadable`] where the file is absent or cannot be read.
     pub fn open(path: &Path) -> Result<Self, DataError> {
-        let file = File::open(path).map_err(|error| DataError::in_file(path, Problem::Unreadable(error)))?;
-        Self::new(path, BufReader::with_capacity(BUFFER, file))
+        let source = Source::open(path).map_err(|problem| DataError::in_file(path, problem))?;
+        Ok(Self::new(path, source))
     }
 }
 
 impl<'a> Lines<'a> {
     /// Reads text, plain or gzip, that is in memory; `file` is the name that errors give it.
-    ///
-    /// # Errors
-    /// None in practice: memory can always be read.
-    pub fn from_bytes(file: &Path, bytes: &'a [u8]) -> Result<Self, DataError> {
-        Self::new(file, bytes)
+    pub fn from_bytes(file: &Path, bytes: &'a [u8]) -> Self {
+        Self::new(file, Source::from_bytes(bytes))
     }
 
-    fn new(file: &Path, mut input: impl BufRead + 'a) -> Result<Self, DataError> {
-        let head = input.fill_buf().map_err(|error| DataError::in_file(file, Problem::Unreadable(error)))?;
-        let compressed = head.starts_with(&GZIP_MAGIC);
-        let input: Box<dyn BufRead + 'a> = if compressed {
-            Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(input)))
-        } else {
-            Box::new(input)
-        };
-        let file = file.to_owned();
-        Ok(Self { file, input, compressed, line: Vec::new(), number: 0, bytes_left: LONGEST_TEXT })
+    fn new(file: &Path, source: Source<'a>) -> Self {
+        Self { file: file.to_owned(), source, line: Vec::new(), number: 0, bytes_left: LONGEST_TEXT }
     }
 
     /// The name of the file, as errors give it.
@@ -101,8 +85,8 @@ impl<'a> Lines<'a> {
         self.line.clear();
         self.number += 1;
         let limit = self.bytes_left.min(LONGEST_LINE as u64) + 1;
-        let result = (&mut self.input).take(limit).read_until(b'\n', &mut self.line);
-        let read = result.map_err(|error| self.line_error(self.unreadable(error)))? as u64;
+        let result = (&mut self.source.input).take(limit).read_until(b'\n', &mut self.line);
+        let read = result.map_err(|error| self.line_error(self.source.unreadable(error)))? as u64;
         if read > self.bytes_left {
             return Err(self.line_error(Problem::TooLarge { limit: LONGEST_TEXT }));
         }
@@ -119,10 +103,6 @@ impl<'a> Lines<'a> {
 
     fn line_error(&self, problem: Problem) -> DataError {
         DataError::at_line(&self.file, self.number, problem)
-    }
-
-    fn unreadable(&self, error: std::io::Error) -> Problem {
-        if self.compressed { Problem::Compression(error) } else { Problem::Unreadable(error) }
     }
 }
 
@@ -151,6 +131,11 @@ impl<'l> Line<'l> {
         words.enumerate().map(move |(before, text)| Column { line: self, number: before + 1, text })
     }
 
+    /// All columns; a line has at most half as many as [`LONGEST_LINE`].
+    pub(crate) fn all_columns(self) -> Vec<Column<'l>> {
+        self.columns().collect()
+    }
+
     /// Exactly `N` columns; `layout` names them for the error.
     pub(crate) fn split<const N: usize>(self, layout: &'static str) -> Result<[Column<'l>; N], DataError> {
         let mut columns = self.columns();
@@ -173,7 +158,12 @@ pub(crate) struct Column<'l> {
     text: &'l [u8],
 }
 
-impl Column<'_> {
+impl<'l> Column<'l> {
+    /// The text of the column.
+    pub(crate) fn text(&self) -> &'l [u8] {
+        self.text
+    }
+
     /// A finite number inside the bounds of its quantity.
     pub(crate) fn read(&self, name: &'static str, quantity: &Quantity) -> Result<f64, DataError> {
         self.read_in(name, quantity, 1.0)
@@ -192,6 +182,15 @@ impl Column<'_> {
         }
         let (column, value, bounds) = (self.number, excerpt(self.text), quantity.to_string());
         Err(self.line.error(Problem::OutOfBounds { column, name, value, bounds }))
+    }
+
+    /// A range \[m\], counted in `unit` metres; a value outside `returns` \[m\] is no return, an infinity here.
+    pub(crate) fn laser_range(&self, unit: f64, returns: &Range<f64>) -> Result<f64, DataError> {
+        let value = self.finite("range")? * unit;
+        if value < 0.0 {
+            return self.read_in("range", &RANGE, unit);
+        }
+        Ok(if returns.contains(&value) { value } else { f64::INFINITY })
     }
 
     /// A finite number.

@@ -1,4 +1,4 @@
-//! UTIAS MRCLAM: five robots, landmarks with barcodes, motion-capture ground truth \[Leung2011\].
+//! UTIAS MRCLAM: five robots, landmarks with barcodes, motion-capture ground truth [Leung2011].
 //!
 //! A data set is a folder. Each file is plain text or gzip (`.gz`), has `#` header lines, and columns between
 //! blanks:

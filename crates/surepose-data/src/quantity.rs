@@ -27,6 +27,12 @@ pub(crate) const TURN_RATE: Quantity = Quantity { unit: "rad/s", min: -1e3, max:
 pub(crate) const RANGE: Quantity = Quantity { unit: "m", min: 0.0, max: 1e5 };
 /// Standard deviation of a coordinate.
 pub(crate) const POSITION_STD: Quantity = Quantity { unit: "m", min: 0.0, max: 1e5 };
+/// Side of a grid cell.
+pub(crate) const RESOLUTION: Quantity = Quantity { unit: "m", min: 1e-6, max: 1e3 };
+/// Probability of anything.
+pub(crate) const PROBABILITY: Quantity = Quantity { unit: "", min: 0.0, max: 1.0 };
+/// Variance or covariance of a line's distance and direction, in any mix of their units.
+pub(crate) const COVARIANCE: Quantity = Quantity { unit: "(m, rad)²", min: -1e10, max: 1e10 };
 
 impl Quantity {
     /// Whether `value` is inside the bounds; NaN is not.

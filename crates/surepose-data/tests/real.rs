@@ -4,7 +4,11 @@
 //! `../shared/data` beside the workspace, and say so where they are absent.
 
 mod real {
+    mod carmen;
+    mod maps;
     mod mrclam;
+    mod ticks;
+    mod wean;
 }
 
 use std::path::PathBuf;

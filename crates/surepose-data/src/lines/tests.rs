@@ -9,7 +9,7 @@ use crate::error::{DataError, Problem};
 use crate::quantity::{RANGE, TIME};
 
 fn lines(text: &[u8]) -> Lines<'_> {
-    Lines::from_bytes(Path::new("log"), text).unwrap()
+    Lines::from_bytes(Path::new("log"), text)
 }
 
 fn gzip(text: &[u8]) -> Vec<u8> {

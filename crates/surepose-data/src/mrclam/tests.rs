@@ -29,11 +29,11 @@ impl<'a> Texts<'a> {
     fn parse(&self) -> Result<RobotLog, DataError> {
         let lines = |name: &str, text: &'a [u8]| Lines::from_bytes(Path::new(name), text);
         parse(Files {
-            barcodes: lines("barcodes", self.barcodes)?,
-            landmarks: lines("landmarks", self.landmarks)?,
-            odometry: lines("odometry", self.odometry)?,
-            sightings: lines("sightings", self.sightings)?,
-            reference: lines("reference", self.reference)?,
+            barcodes: lines("barcodes", self.barcodes),
+            landmarks: lines("landmarks", self.landmarks),
+            odometry: lines("odometry", self.odometry),
+            sightings: lines("sightings", self.sightings),
+            reference: lines("reference", self.reference),
         })
     }
 

@@ -1,0 +1,48 @@
+use std::f64::consts::FRAC_PI_2;
+
+use super::{Grid, Origin};
+
+fn turned() -> Grid {
+    Grid {
+        width: 2,
+        height: 3,
+        resolution: 0.5,
+        origin: Origin { x: 10.0, y: 20.0, heading: FRAC_PI_2 },
+        cells: vec![None, Some(0.0), Some(0.25), Some(0.5), Some(0.75), Some(1.0)],
+    }
+}
+
+#[test]
+fn cells_are_stored_row_by_row_from_the_origin() {
+    let grid = turned();
+    assert_eq!(grid.occupancy(0, 0), None);
+    assert_eq!(grid.occupancy(1, 0), Some(0.0));
+    assert_eq!(grid.occupancy(1, 2), Some(1.0));
+    assert_eq!((grid.occupancy(2, 0), grid.occupancy(0, 3)), (None, None));
+    assert_eq!(grid.occupancy(1, usize::MAX), None);
+}
+
+#[test]
+fn a_turned_grid_lies_turned_in_the_map() {
+    let (x, y) = turned().center(1, 2);
+    assert!((x - 8.75).abs() + (y - 20.75).abs() < 1e-12, "{x}, {y}");
+}
+
+#[test]
+fn the_middle_of_every_cell_lies_in_that_cell() {
+    let grid = turned();
+    for (column, row) in (0..2).flat_map(|column| (0..3).map(move |row| (column, row))) {
+        let (x, y) = grid.center(column, row);
+        assert_eq!(grid.cell_at(x, y), Some((column, row)));
+    }
+}
+
+#[test]
+fn points_outside_lie_in_no_cell() {
+    let grid = turned();
+    for (x, y) in
+        [(10.1, 20.1), (9.9, 19.9), (9.9, 21.1), (8.4, 20.1), (f64::NAN, 20.5), (f64::INFINITY, 20.0)]
+    {
+        assert_eq!(grid.cell_at(x, y), None, "{x}, {y}");
+    }
+}

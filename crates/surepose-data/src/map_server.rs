@@ -1,0 +1,164 @@
+//! Occupancy grids in the form of the ROS map server: a YAML description beside a PGM image.
+//!
+//! How grey becomes occupancy follows the map server of Navigation2 (`nav2_map_server`, `map_io.cpp`): a black pixel
+//! is occupied with probability 1, a white one with 0 (`negate` swaps them), and `mode` says what becomes of the values
+//! between. The bottom row of the image is the row at the origin.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde_saphyr::Spanned;
+
+use crate::document::{utf8, wrong};
+use crate::error::DataError;
+use crate::grid::{Grid, Origin};
+use crate::pgm::{self, Image};
+use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION};
+use crate::source::{LONGEST_DOCUMENT, read_all};
+
+/// What the YAML file says about the image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// The image, as written: relative to the folder of the YAML file.
+    pub image: PathBuf,
+    /// Side of a pixel \[m\].
+    pub resolution: f64,
+    /// Where the lower left corner of the image lies in the map.
+    pub origin: Origin,
+    /// Whether white is occupied.
+    pub negate: bool,
+    /// A pixel above this probability is occupied.
+    pub occupied_threshold: f64,
+    /// A pixel below this probability is free.
+    pub free_threshold: f64,
+    /// What becomes of pixels between the thresholds.
+    pub mode: Mode,
+}
+
+/// How grey becomes occupancy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Free, occupied, or else unknown.
+    #[default]
+    Trinary,
+    /// Free, occupied, or else a probability that grows from the lower threshold to the upper one.
+    Scale,
+    /// The grey value, of 255, is the probability in per cent; above 100 it is unknown.
+    Raw,
+}
+
+/// Reads the grid that a YAML file describes.
+///
+/// Where the image is absent under the name the file gives, an image with the name of the YAML file itself is taken: map
+/// pairs are often renamed together, and then the name inside is stale.
+///
+/// # Errors
+/// A missing, unreadable or malformed file, by name and line.
+pub fn read(path: &Path) -> Result<Grid, DataError> {
+    let description = parse(path, &read_all(path, LONGEST_DOCUMENT)?)?;
+    let named = path.with_file_name("").join(&description.image);
+    let renamed = path.with_extension("pgm");
+    let image = pgm::read(if named.exists() || !renamed.exists() { &named } else { &renamed })?;
+    Ok(description.grid(&image))
+}
+
+/// Reads the text of a YAML file; `file` is the name that errors give it.
+///
+/// # Errors
+/// Text that is not YAML, a key that is missing, or a value that cannot be, by line.
+pub fn parse(file: &Path, bytes: &[u8]) -> Result<Description, DataError> {
+    let document: Document = serde_saphyr::from_str(utf8(file, bytes)?).map_err(|error| {
+        let line = error.location().map(|location| location.line());
+        let message = error.without_snippet().to_string();
+        wrong(file, line, message)
+    })?;
+    let check = |name: &str, value: &Spanned<f64>, quantity: &Quantity| {
+        if quantity.admits(value.value) {
+            return Ok(value.value);
+        }
+        let message = format!("{name} is {}, outside {quantity}", value.value);
+        Err(wrong(file, Some(value.referenced.line()), message))
+    };
+    let [x, y, heading] = &document.origin;
+    let description = Description {
+        image: document.image,
+        resolution: check("resolution", &document.resolution, &RESOLUTION)?,
+        origin: Origin {
+            x: check("origin x", x, &POSITION)?,
+            y: check("origin y", y, &POSITION)?,
+            heading: check("origin heading", heading, &ANGLE)?,
+        },
+        negate: document.negate.into(),
+        occupied_threshold: check("occupied_thresh", &document.occupied_thresh, &PROBABILITY)?,
+        free_threshold: check("free_thresh", &document.free_thresh, &PROBABILITY)?,
+        mode: document.mode,
+    };
+    if description.free_threshold >= description.occupied_threshold {
+        let line = Some(document.free_thresh.referenced.line());
+        return Err(wrong(file, line, "free_thresh must be below occupied_thresh"));
+    }
+    Ok(description)
+}
+
+impl Description {
+    /// The grid that `image` shows.
+    pub fn grid(&self, image: &Image) -> Grid {
+        let white = f64::from(image.white);
+        let rows = image.pixels.chunks_exact(image.width.max(1)).rev();
+        let cells = rows.flatten().map(|&pixel| self.occupancy(f64::from(pixel) / white)).collect();
+        let (resolution, origin) = (self.resolution, self.origin);
+        Grid { width: image.width, height: image.height, resolution, origin, cells }
+    }
+
+    /// Occupancy of a pixel whose brightness is `shade`, from 0 to 1.
+    fn occupancy(&self, shade: f64) -> Option<f32> {
+        let occupied = if self.negate { shade } else { 1.0 - shade };
+        match self.mode {
+            Mode::Raw => {
+                let percent = (shade * 255.0).round();
+                (percent <= 100.0).then_some((percent / 100.0) as f32)
+            }
+            _ if occupied > self.occupied_threshold => Some(1.0),
+            _ if occupied < self.free_threshold => Some(0.0),
+            Mode::Trinary => None,
+            Mode::Scale => {
+                let between = self.occupied_threshold - self.free_threshold;
+                Some(((occupied - self.free_threshold) / between) as f32)
+            }
+        }
+    }
+}
+
+/// The YAML file as it is written; keys that other tools add are of no concern here.
+#[derive(Deserialize)]
+struct Document {
+    image: PathBuf,
+    resolution: Spanned<f64>,
+    origin: [Spanned<f64>; 3],
+    negate: Switch,
+    occupied_thresh: Spanned<f64>,
+    free_thresh: Spanned<f64>,
+    #[serde(default)]
+    mode: Mode,
+}
+
+/// `negate` is written as 0 or 1, or as false or true.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Switch {
+    Truth(bool),
+    Number(u8),
+}
+
+impl From<Switch> for bool {
+    fn from(switch: Switch) -> Self {
+        match switch {
+            Switch::Truth(truth) => truth,
+            Switch::Number(number) => number != 0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,97 @@
+use std::path::Path;
+
+use proptest::prelude::*;
+
+use super::{Description, Mode, parse};
+use crate::pgm::Image;
+
+const YAML: &str = "\
+image: depot.pgm
+mode: trinary
+resolution: 0.05
+origin: [-10.0, 2, 0.5]
+negate: 0
+occupied_thresh: 0.65
+free_thresh: 0.25
+";
+
+fn description(text: &str) -> Result<Description, String> {
+    parse(Path::new("map.yaml"), text.as_bytes()).map_err(|error| error.to_string())
+}
+
+fn with(from: &str, to: &str) -> Result<Description, String> {
+    assert!(YAML.contains(from));
+    description(&YAML.replacen(from, to, 1))
+}
+
+/// Occupancy of pixels from black to white, read with `mode` and `negate`.
+fn occupancy(mode: Mode, negate: bool) -> Vec<Option<f32>> {
+    let description = Description { negate, mode, ..description(YAML).unwrap() };
+    let pixels = vec![0, 51, 100, 128, 204, 255];
+    description.grid(&Image { width: 6, height: 1, white: 255, pixels }).cells
+}
+
+#[test]
+fn a_description_is_read() {
+    let description = description(YAML).unwrap();
+    assert_eq!(description.image, Path::new("depot.pgm"));
+    let origin = description.origin;
+    assert_eq!((origin.x, origin.y, origin.heading), (-10.0, 2.0, 0.5));
+    assert_eq!((description.occupied_threshold, description.free_threshold), (0.65, 0.25));
+    assert_eq!((description.negate, description.mode), (false, Mode::Trinary));
+    assert!(with("negate: 0", "negate: 1").unwrap().negate);
+    assert!(with("negate: 0", "negate: true").unwrap().negate);
+    assert_eq!(with("mode: trinary", "mode: scale").unwrap().mode, Mode::Scale);
+    assert_eq!(with("mode: trinary\n", "").unwrap().mode, Mode::Trinary);
+}
+
+#[test]
+fn the_last_row_of_the_image_is_the_row_at_the_origin() {
+    let image = Image { width: 2, height: 2, white: 255, pixels: vec![0, 255, 128, 255] };
+    let grid = description(YAML).unwrap().grid(&image);
+    assert_eq!(grid.cells, [None, Some(0.0), Some(1.0), Some(0.0)]);
+}
+
+#[test]
+fn modes_and_negation_follow_the_map_server() {
+    assert_eq!(occupancy(Mode::Trinary, false), [Some(1.0), Some(1.0), None, None, Some(0.0), Some(0.0)]);
+    assert_eq!(occupancy(Mode::Trinary, true), [Some(0.0), Some(0.0), None, None, Some(1.0), Some(1.0)]);
+    let scale = occupancy(Mode::Scale, false);
+    assert_eq!((scale[0], scale[5]), (Some(1.0), Some(0.0)));
+    // 1 − 128/255 lies 0.62 of the way from 0.25 to 0.65.
+    assert!((scale[3].unwrap() - 0.620_098).abs() < 1e-6);
+    assert_eq!(occupancy(Mode::Raw, false), [Some(0.0), Some(0.51), Some(1.0), None, None, None]);
+}
+
+#[test]
+fn each_damage_names_line_and_remedy() {
+    let message = |from, to| with(from, to).unwrap_err();
+    assert_eq!(
+        message("resolution: 0.05", "resolution: -0.05"),
+        "map.yaml:3: resolution is -0.05, outside 1e-6 to 1e3 m"
+    );
+    assert!(
+        message("resolution: 0.05", "resolution: .nan").starts_with("map.yaml:3: resolution is NaN, outside")
+    );
+    assert!(message("resolution: 0.05", "resolution: 1e400").starts_with("map.yaml:3: "));
+    assert!(message("-10.0, 2, 0.5", "-10.0, .inf, 0.5").starts_with("map.yaml:4: origin y is inf, outside"));
+    assert!(message("-10.0, 2, 0.5", "-10.0, 2").starts_with("map.yaml:4: "));
+    assert!(message("0.65", "1.65").starts_with("map.yaml:6: occupied_thresh is 1.65, outside"));
+    assert_eq!(message("0.25", "0.75"), "map.yaml:7: free_thresh must be below occupied_thresh");
+    assert!(message("mode: trinary", "mode: foggy").contains("map.yaml:2: "));
+    assert!(message("image: depot.pgm\n", "").contains("image"));
+    assert!(message("negate: 0", "negate: maybe").starts_with("map.yaml:5: "));
+    assert!(message("resolution: 0.05", "resolution: wide").starts_with("map.yaml:3: "));
+    assert!(description("").is_err());
+    assert!(description(&"[".repeat(100_000)).is_err());
+    let binary = parse(Path::new("map.yaml"), b"image: a\n\xff\xfe").unwrap_err();
+    assert_eq!(binary.to_string(), "map.yaml:2: is not UTF-8 text; is this the right file?");
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_a_description_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..128)) {
+        let _ = parse(Path::new("map.yaml"), &bytes);
+        let _ = parse(Path::new("map.yaml"), &[YAML.as_bytes(), &bytes].concat());
+    }
+}

@@ -1,0 +1,146 @@
+//! Portable grey maps: the images in which ROS keeps its occupancy grids, binary (`P5`) and plain (`P2`).
+
+use std::path::Path;
+
+use crate::document::line_of;
+use crate::error::{DataError, Problem, excerpt};
+use crate::grid::MOST_CELLS;
+use crate::lines::LONGEST_TEXT;
+use crate::source::read_all;
+
+/// A grey image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The value that means white, from 1 to 65535.
+    pub white: u16,
+    /// The values, row by row from the top; none is above `white`.
+    pub pixels: Vec<u16>,
+}
+
+/// Reads an image, plain or gzip.
+///
+/// # Errors
+/// A missing, unreadable or malformed file, by name, and by line where it is text.
+pub fn read(path: &Path) -> Result<Image, DataError> {
+    parse(path, &read_all(path, LONGEST_TEXT)?)
+}
+
+/// Reads an image that is in memory; `file` is the name that errors give it.
+///
+/// Memory stays below four times the length of `bytes`, whatever size the header declares.
+///
+/// # Errors
+/// A malformed header, too few pixels, or a pixel that is whiter than white.
+pub fn parse(file: &Path, bytes: &[u8]) -> Result<Image, DataError> {
+    let mut words = Words { file, bytes, at: 0 };
+    let magic = words.next();
+    if magic != b"P5" && magic != b"P2" {
+        let found = excerpt(magic);
+        return Err(words.error(Problem::UnknownRecord { found, expected: "a PGM image: P5 or P2" }));
+    }
+    let width = words.number("width", MOST_CELLS)?;
+    let height = words.number("height", MOST_CELLS)?;
+    let white = words.number("white value", usize::from(u16::MAX))?;
+    if width == 0 || height == 0 || white == 0 {
+        return Err(words.wrong("width, height and white value must be above zero"));
+    }
+    let count = width.checked_mul(height).filter(|&count| count <= MOST_CELLS);
+    let count = count.ok_or_else(|| words.wrong(format!("more than {MOST_CELLS} pixels; cut the map")))?;
+    let white = u16::try_from(white).unwrap_or(u16::MAX);
+    let pixels = if magic == b"P5" { words.binary(count, white)? } else { words.plain(count, white)? };
+    Ok(Image { width, height, white, pixels })
+}
+
+/// The words of an image file; `#` begins a comment that reaches to the end of its line.
+struct Words<'a> {
+    file: &'a Path,
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Words<'a> {
+    /// The next word; empty at the end of the file.
+    fn next(&mut self) -> &'a [u8] {
+        let mut comment = false;
+        while let Some(&byte) = self.bytes.get(self.at) {
+            comment = byte == b'#' || (comment && byte != b'\n');
+            if !comment && !byte.is_ascii_whitespace() {
+                break;
+            }
+            self.at += 1;
+        }
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let length = rest.iter().position(|byte| byte.is_ascii_whitespace() || *byte == b'#');
+        let (word, _) = rest.split_at(length.unwrap_or(rest.len()));
+        self.at += word.len();
+        word
+    }
+
+    fn number(&mut self, name: &'static str, most: usize) -> Result<usize, DataError> {
+        let word = self.next();
+        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<usize>().ok());
+        number.filter(|&number| number <= most).ok_or_else(|| {
+            self.wrong(format!("{name} is not a whole number up to {most}: '{}'", excerpt(word)))
+        })
+    }
+
+    /// Pixels as bytes, or as pairs of bytes where white is above 255; one blank parts them from the header.
+    fn binary(&self, count: usize, white: u16) -> Result<Vec<u16>, DataError> {
+        let data = self.bytes.get(self.at + 1..).unwrap_or_default();
+        let wide = white > 255;
+        let pixels: Vec<u16> = if wide {
+            data.chunks_exact(2).take(count).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect()
+        } else {
+            data.iter().take(count).copied().map(u16::from).collect()
+        };
+        if pixels.len() < count {
+            return Err(DataError::in_file(self.file, too_few(count, pixels.len())));
+        }
+        match pixels.iter().find(|&&pixel| pixel > white) {
+            Some(pixel) => Err(DataError::in_file(self.file, too_white(*pixel, white))),
+            None => Ok(pixels),
+        }
+    }
+
+    /// Pixels as decimal numbers.
+    fn plain(&mut self, count: usize, white: u16) -> Result<Vec<u16>, DataError> {
+        let mut pixels = Vec::new();
+        while pixels.len() < count {
+            let word = self.next();
+            if word.is_empty() {
+                return Err(self.error(too_few(count, pixels.len())));
+            }
+            let pixel = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+            let pixel =
+                pixel.ok_or_else(|| self.wrong(format!("pixel is no grey value: '{}'", excerpt(word))))?;
+            if pixel > white {
+                return Err(self.error(too_white(pixel, white)));
+            }
+            pixels.push(pixel);
+        }
+        Ok(pixels)
+    }
+
+    fn wrong(&self, message: impl Into<String>) -> DataError {
+        self.error(Problem::Document { message: message.into() })
+    }
+
+    fn error(&self, problem: Problem) -> DataError {
+        DataError::at_line(self.file, line_of(self.bytes, self.at), problem)
+    }
+}
+
+fn too_few(declared: usize, found: usize) -> Problem {
+    Problem::Count { what: "pixels", declared: declared as u64, found: found as u64 }
+}
+
+fn too_white(pixel: u16, white: u16) -> Problem {
+    Problem::Document { message: format!("a pixel is {pixel}, but white is {white}") }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,55 @@
+use std::path::Path;
+
+use proptest::prelude::*;
+
+use super::{Image, parse};
+
+fn image(bytes: &[u8]) -> Result<Image, String> {
+    parse(Path::new("map.pgm"), bytes).map_err(|error| error.to_string())
+}
+
+fn message(bytes: &[u8]) -> String {
+    image(bytes).unwrap_err()
+}
+
+#[test]
+fn binary_and_plain_give_the_same_image() {
+    let wanted = Image { width: 3, height: 2, white: 200, pixels: vec![0, 35, 200, 32, 10, 7] };
+    assert_eq!(image(b"P5\n# made by hand\n3 2\n200\n\x00\x23\xc8\x20\x0a\x07").unwrap(), wanted);
+    assert_eq!(image(b"P2 #c\n3 2 200\n0 35 200 # row\n32\t10 7\n").unwrap(), wanted);
+}
+
+#[test]
+fn values_above_255_take_two_bytes() {
+    let wide = image(b"P5 1 2 1000 \x03\xe8\x00\x01").unwrap();
+    assert_eq!(wide.pixels, [1000, 1]);
+}
+
+#[test]
+fn each_damage_says_what_would_be_right() {
+    assert_eq!(message(b""), "map.pgm:1: '' is not a record of this format; expected a PGM image: P5 or P2");
+    assert!(message(b"\x89PNG\r\n").contains("expected a PGM image"));
+    assert!(message(b"P6\n1 1\n255\n\0\0\0").contains("'P6' is not a record"));
+    assert_eq!(message(b"P5 3 2 255 \0\0\0"), "map.pgm: declares 6 pixels, but holds 3");
+    assert_eq!(message(b"P2\n3 2\n255\n1 2\n3"), "map.pgm:5: declares 6 pixels, but holds 3");
+    assert_eq!(message(b"P2\n1 1\n255\nx"), "map.pgm:4: pixel is no grey value: 'x'");
+    assert_eq!(message(b"P2\n1 1\n100\n101"), "map.pgm:4: a pixel is 101, but white is 100");
+    assert_eq!(message(b"P5 1 1 100 \xff"), "map.pgm: a pixel is 255, but white is 100");
+    assert!(message(b"P5\n-1 1 255\n").starts_with("map.pgm:2: width is not a whole number up to"));
+    assert!(message(b"P5\n99999 99999 255\n").starts_with("map.pgm:2: more than"));
+    assert!(message(b"P5\n99999999999999999999 1 255\n").contains("width is not a whole number"));
+    assert!(message(b"P5\n0 1 255\n").contains("must be above zero"));
+    assert!(message(b"P5\n1 1 65536\n").contains("white value is not a whole number up to 65535"));
+    assert_eq!(message(b"P5\n1 1 255"), "map.pgm: declares 1 pixels, but holds 0");
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_an_image_or_an_error(
+        head in "(P[25])?[ \n#]{0,2}([0-9]{1,9}[ \n]){0,3}",
+        bytes in prop::collection::vec(any::<u8>(), 0..64),
+    ) {
+        let _ = image(&[head.as_bytes(), &bytes].concat());
+        let _ = image(&bytes);
+    }
+}
