@@ -155,11 +155,7 @@ impl<S: Scalar> Motion<S> {
             Integration::Arc => {
                 let half = self.turn * S::of(0.5);
                 let (_, cos, sinc) = half.sin_cos_sinc();
-                // d sinc(u)/du = (cos u − sinc u)/u loses all digits near 0, where the series −u/3 takes over.
-                let small = half.abs().lt(S::of(1e-3));
-                let safe = S::select(small, S::of(1.0), half);
-                let slope = S::select(small, -half * S::of(1.0 / 3.0), (cos - sinc) / safe);
-                (sinc, slope * S::of(0.5))
+                (sinc, half.sinc_slope(cos, sinc) * S::of(0.5))
             }
         }
     }

@@ -59,4 +59,4 @@ pub use navigation::{Navigation, NavigationNoise};
 pub use path::{Leg, NotAPath, Path, Place};
 pub use pid::{Pid, PidState};
 pub use pose::{Point, Pose};
-pub use scalar::{Float, Mask, Scalar};
+pub use scalar::{Dual, Float, Mask, Scalar};

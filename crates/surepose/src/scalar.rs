@@ -5,10 +5,12 @@
 //! order and no `if`**: comparisons give a [`Mask`], and [`Scalar::select`] chooses. For an interval the mask has
 //! three values and `select` answers with the hull; for lanes it chooses lane by lane.
 
+mod dual;
 mod float;
 
 use core::ops::{Add, Div, Mul, Neg, Not, Sub};
 
+pub use dual::Dual;
 pub use float::Float;
 
 /// The outcome of comparing scalars: one `bool`, or one per lane, or "cannot tell" for an interval.
@@ -106,6 +108,16 @@ pub trait Scalar:
     #[inline]
     fn sinc(self) -> Self {
         self.sin_cos_sinc().2
+    }
+
+    /// The derivative of `sin(x)/x`, given `cos(x)` and `sin(x)/x`.
+    #[must_use]
+    #[inline]
+    fn sinc_slope(self, cos: Self, sinc: Self) -> Self {
+        // (cos x − sinc x)/x loses all digits near 0, where the series −x/3 takes over.
+        let small = self.abs().lt(Self::of(1e-3));
+        let safe = Self::select(small, Self::of(1.0), self);
+        Self::select(small, -self * Self::of(1.0 / 3.0), (cos - sinc) / safe)
     }
 
     /// The value limited to [`low`, `high`].
