@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use surepose::closed_loop::{Controller, Progress};
 use surepose::{
-    Angle, Belief, Compass, Direction, Drive, Ekf, Gains, Gate, Goal, HybridLaw, Integration, Limits, Line,
+    Angle, Belief, Compass, Direction, Drive, Ekf, Gate, Goal, HybridLaw, Integration, Law, Limits, Line,
     Map, Memory, Navigation, Pose, Tolerance, WallSighting, Wheels,
 };
 
@@ -37,6 +37,9 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
+/// Time between ticks \[s].
+const PERIOD: f64 = 0.02;
+
 struct Bench {
     ekf: Ekf<f64>,
     gate: Gate<f64>,
@@ -48,21 +51,17 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let drive = Drive { wheel_radius: 0.05, track: 0.6 };
+        let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
         let quarter = |k: f64| Angle::from_degrees(90.0 * k);
         Self {
             ekf: Ekf { drive, delta: 0.0025, integration: Integration::Arc },
             gate: Gate::new(0.99),
             controller: Controller {
                 drive,
-                law: HybridLaw {
-                    gains: Gains { k_v: 4.0, k_alpha: 8.0, h: 0.5, k_theta: 2.0 },
-                    capture_radius: 0.01,
-                    release: 2.0,
-                    direction: Direction::Auto,
-                },
-                limits: Limits { wheel_speed: 0.3, wheel_acceleration: 1.0 },
+                law: Law::Hybrid(HybridLaw::fitted(&drive, &limits, PERIOD, Direction::Auto)),
+                limits,
                 tolerance: Tolerance { position: 0.01, heading: 0.017, hold: 1.0, release: 1.5 },
-                period: 0.02,
+                period: PERIOD,
             },
             belief: Belief::new(Pose::new(1.5, 1.0, Angle::from_degrees(20.0)), [0.01, 0.01, 0.01]),
             walls: [

@@ -63,6 +63,13 @@ impl<S: Scalar> Angle<S> {
         Self(S::of(PI))
     }
 
+    /// This angle turned by half a turn. One subtraction: no wrap is needed.
+    #[must_use]
+    #[inline]
+    pub fn opposite(self) -> Self {
+        Self(self.0 - S::select(self.0.gt(S::of(0.0)), S::of(PI), S::of(-PI)))
+    }
+
     /// The value in (−π, π] \[rad].
     #[inline]
     pub fn radians(self) -> S {

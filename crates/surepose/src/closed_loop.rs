@@ -10,7 +10,7 @@ pub use follower::{Followed, Follower};
 use crate::drive::{Drive, Twist, Wheels};
 use crate::estimate::{Belief, Estimator, Measurement, Stamp, Stamped};
 use crate::frame::{Goal, Map};
-use crate::law::{Arrival, HybridLaw, Memory, Phase, Tolerance};
+use crate::law::{Arrival, Law, Memory, Phase, Tolerance};
 use crate::limit::Limits;
 use crate::navigation::Navigation;
 use crate::pose::Pose;
@@ -22,7 +22,7 @@ pub struct Controller<S> {
     /// The wheels' geometry.
     pub drive: Drive<S>,
     /// The control law.
-    pub law: HybridLaw<S>,
+    pub law: Law<S>,
     /// What the wheels can do.
     pub limits: Limits<S>,
     /// What counts as being there.
@@ -73,13 +73,13 @@ impl<S: Scalar> Controller<S> {
         map_from_body: Pose<Map, crate::frame::Body, S>,
         map_from_goal: Pose<Map, Goal, S>,
     ) -> Step<S> {
-        // Where is the goal, seen from here? Inside the tolerance the wheels rest.
+        // Where is the goal, seen from here? The wheels rest once it is reached, and until a push takes it away.
         let navigation = Navigation::of(map_from_body, map_from_goal);
         let arrival = progress.arrival.after(&navigation, &self.tolerance, self.period);
 
         // How should I move? The law asks; the limits grant what the wheels can reach.
         let decision = self.law.decide(&navigation, progress.memory);
-        let wanted = Twist::select(arrival.inside, Twist::rest(), decision.twist);
+        let wanted = Twist::select(arrival.reached(&self.tolerance), Twist::rest(), decision.twist);
         let granted = self.limits.grant(&self.drive, wanted, progress.granted, self.period);
 
         // How do the wheels turn?

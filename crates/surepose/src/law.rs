@@ -1,13 +1,59 @@
 //! How should I move? The control laws of [Tran2012] Sec. 4, each with its Lyapunov function beside it.
 
 mod arrival;
+mod commitment;
 mod follow;
+mod gains;
 mod global;
 mod hybrid;
 mod local;
+mod paper;
+
+use crate::navigation::Navigation;
+use crate::scalar::{Mask, Scalar};
 
 pub use arrival::{Arrival, Phase, Tolerance};
+pub use commitment::{Direction, Memory};
 pub use follow::{FollowLaw, Following, Offset};
+pub use gains::{Actuation, Gains};
 pub use global::GlobalLaw;
-pub use hybrid::{Decision, Direction, Gains, HybridLaw, Memory};
+pub use hybrid::HybridLaw;
 pub use local::LocalLaw;
+pub use paper::PaperLaw;
+
+use crate::drive::Twist;
+
+/// What a law wants, and what it remembers for the next tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decision<S: Scalar> {
+    /// The wanted twist, before limits.
+    pub twist: Twist<S>,
+    /// What to pass to the next tick.
+    pub memory: Memory<S>,
+}
+
+/// The law in use, by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law<S> {
+    /// `surepose`: both laws of the paper with smooth hand-over, hysteresis and a bounded speed.
+    Hybrid(HybridLaw<S>),
+    /// `paper`: both laws on the paper's sets, without memory.
+    Paper(PaperLaw<S>),
+}
+
+impl<S: Scalar> Law<S> {
+    /// The twist for the goal as seen now, and the memory for the next tick.
+    ///
+    /// Finite for every input: a goal whose place is not a number is answered with rest, and so is one beyond 10⁹ m.
+    #[inline]
+    pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
+        let Decision { twist, memory } = match self {
+            Self::Hybrid(law) => law.decide(navigation, memory),
+            Self::Paper(law) => law.decide(navigation, memory),
+        };
+        let far = S::of(1e9);
+        let seen =
+            navigation.rho.lt(far).and(twist.v.abs().lt(S::of(1e30))).and(twist.omega.abs().lt(S::of(1e30)));
+        Decision { twist: Twist::select(seen, twist, Twist::rest()), memory }
+    }
+}

@@ -49,8 +49,7 @@ impl<S: Scalar> Navigation<S> {
     #[must_use]
     #[inline]
     pub fn reversed(self) -> Self {
-        let half = Angle::half_turn();
-        Self { rho: self.rho, alpha: self.alpha + half, phi: self.phi + half }
+        Self { rho: self.rho, alpha: self.alpha.opposite(), phi: self.phi.opposite() }
     }
 
     /// `yes` where `mask` is true, else `no`.

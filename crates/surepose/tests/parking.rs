@@ -2,21 +2,18 @@
 
 use surepose::closed_loop::{Controller, Progress};
 use surepose::{
-    Angle, Body, Direction, Drive, Gains, Goal, HybridLaw, Integration, Limits, Map, Pose, Tolerance,
+    Angle, Body, Direction, Drive, Goal, HybridLaw, Integration, Law, Limits, Map, Pose, Tolerance,
 };
 
 fn controller(direction: Direction) -> Controller<f64> {
+    let (drive, period) = (Drive { wheel_radius: 0.05, track: 0.6 }, 0.02);
+    let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
     Controller {
-        drive: Drive { wheel_radius: 0.05, track: 0.6 },
-        law: HybridLaw {
-            gains: Gains { k_v: 4.0, k_alpha: 8.0, h: 0.5, k_theta: 2.0 },
-            capture_radius: 0.01,
-            release: 2.0,
-            direction,
-        },
-        limits: Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 },
+        drive,
+        law: Law::Hybrid(HybridLaw::fitted(&drive, &limits, period, direction)),
+        limits,
         tolerance: Tolerance { position: 0.01, heading: 1f64.to_radians(), hold: 1.0, release: 1.5 },
-        period: 0.02,
+        period,
     }
 }
 

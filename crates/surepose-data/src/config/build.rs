@@ -1,13 +1,15 @@
 //! The core's constants from a configuration: the one place, so that every command runs the same loop.
 
+use std::f64::consts::PI;
+
 use surepose::closed_loop::Controller;
 use surepose::param;
 use surepose::{
-    Angle, Belief, Body, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw, Integration, Laser,
-    Limits, Map, Pose, Stamp, Tolerance,
+    Actuation, Angle, Belief, Body, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw,
+    Integration, Laser, Law, Limits, Map, PaperLaw, Pose, Stamp, Tolerance,
 };
 
-use super::Config;
+use super::{Config, Origin};
 
 /// How the compass is mounted, and what it is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,22 +43,62 @@ impl Config {
         Drive { wheel_radius: self.number(&param::WHEEL_RADIUS), track: self.number(&param::TRACK) }
     }
 
+    /// These values, with the gains that nobody set fitted to the law, the period and the wheels.
+    #[must_use]
+    pub fn fitted(&self) -> Self {
+        let (name, gains) = match self.choice(&param::LAW_NAME) {
+            "paper" => ("paper", Gains::paper()),
+            _ => ("fitted", Gains::for_loop(self.number(&param::PERIOD), &self.limits())),
+        };
+        let values = [
+            (&param::K_V, gains.k_v),
+            (&param::K_ALPHA, gains.k_alpha),
+            (&param::H, gains.h),
+            (&param::K_THETA, gains.k_theta),
+        ];
+        let free = values.into_iter().filter(|(gain, _)| self.origin(gain) == Origin::Default);
+        self.clone().with_preset(name, &free.collect::<Vec<_>>())
+    }
+
+    /// The gains of the control law.
+    pub fn gains(&self) -> Gains<f64> {
+        let fitted = self.fitted();
+        Gains {
+            k_v: fitted.number(&param::K_V),
+            k_alpha: fitted.number(&param::K_ALPHA),
+            h: fitted.number(&param::H),
+            k_theta: fitted.number(&param::K_THETA),
+        }
+    }
+
+    /// Which end of the robot goes first.
+    pub fn direction(&self) -> Direction {
+        match self.choice(&param::DIRECTION) {
+            "forward" => Direction::Forward,
+            "reverse" => Direction::Reverse,
+            _ => Direction::Auto,
+        }
+    }
+
     /// The control law.
-    pub fn law(&self) -> HybridLaw<f64> {
-        HybridLaw {
-            gains: Gains {
-                k_v: self.number(&param::K_V),
-                k_alpha: self.number(&param::K_ALPHA),
-                h: self.number(&param::H),
-                k_theta: self.number(&param::K_THETA),
-            },
-            capture_radius: self.number(&param::CAPTURE_RADIUS),
-            release: self.number(&param::CAPTURE_RELEASE),
-            direction: match self.choice(&param::DIRECTION) {
-                "forward" => Direction::Forward,
-                "reverse" => Direction::Reverse,
-                _ => Direction::Auto,
-            },
+    pub fn law(&self) -> Law<f64> {
+        let (gains, capture_radius) = (self.gains(), self.number(&param::CAPTURE_RADIUS));
+        match self.choice(&param::LAW_NAME) {
+            "paper" => Law::Paper(PaperLaw { gains, capture_radius, capture_heading: PI }),
+            _ => Law::Hybrid(HybridLaw {
+                gains,
+                capture_radius,
+                direction: self.direction(),
+                actuation: Actuation::of(&self.drive(), &self.limits(), self.number(&param::PERIOD)),
+            }),
+        }
+    }
+
+    /// What the wheels can do.
+    pub fn limits(&self) -> Limits<f64> {
+        Limits {
+            wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
+            wheel_acceleration: self.number(&param::WHEEL_ACCELERATION_LIMIT),
         }
     }
 
@@ -65,10 +107,7 @@ impl Config {
         Controller {
             drive: self.drive(),
             law: self.law(),
-            limits: Limits {
-                wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
-                wheel_acceleration: self.number(&param::WHEEL_ACCELERATION_LIMIT),
-            },
+            limits: self.limits(),
             tolerance: Tolerance {
                 position: self.number(&param::POSITION_TOLERANCE),
                 heading: self.number(&param::HEADING_TOLERANCE),

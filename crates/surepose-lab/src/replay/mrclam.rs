@@ -2,7 +2,6 @@
 
 mod camera;
 mod response;
-mod settings;
 
 use std::path::Path;
 use std::time::Instant;

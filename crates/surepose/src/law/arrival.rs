@@ -21,7 +21,7 @@ pub struct Tolerance<S> {
 pub struct Arrival<S: Scalar> {
     /// How long the robot has been inside \[s].
     pub inside_for: S,
-    /// Inside now: the wheels rest.
+    /// Inside now.
     pub inside: S::Mask,
 }
 

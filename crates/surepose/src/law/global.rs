@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 /// |---|---|---|---|
 /// | `k_v` | gain of the distance | 1/s | > 0 |
 /// | `k_alpha` | gain of the bearing (the paper's Sec. 5.1 prints k_φ) | 1/s | > 0 |
-/// | `h` | weight of the direction of approach | – | > 0 |
+/// | `h` | weight of the direction of approach | – | ≥ 0 |
 ///
 /// # Domain
 /// Every input: ρ cancels in ω, and sin α/α is continued to 1.
@@ -34,17 +34,19 @@ impl<S: Scalar> GlobalLaw<S> {
     /// The twist of [Tran2012] Eq. (23).
     #[inline]
     pub fn twist(&self, navigation: &Navigation<S>) -> Twist<S> {
-        self.twist_continued(navigation.rho, navigation.alpha.radians(), navigation.phi.radians())
+        let alpha = navigation.alpha.radians();
+        let (_, cos, sinc) = alpha.sin_cos_sinc();
+        self.twist_driven(navigation.rho, alpha, navigation.phi.radians(), cos, sinc)
     }
 
-    /// The same for angles \[rad] that are continued beyond ±π, to keep turning to one side.
+    /// The same with any `drive` in the place of cos α, for an `alpha` \[rad] that may be continued beyond ±π.
+    ///
+    /// V̇_g = −k_v·ρ²·drive·cos α − k_α·α²: it descends wherever `drive` has the sign of cos α or is 0. The terms
+    /// with φ cancel whatever `drive` is.
     #[inline]
-    pub fn twist_continued(&self, rho: S, alpha: S, phi: S) -> Twist<S> {
-        let (_, cos, sinc) = alpha.sin_cos_sinc();
-        Twist {
-            v: self.k_v * rho * cos,
-            omega: self.k_alpha * alpha + self.k_v * cos * sinc * (alpha + self.h * phi),
-        }
+    pub fn twist_driven(&self, rho: S, alpha: S, phi: S, drive: S, sinc: S) -> Twist<S> {
+        let approach = self.k_v * drive;
+        Twist { v: approach * rho, omega: self.k_alpha * alpha + approach * sinc * (alpha + self.h * phi) }
     }
 
     /// V_g = ½ρ² + ½(α² + hφ²), [Tran2012] Eq. (19).

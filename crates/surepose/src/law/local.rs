@@ -40,10 +40,14 @@ impl<S: Scalar> LocalLaw<S> {
     #[inline]
     pub fn twist(&self, navigation: &Navigation<S>) -> Twist<S> {
         let (_, cos) = navigation.alpha.sin_cos();
-        Twist {
-            v: self.k_v * navigation.rho * cos,
-            omega: -(self.k_theta * navigation.heading_error().radians()),
-        }
+        self.twist_toward(navigation.rho * cos, navigation.heading_error().radians())
+    }
+
+    /// The same for a goal that is `ahead` = ρ·cos α \[m] of the robot, whose heading error \[rad] may be continued
+    /// beyond ±π.
+    #[inline]
+    pub fn twist_toward(&self, ahead: S, heading_error: S) -> Twist<S> {
+        Twist { v: self.k_v * ahead, omega: -(self.k_theta * heading_error) }
     }
 
     /// V_l = ½ρ² + ½θ_e², [Tran2012] Eq. (26).

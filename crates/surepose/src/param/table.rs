@@ -58,21 +58,18 @@ parameters! {
 
     /// The control law: this program's own, or the paper's without its additions.
     LAW_NAME = "law" "name", One, one_of(&["surepose", "paper"]);
-    /// Gain of the distance to the goal.
-    K_V = "law" "k_v", PerSecond, positive(1000.0, 4.0, GAIN);
-    /// Gain of the goal's bearing; times the period it must stay well under 1.
-    K_ALPHA = "law" "k_alpha", PerSecond, positive(1000.0, 8.0, GAIN);
+    /// Gain of the distance to the goal. Unless set, it fits the law, the period and the wheels' acceleration.
+    K_V = "law" "k_v", PerSecond, positive(1000.0, 7.0 / 6.0, GAIN);
+    /// Gain of the goal's bearing; times the period it must stay well under 1. Unless set, it fits like k_v.
+    K_ALPHA = "law" "k_alpha", PerSecond, positive(1000.0, 2.4, GAIN);
     /// Weight of the direction of approach against the bearing in the global Lyapunov function.
-    H = "law" "h", One, positive(100.0, 0.5, GAIN);
-    /// Gain of the heading error near the goal.
-    K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 2.0, GAIN);
-    /// Distance from the goal at which the local law takes over; the final sideways error can be as large.
+    H = "law" "h", One, positive(100.0, 0.3, GAIN);
+    /// Gain of the heading error near the goal. Unless set, it fits like k_v.
+    K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 7.0 / 6.0, GAIN);
+    /// Distance from the goal at which steering fades; the local law takes over at a quarter of it.
     CAPTURE_RADIUS = "law" "capture_radius_m", Metre,
-        positive(1.0, 0.01, "the bearing of a goal at distance 0 is noise, and beyond 1 m turning in place parks nothing");
-    /// How many capture radii away the global law takes over again.
-    CAPTURE_RELEASE = "law" "capture_release", One,
-        within(1.0, 100.0, 2.0, "below 1 the laws would take turns at every tick");
-    /// Which end of the robot goes first; `auto` takes the one that points at the goal.
+        positive(1.0, 0.033, "the bearing of a goal at distance 0 is noise, and beyond 1 m turning in place parks nothing");
+    /// Which end of the robot goes first; `auto` takes the way with less turning.
     DIRECTION = "law" "direction", One, one_of(&["auto", "forward", "reverse"]);
 
     /// Largest distance from the goal that counts as being there.
@@ -121,43 +118,6 @@ parameters! {
     /// How many beams the simulated laser has over its 180°.
     LASER_BEAMS = "laser" "beams", One,
         whole(2.0, 4096.0, 181, "a line needs two beams, and a scan holds at most 4096");
-
-    /// How old a camera's sighting of a landmark is at its stamp.
-    CAMERA_LATENCY = "camera" "latency_s", Second, within(0.0, 10.0, 0.03, LATENCY);
-    /// Recorded depth of a landmark over its true depth.
-    CAMERA_SCALE = "camera" "scale", One,
-        within(0.5, 2.0, 1.04, "a camera that is off by a factor of two is not calibrated");
-    /// Standard deviation of a depth, near the camera.
-    CAMERA_DEPTH_STD = "camera" "depth_std_m", Metre, positive(10.0, 0.02, SIGMA);
-    /// Growth of that standard deviation with depth.
-    CAMERA_DEPTH_STD_PER_METRE = "camera" "depth_std_per_metre", One,
-        within(0.0, 1.0, 0.012, "a growth is not negative, and above 1 a depth says nothing");
-    /// Standard deviation of a landmark's bearing.
-    CAMERA_BEARING_STD = "camera" "bearing_std_deg", Degree, positive(90.0, 0.6, SIGMA);
-    /// How long the error of a sighting lasts: repeated sightings within that time are not independent.
-    CAMERA_CORRELATION_TIME = "camera" "correlation_time_s", Second,
-        within(0.0, 1000.0, 4.0, "a time is not negative");
-    /// Time between two images.
-    CAMERA_FRAME_PERIOD = "camera" "frame_period_s", Second,
-        positive(10.0, 0.23, "a camera takes time between two images");
-
-    /// How long a commanded velocity shows no effect, where a recording has commands instead of wheel ticks.
-    COMMAND_DEAD_TIME = "commands" "dead_time_s", Second, within(0.0, 10.0, 0.18, "a delay is not negative");
-    /// Speed over commanded speed.
-    COMMAND_SPEED_GAIN = "commands" "speed_gain", One,
-        within(0.1, 10.0, 1.05, "a base that is off by a factor of ten does not follow commands");
-    /// Turn rate over commanded turn rate.
-    COMMAND_TURN_GAIN = "commands" "turn_gain", One,
-        within(0.1, 10.0, 0.955, "a base that is off by a factor of ten does not follow commands");
-    /// Way lost for each radian turned while driving.
-    COMMAND_WAY_LOST = "commands" "way_lost_per_radian_m", Metre,
-        within(0.0, 1.0, 0.096, "a turn does not push the robot");
-    /// Variance of a rim's travel for each metre driven by command, in m².
-    RIM_VARIANCE_PER_METRE = "commands" "rim_variance_per_metre", One,
-        positive(1.0, 1.5e-4, "a variance is positive");
-    /// Variance of a rim's travel for each radian turned by command, in m².
-    RIM_VARIANCE_PER_RADIAN = "commands" "rim_variance_per_radian", One,
-        positive(1.0, 7e-4, "a variance is positive");
 
     /// Time between two ticks of the loop.
     PERIOD = "loop" "period_s", Second,

@@ -1,0 +1,86 @@
+//! What the robot has made up its mind about, and what it takes to change it: noise does not.
+
+use core::f64::consts::{PI, TAU};
+
+use crate::navigation::Navigation;
+use crate::scalar::{Mask, Scalar};
+
+/// Which way round the robot may approach the goal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// Nose first.
+    Forward,
+    /// Tail first.
+    Reverse,
+    /// Whichever takes less turning, kept by hysteresis.
+    #[default]
+    Auto,
+}
+
+/// What the law remembers from tick to tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory<S: Scalar> {
+    /// The local law is in charge.
+    pub near: S::Mask,
+    /// The robot drives tail first.
+    pub reverse: S::Mask,
+    /// The side it turns to, where left and right are equally far: ±1; 0 where nothing is decided yet.
+    pub side: S,
+}
+
+impl<S: Scalar> Memory<S> {
+    /// Nothing decided yet.
+    pub fn fresh() -> Self {
+        Self { near: S::Mask::splat(false), reverse: S::Mask::splat(false), side: S::of(0.0) }
+    }
+
+    /// Where nothing is decided yet.
+    #[inline]
+    pub fn is_fresh(&self) -> S::Mask {
+        self.side.abs().lt(S::of(0.5))
+    }
+}
+
+/// How far beyond ±π a turn is continued to the side it has begun \[rad].
+const SIDE_HYSTERESIS: f64 = 0.5;
+/// How much worse |α| + h|φ| must be than the other direction's before the robot turns round \[rad].
+const DIRECTION_HYSTERESIS: f64 = 1.3;
+
+/// Whether the tail goes first.
+///
+/// At first the direction that takes less turning: driving nearly straight, nose first turns by |α| + |φ| and tail
+/// first by 2π − |α| − |φ|. Later the robot turns round only where |α| + h|φ| says so by a margin: then
+/// W = c·ln ρ + ½(α² + hφ²) falls by π times that margin, so that the change of mind is itself a descent.
+#[inline]
+pub(super) fn reverse<S: Scalar>(
+    direction: Direction,
+    navigation: &Navigation<S>,
+    h: S,
+    memory: &Memory<S>,
+) -> S::Mask {
+    match direction {
+        Direction::Forward => S::Mask::splat(false),
+        Direction::Reverse => S::Mask::splat(true),
+        Direction::Auto => {
+            let (alpha, phi) = (navigation.alpha.radians().abs(), navigation.phi.radians().abs());
+            let less_turning = (alpha + phi).gt(S::of(PI));
+            let half = S::of(PI / 2.0);
+            let excess = (alpha - half) + h * (phi - half);
+            let margin = S::of(DIRECTION_HYSTERESIS);
+            let kept = excess.gt(S::select(memory.reverse, -margin, margin));
+            memory.is_fresh().select(less_turning, kept)
+        }
+    }
+}
+
+/// `angle` continued beyond ±π on the side to which the robot already turns, and the side for the next tick.
+///
+/// # Departure
+/// [Tran2012] wraps every angle. With noise the sign of a wrapped angle near ±π flips, and the robot dithers.
+#[inline]
+pub(super) fn to_side<S: Scalar>(angle: S, side: S) -> (S, S) {
+    let near_branch = angle.abs().gt(S::of(PI - SIDE_HYSTERESIS));
+    let other_side = (angle * side).lt(S::of(0.0));
+    let continued = angle + S::select(near_branch.and(other_side), side * S::of(TAU), S::of(0.0));
+    (continued, continued.sign())
+}

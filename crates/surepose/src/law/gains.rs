@@ -1,0 +1,78 @@
+//! The gains of both laws, and the defaults that fit a period and a robot.
+
+use crate::drive::Drive;
+use crate::limit::Limits;
+use crate::scalar::Scalar;
+
+/// The gains of both laws of [Tran2012].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains<S> {
+    /// k_v \[1/s]: of the distance, Eq. (23) and (28).
+    pub k_v: S,
+    /// k_α \[1/s]: of the bearing, Eq. (23).
+    pub k_alpha: S,
+    /// h: weight of the direction of approach, Eq. (19).
+    pub h: S,
+    /// k_θ \[1/s]: of the heading error, Eq. (28).
+    pub k_theta: S,
+}
+
+/// Parts of an error that are taken away in one period: far below 1, or the sampled loop overshoots.
+const K_V_PER_PERIOD: f64 = 0.18;
+const K_ALPHA_PER_PERIOD: f64 = 0.24;
+const K_THETA_PER_PERIOD: f64 = 0.8;
+const QUIET_ALPHA_PER_PERIOD: f64 = 0.096;
+const QUIET_THETA_PER_PERIOD: f64 = 0.14;
+/// Weight of the direction of approach: the robot drives nearly straight and turns at the goal, as the time-optimal
+/// paths of [BalkcomMason2002] do.
+const H: f64 = 0.3;
+
+impl<S: Scalar> Gains<S> {
+    /// The paper's gains, Sec. 5.1. They are for continuous time: at the paper's period of 0.1 s k_α·ΔT is 10.
+    ///
+    /// h and k_θ are not printed; with h = 1 α and φ weigh the same.
+    pub fn paper() -> Self {
+        Self { k_v: S::of(10.0), k_alpha: S::of(100.0), h: S::of(1.0), k_theta: S::of(10.0) }
+    }
+
+    /// Gains for a loop of `period` \[s] whose wheels obey `limits`.
+    ///
+    /// A gain takes a fixed part of its error away in each period: 0.18 of the distance, 0.24 of the bearing, 0.8 of
+    /// the heading error. None is larger than what the wheels' acceleration can follow: an error that shrinks at rate
+    /// k from full speed V needs the deceleration k·V.
+    pub fn for_loop(period: S, limits: &Limits<S>) -> Self {
+        let followed = limits.wheel_acceleration / limits.wheel_speed;
+        let gain = |part: f64, share: f64| (S::of(part) / period).min(followed * S::of(share));
+        Self {
+            k_v: gain(K_V_PER_PERIOD, 0.7),
+            k_alpha: gain(K_ALPHA_PER_PERIOD, 2.0),
+            h: S::of(H),
+            k_theta: gain(K_THETA_PER_PERIOD, 0.7),
+        }
+    }
+}
+
+/// What the law knows of the robot it steers: how fast it can be, and how often it is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuation<S> {
+    /// Largest speed \[m/s].
+    pub speed: S,
+    /// Largest turn rate \[rad/s].
+    pub turn_rate: S,
+    /// Largest k_α at a small bearing \[1/s]: noise of the estimate is averaged over several periods.
+    pub quiet_alpha: S,
+    /// Largest k_θ at a small heading error \[1/s].
+    pub quiet_theta: S,
+}
+
+impl<S: Scalar> Actuation<S> {
+    /// The robot of `drive` and `limits`, told every `period` \[s].
+    pub fn of(drive: &Drive<S>, limits: &Limits<S>, period: S) -> Self {
+        Self {
+            speed: limits.wheel_speed,
+            turn_rate: limits.wheel_speed / (drive.track * S::of(0.5)),
+            quiet_alpha: S::of(QUIET_ALPHA_PER_PERIOD) / period,
+            quiet_theta: S::of(QUIET_THETA_PER_PERIOD) / period,
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! The paper's hybrid law as the paper has it, signs mended: for comparison and for its figures.
+
+use crate::drive::Twist;
+use crate::navigation::Navigation;
+use crate::scalar::{Mask, Scalar};
+
+use super::Decision;
+use super::commitment::Memory;
+use super::gains::Gains;
+use super::global::GlobalLaw;
+use super::local::LocalLaw;
+
+/// [Tran2012] Sec. 4: the local law on Ω_l = {ρ < ε_P, |φ − α| < ε_θ}, the global law elsewhere. It remembers nothing.
+///
+/// # Departure
+/// (28) with its sign mended, see [`LocalLaw`]. The paper gives no ε_θ: one below π leaves the robot to the global
+/// law on top of the goal, where α is noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperLaw<S> {
+    /// The gains.
+    pub gains: Gains<S>,
+    /// ε_P \[m].
+    pub capture_radius: S,
+    /// ε_θ \[rad].
+    pub capture_heading: S,
+}
+
+impl<S: Scalar> PaperLaw<S> {
+    /// The global law of these gains.
+    pub fn global(&self) -> GlobalLaw<S> {
+        GlobalLaw { k_v: self.gains.k_v, k_alpha: self.gains.k_alpha, h: self.gains.h }
+    }
+
+    /// The local law of these gains.
+    pub fn local(&self) -> LocalLaw<S> {
+        LocalLaw { k_v: self.gains.k_v, k_theta: self.gains.k_theta }
+    }
+
+    /// The twist for the goal as seen now. Of the memory only `near` is set, for those who plot the switch.
+    #[inline]
+    pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
+        let error = navigation.heading_error().radians().abs();
+        let near = navigation.rho.lt(self.capture_radius).and(error.lt(self.capture_heading));
+        let twist = Twist::select(near, self.local().twist(navigation), self.global().twist(navigation));
+        Decision { twist, memory: Memory { near, ..memory } }
+    }
+}

@@ -1,0 +1,255 @@
+//! The hybrid law: it descends, it does not change its mind on noise, and it parks, noise or not.
+
+use proptest::prelude::*;
+use surepose::closed_loop::{Controller, Progress};
+use surepose::{
+    Actuation, Angle, Body, Direction, Drive, Float, Gains, Goal, HybridLaw, Integration, Law, Limits,
+    LocalLaw, Map, Memory, Navigation, PaperLaw, Pose, Tolerance, Twist,
+};
+
+const PI: f64 = core::f64::consts::PI;
+
+fn drive<S: Float>() -> Drive<S> {
+    Drive { wheel_radius: S::of(0.05), track: S::of(0.6) }
+}
+
+fn limits<S: Float>(acceleration: f64) -> Limits<S> {
+    Limits { wheel_speed: S::of(0.3), wheel_acceleration: S::of(acceleration) }
+}
+
+fn law<S: Float>(period: f64, direction: Direction) -> HybridLaw<S> {
+    HybridLaw::fitted(&drive(), &limits(1e4), S::of(period), direction)
+}
+
+fn navigation(rho: f64, alpha: f64, phi: f64) -> Navigation<f64> {
+    Navigation { rho, alpha: Angle::wrapped(alpha), phi: Angle::wrapped(phi) }
+}
+
+fn memory(near: bool, reverse: bool, side: f64) -> Memory<f64> {
+    Memory { near, reverse, side }
+}
+
+/// The goal as the end that goes first sees it, and how that end moves.
+fn seen_by_the_front(n: Navigation<f64>, reverse: bool, twist: Twist<f64>) -> (Navigation<f64>, Twist<f64>) {
+    if reverse { (n.reversed(), Twist::new(-twist.v, twist.omega)) } else { (n, twist) }
+}
+
+/// A small, seeded source of standard normal numbers: the sum of twelve uniform ones.
+struct Noise(u64);
+
+impl Noise {
+    fn draw(&mut self) -> f64 {
+        let mut uniform = || {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+proptest! {
+    /// W = c·ln ρ + ½(α² + hφ²) falls everywhere outside the capture radius, whatever the memory: c = 2, h = 0.1.
+    #[test]
+    fn the_far_law_descends(
+        rho in 0.0331..5.0, alpha in -3.14..3.14, phi in -3.14..3.14, reverse: bool, period in 0.005..0.1,
+    ) {
+        let n = navigation(rho, alpha, phi);
+        let decision = law(period, Direction::Auto).decide(&n, memory(false, reverse, n.alpha.radians().signum()));
+        prop_assert!(!decision.memory.near);
+        let (front, twist) = seen_by_the_front(n, decision.memory.reverse, decision.twist);
+        prop_assume!(front.alpha.radians() * decision.memory.side >= 0.0); // not continued beyond ±π
+        let (rho_rate, alpha_rate, phi_rate) = front.rates(twist);
+        let rate = 2.0 * rho_rate / rho + front.alpha.radians() * alpha_rate + 0.1 * front.phi.radians() * phi_rate;
+        prop_assert!(rate < 0.0, "dW/dt = {rate}");
+        prop_assert!(twist.v >= 0.0, "the front backs off");
+    }
+
+    /// V̇_l ≤ 0 wherever the local law is in charge, (26)–(29).
+    #[test]
+    fn the_near_law_descends(rho in 0.0..0.0197, alpha in -3.14..3.14, phi in -3.14..3.14, reverse: bool) {
+        let n = navigation(rho, alpha, phi);
+        let side = -n.heading_error().radians().signum();
+        let decision = law(0.02, Direction::Auto).decide(&n, memory(true, reverse, side));
+        prop_assume!(decision.memory.near);
+        let rate = LocalLaw { k_v: 1.0, k_theta: 1.0 }.lyapunov_rate(&n, decision.twist);
+        prop_assert!(rate <= 1e-12, "{rate}");
+    }
+
+    /// The robot turns round only where W falls by it.
+    #[test]
+    fn turning_round_is_a_descent(alpha in -3.14..3.14, phi in -3.14..3.14, reverse: bool) {
+        let law = law(0.02, Direction::Auto);
+        let n = navigation(1.0, alpha, phi);
+        let turned = law.decide(&n, memory(false, reverse, 1.0)).memory.reverse;
+        let level = |reverse: bool| {
+            let front = if reverse { n.reversed() } else { n };
+            0.5 * (front.alpha.radians().powi(2) + law.gains.h * front.phi.radians().powi(2))
+        };
+        prop_assert!(turned == reverse || level(turned) < level(reverse) - 4.0);
+    }
+
+    /// Every number in, a finite twist out.
+    #[test]
+    fn every_input_has_a_finite_answer(
+        rho in any::<f64>(), alpha in any::<f64>(), phi in any::<f64>(), near: bool, reverse: bool, side in -1.0..1.0,
+    ) {
+        let n = Navigation { rho, alpha: Angle::wrapped(alpha), phi: Angle::wrapped(phi) };
+        for law in [Law::Hybrid(law(0.02, Direction::Auto)), Law::Paper(paper())] {
+            let twist = law.decide(&n, memory(near, reverse, side)).twist;
+            prop_assert!(twist.v.is_finite() && twist.omega.is_finite(), "{twist:?}");
+        }
+    }
+}
+
+fn paper() -> PaperLaw<f64> {
+    PaperLaw { gains: Gains::paper(), capture_radius: 0.01, capture_heading: PI }
+}
+
+#[test]
+fn odd_inputs_have_a_finite_answer() {
+    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, f64::MIN_POSITIVE, f64::MAX, PI, -PI];
+    for (rho, alpha, phi) in odd.iter().flat_map(|r| odd.iter().flat_map(move |a| odd.map(|p| (*r, *a, p)))) {
+        let n = Navigation { rho, alpha: Angle::wrapped(alpha), phi: Angle::wrapped(phi) };
+        for law in [Law::Hybrid(law(0.02, Direction::Auto)), Law::Paper(paper())] {
+            let twist = law.decide(&n, Memory::fresh()).twist;
+            assert!(twist.v.is_finite() && twist.omega.is_finite(), "{twist:?} for {n:?}");
+        }
+    }
+}
+
+/// Near α = ±π noise flips the sign of the wrapped angle. The robot keeps the side that it has begun with.
+#[test]
+fn the_turning_side_survives_noise() {
+    let law: HybridLaw<f64> = law(0.02, Direction::Forward);
+    for side in [-1.0, 1.0] {
+        let mut noise = Noise(7);
+        let mut remembered = memory(false, false, side);
+        for _ in 0..10_000 {
+            let n = navigation(1.0, PI + 0.1 * noise.draw(), 0.3);
+            let decision = law.decide(&n, remembered);
+            assert!(decision.twist.omega * side > 0.0);
+            remembered = decision.memory;
+        }
+    }
+}
+
+/// A goal abeam is equally far for nose and tail. Once chosen, the direction stays.
+#[test]
+fn the_direction_of_approach_survives_noise() {
+    let law: HybridLaw<f64> = law(0.02, Direction::Auto);
+    let mut noise = Noise(11);
+    let mut remembered = Memory::fresh();
+    let mut chosen = None;
+    for _ in 0..10_000 {
+        let n = navigation(1.0, 0.5 * PI + 0.2 * noise.draw(), 0.5 * PI + 0.2 * noise.draw());
+        remembered = law.decide(&n, remembered).memory;
+        assert_eq!(*chosen.get_or_insert(remembered.reverse), remembered.reverse);
+    }
+}
+
+/// What is left to the sampled loop per period.
+#[test]
+fn fitted_gains_suit_the_period_and_the_wheels() {
+    for period in [0.005, 0.02, 0.1, 0.5] {
+        let slow = Gains::<f64>::for_loop(period, &limits(0.5));
+        let fast = Gains::for_loop(period, &limits(1e4));
+        for gain in [fast.k_v, fast.k_alpha, fast.k_theta] {
+            assert!(gain * period < 0.81);
+        }
+        // From full speed, the deceleration that the fitted k_v and k_θ ask for is within the wheels' limit.
+        assert!(
+            slow.k_v * 0.3 <= 0.5
+                && slow.k_theta * Actuation::of(&drive(), &limits(0.5), period).turn_rate * 0.3 <= 0.5
+        );
+    }
+}
+
+struct Drove {
+    reached: bool,
+    /// How often the laws took turns.
+    switches: u32,
+    /// \[m]
+    distance: f64,
+}
+
+/// Drives from `start` to the origin, the pose seen with noise of `position` \[m] and `heading` \[rad].
+fn park<S: Float>(
+    controller: &Controller<S>,
+    start: (f64, f64, f64),
+    mut noise: Noise,
+    (position, heading): (f64, f64),
+) -> Drove {
+    let goal: Pose<Map, Goal, S> = Pose::new(S::of(0.0), S::of(0.0), Angle::zero());
+    let mut pose: Pose<Map, Body, S> =
+        Pose::new(S::of(start.0), S::of(start.1), Angle::wrapped(S::of(start.2)));
+    let mut progress = Progress::fresh();
+    let mut drove = Drove { reached: false, switches: 0, distance: 0.0 };
+    let ticks = (120.0 / controller.period.to_f64()) as u32;
+    for _ in 0..ticks {
+        let seen = Pose::new(
+            pose.x + S::of(position * noise.draw()),
+            pose.y + S::of(position * noise.draw()),
+            pose.heading.turned(S::of(heading * noise.draw())),
+        );
+        let step = controller.step(progress, seen, goal);
+        assert!(controller.drive.rims_from_twist(step.granted).largest().to_f64() <= 0.3 + 1e-6);
+        drove.switches += u32::from(step.progress.memory.near != progress.memory.near);
+        pose = pose.moved(step.granted.over(controller.period), Integration::Arc);
+        progress = step.progress;
+        drove.distance = Navigation::of(pose, goal).rho.to_f64();
+        drove.reached = progress.arrival.reached(&controller.tolerance);
+        if drove.reached {
+            break;
+        }
+    }
+    drove
+}
+
+fn controller<S: Float>(period: f64, acceleration: f64, direction: Direction) -> Controller<S> {
+    let limits = limits(acceleration);
+    Controller {
+        drive: drive(),
+        law: Law::Hybrid(HybridLaw::fitted(&drive(), &limits, S::of(period), direction)),
+        limits,
+        tolerance: Tolerance {
+            position: S::of(0.01),
+            heading: S::of(1f64.to_radians()),
+            hold: S::of(1.0),
+            release: S::of(1.5),
+        },
+        period: S::of(period),
+    }
+}
+
+fn start() -> impl Strategy<Value = (f64, f64, f64)> {
+    (-3.0..3.0, -3.0..3.0, -3.14..3.14)
+}
+
+fn direction() -> impl Strategy<Value = Direction> {
+    prop_oneof![Just(Direction::Auto), Just(Direction::Forward), Just(Direction::Reverse)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// From everywhere, in both formats, at both periods, with and without an acceleration limit.
+    #[test]
+    fn it_parks(start in start(), direction in direction(), slow: bool, limited: bool) {
+        let (period, acceleration) = (if slow { 0.1 } else { 0.02 }, if limited { 0.5 } else { 1e4 });
+        let double = park(&controller::<f64>(period, acceleration, direction), start, Noise(1), (0.0, 0.0));
+        prop_assert!(double.reached && double.distance < 0.01, "stands {} m off", double.distance);
+        let single = park(&controller::<f32>(period, acceleration, direction), start, Noise(1), (0.0, 0.0));
+        prop_assert!(single.reached && single.distance < 0.01, "f32 stands {} m off", single.distance);
+    }
+
+    /// The estimate of a laser localisation; the switch does not chatter.
+    #[test]
+    fn it_parks_with_noise(start in start(), direction in direction(), slow: bool, seed in 1u64..) {
+        let period = if slow { 0.1 } else { 0.02 };
+        let drove = park(&controller::<f64>(period, 1e4, direction), start, Noise(seed), (0.0017, 0.0013));
+        prop_assert!(drove.reached && drove.distance < 0.012, "stands {} m off", drove.distance);
+        prop_assert!(drove.switches <= 7, "switched {} times", drove.switches);
+    }
+}
