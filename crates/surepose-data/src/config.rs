@@ -5,6 +5,7 @@
 //! core's constants can be made from it without failing: [`build`](self) is where that happens, once for every
 //! command.
 
+mod advice;
 mod build;
 mod file;
 mod key;

@@ -165,7 +165,7 @@ fn checked_number(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> 
     let (key, unit) = (parameter.key, spaced(parameter.unit.symbol()));
     let Some(number) = number(value) else {
         let what = format!("`{key}` is a number, and this is {}", described(value));
-        return Err(Refused { what, help: format!("write a number{unit} in {range}") });
+        return Err(Refused { what, help: format!("write a number in {range}{unit}") });
     };
     if range.admits(number) {
         return Ok(Value::Number(number));
@@ -178,7 +178,7 @@ fn checked_number(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> 
     } else {
         format!("`{key}` is out of range: {shown}{unit}")
     };
-    Err(Refused { what, help: format!("write a value{unit} in {range}: {}", range.reason) })
+    Err(Refused { what, help: format!("write a value in {range}{unit}: {}", range.reason) })
 }
 
 fn checked_whole(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> Result<Value, Refused> {

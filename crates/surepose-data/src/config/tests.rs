@@ -64,8 +64,8 @@ fn slips_are_recognised() {
             "robot.toml:5: `name` cannot be \"papper\" | did you mean \"paper\"? The choice is \"surepose\", \"paper\"",
             "robot.toml:6: unknown key `xyz` in [law] | [law] has name, k_v, k_alpha, h, k_theta, \
              capture_radius_m, direction",
-            "robot.toml:8: `period_s` is a number, and this is text; leave out the quotes | write a number s in \
-             [0.001, 1]",
+            "robot.toml:8: `period_s` is a number, and this is text; leave out the quotes | write a number in \
+             [0.001, 1] s",
         ]
     );
 }
@@ -83,7 +83,10 @@ fn impossible_values_are_refused_with_the_reason() {
         ("robot.toml:7: `h` is inf, and must be finite", "positive gains"),
         ("robot.toml:8: `k_theta` is inf, and must be finite", "positive gains"),
         ("robot.toml:10: `beams` is a whole number, and this is 180.5", "[2, 4096]"),
-        ("robot.toml:11: `range_std_m` is a number, and this is true or false", "write a number m"),
+        (
+            "robot.toml:11: `range_std_m` is a number, and this is true or false",
+            "write a number in (0, 10] m",
+        ),
     ];
     assert_eq!(found.len(), expected.len(), "{found:#?}");
     for (found, (what, help)) in found.iter().zip(expected) {

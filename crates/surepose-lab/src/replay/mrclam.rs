@@ -2,6 +2,7 @@
 
 mod camera;
 mod response;
+mod settings;
 
 use std::path::Path;
 use std::time::Instant;

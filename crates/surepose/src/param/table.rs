@@ -119,6 +119,43 @@ parameters! {
     LASER_BEAMS = "laser" "beams", One,
         whole(2.0, 4096.0, 181, "a line needs two beams, and a scan holds at most 4096");
 
+    /// How old a camera's sighting of a landmark is at its stamp.
+    CAMERA_LATENCY = "camera" "latency_s", Second, within(0.0, 10.0, 0.03, LATENCY);
+    /// Recorded depth of a landmark over its true depth.
+    CAMERA_SCALE = "camera" "scale", One,
+        within(0.5, 2.0, 1.04, "a camera that is off by a factor of two is not calibrated");
+    /// Standard deviation of a depth, near the camera.
+    CAMERA_DEPTH_STD = "camera" "depth_std_m", Metre, positive(10.0, 0.02, SIGMA);
+    /// Growth of that standard deviation with depth.
+    CAMERA_DEPTH_STD_PER_METRE = "camera" "depth_std_per_metre", One,
+        within(0.0, 1.0, 0.012, "a growth is not negative, and above 1 a depth says nothing");
+    /// Standard deviation of a landmark's bearing.
+    CAMERA_BEARING_STD = "camera" "bearing_std_deg", Degree, positive(90.0, 0.6, SIGMA);
+    /// How long the error of a sighting lasts: repeated sightings within that time are not independent.
+    CAMERA_CORRELATION_TIME = "camera" "correlation_time_s", Second,
+        within(0.0, 1000.0, 4.0, "a time is not negative");
+    /// Time between two images.
+    CAMERA_FRAME_PERIOD = "camera" "frame_period_s", Second,
+        positive(10.0, 0.23, "a camera takes time between two images");
+
+    /// How long a commanded velocity shows no effect, where a recording has commands instead of wheel ticks.
+    COMMAND_DEAD_TIME = "commands" "dead_time_s", Second, within(0.0, 10.0, 0.18, "a delay is not negative");
+    /// Speed over commanded speed.
+    COMMAND_SPEED_GAIN = "commands" "speed_gain", One,
+        within(0.1, 10.0, 1.05, "a base that is off by a factor of ten does not follow commands");
+    /// Turn rate over commanded turn rate.
+    COMMAND_TURN_GAIN = "commands" "turn_gain", One,
+        within(0.1, 10.0, 0.955, "a base that is off by a factor of ten does not follow commands");
+    /// Way lost for each radian turned while driving.
+    COMMAND_WAY_LOST = "commands" "way_lost_per_radian_m", Metre,
+        within(0.0, 1.0, 0.096, "a turn does not push the robot");
+    /// Variance of a rim's travel for each metre driven by command, in m².
+    RIM_VARIANCE_PER_METRE = "commands" "rim_variance_per_metre", One,
+        positive(1.0, 1.5e-4, "a variance is positive");
+    /// Variance of a rim's travel for each radian turned by command, in m².
+    RIM_VARIANCE_PER_RADIAN = "commands" "rim_variance_per_radian", One,
+        positive(1.0, 7e-4, "a variance is positive");
+
     /// Time between two ticks of the loop.
     PERIOD = "loop" "period_s", Second,
         within(0.001, 1.0, 0.1, "below 1 ms no wheel follows; above 1 s the robot drives blind");

@@ -1,0 +1,166 @@
+//! `surepose config`: whether a configuration can be used, what is in effect and why, what a parameter means.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use serde_json::{Map, Value as Json, json};
+use surepose::param::{self, Kind, Parameter, Range};
+use surepose_data::Config;
+use surepose_data::config::{Setting, Value};
+
+use crate::exit::Exit;
+use crate::failure::Failure;
+use crate::output::{Output, table, text, warning};
+use crate::settings::ConfigArgs;
+
+/// Check, show or explain the configuration.
+#[derive(Debug, Args)]
+pub(crate) struct ConfigCommand {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Whether a configuration can be used; every problem with its line and its cure
+    #[command(after_help = "Example: surepose config check robot.toml")]
+    Check(Source),
+    /// Every parameter in effect, with where its value came from, as TOML that can be edited and read again
+    #[command(after_help = "Example: surepose config show --config robot.toml --set law.k_v=3")]
+    Show(Source),
+    /// What one parameter means, its unit, its bounds and why they are there
+    #[command(after_help = "Example: surepose config explain capture_radius_m")]
+    Explain {
+        /// The parameter: KEY, or SECTION.KEY
+        name: String,
+    },
+}
+
+#[derive(Debug, Args)]
+struct Source {
+    /// The file, as with --config
+    #[arg(value_name = "FILE", conflicts_with = "config")]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+impl Source {
+    fn read(self) -> Result<Config, Failure> {
+        let Self { file, config: ConfigArgs { config, set } } = self;
+        ConfigArgs { config: file.or(config), set }.over(Config::default())
+    }
+}
+
+impl ConfigCommand {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        match self.what {
+            What::Check(source) => {
+                check(output, &source.read()?.fitted());
+                Ok(Exit::Done)
+            }
+            What::Show(source) => {
+                show(output, &source.read()?.fitted());
+                Ok(Exit::Done)
+            }
+            What::Explain { name } => explain(output, &name),
+        }
+    }
+}
+
+fn check(output: Output, config: &Config) {
+    let warnings = config.warnings();
+    for said in &warnings {
+        warning(said);
+    }
+    let json = Map::from_iter([("valid".to_owned(), json!(true)), ("warnings".to_owned(), json!(warnings))]);
+    output.result(&json, || {
+        let set = config.settings().iter().filter(|s| s.origin != surepose_data::config::Origin::Default);
+        let mut table = table(&["parameter", "value", "from"]);
+        for setting in set {
+            table.add_row([name(setting.parameter), shown(setting), setting.origin.to_string()]);
+        }
+        if table.is_empty() {
+            table.add_row(["every parameter", "as in the table", "default"]);
+        }
+        table
+    });
+}
+
+fn show(output: Output, config: &Config) {
+    if output.json {
+        let entry = |setting: &Setting| {
+            let value = match &setting.value {
+                Value::Number(number) => json!(number),
+                Value::Choice(choice) => json!(choice),
+            };
+            let unit = setting.parameter.unit.symbol();
+            let entry = json!({ "value": value, "unit": unit, "from": setting.origin.to_string() });
+            (name(setting.parameter), entry)
+        };
+        let all: Map<String, Json> = config.settings().iter().map(entry).collect();
+        return text(&format!("{}\n", Json::Object(all)));
+    }
+    let (mut toml, mut section) = (String::new(), "");
+    for setting in config.settings() {
+        let p = setting.parameter;
+        if p.section != section {
+            section = p.section;
+            let gap = if toml.is_empty() { "" } else { "\n" };
+            let _ = writeln!(toml, "{gap}[{section}]");
+        }
+        let value = match &setting.value {
+            Value::Number(number) => number.to_string(),
+            Value::Choice(choice) => format!("\"{choice}\""),
+        };
+        let line = format!("{} = {value}", p.key);
+        let _ = writeln!(toml, "{line:<40} # {}", setting.origin);
+    }
+    text(&toml);
+}
+
+fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
+    let Some(p) = param::find_by_name(wanted) else {
+        let several: Vec<_> = param::ALL.iter().filter(|p| p.key == wanted).map(name).collect();
+        let help = if several.is_empty() {
+            "`surepose config show` lists every parameter".to_owned()
+        } else {
+            format!("several sections have it: {}", several.join(", "))
+        };
+        return Err(Failure::Usage { what: format!("'{wanted}' is not one parameter"), help });
+    };
+    let (bounds, default, reason) = match p.kind {
+        Kind::Number { default, range } => (bounds(p, &range), json!(default), range.reason),
+        Kind::Whole { default, range } => (bounds(p, &range), json!(default), range.reason),
+        Kind::Choice { options } => (options.join(", "), json!(options.first()), "these are what there is"),
+    };
+    let meaning = p.meaning.trim();
+    if output.json {
+        let all = json!({
+            "name": name(p), "unit": p.unit.symbol(), "default": default, "range": bounds, "reason": reason,
+            "meaning": meaning,
+        });
+        text(&format!("{all}\n"));
+    } else {
+        let default = default.as_str().map_or_else(|| default.to_string(), str::to_owned);
+        text(&format!(
+            "{}\n  {meaning}\n  default: {default}\n  allowed: {bounds}\n  because: {reason}\n",
+            name(p)
+        ));
+    }
+    Ok(Exit::Done)
+}
+
+fn name(parameter: &Parameter) -> String {
+    format!("{}.{}", parameter.section, parameter.key)
+}
+
+fn shown(setting: &Setting) -> String {
+    let unit = setting.parameter.unit.symbol();
+    if unit.is_empty() { setting.value.to_string() } else { format!("{} {unit}", setting.value) }
+}
+
+fn bounds(parameter: &Parameter, range: &Range) -> String {
+    format!("{range} {}", parameter.unit.symbol()).trim_end().to_owned()
+}

@@ -1,0 +1,83 @@
+//! `surepose replay`: the estimator on a recording, judged against its reference.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde_json::{Map, Value as Json, json};
+use surepose_lab::replay::{ReplayError, ReplayReport, mrclam};
+
+use crate::exit::Exit;
+use crate::failure::Failure;
+use crate::output::{Output, table};
+use crate::settings::ConfigArgs;
+
+/// Run the estimator on a recording and judge it against the recording's reference.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  surepose replay mrclam MRCLAM_Dataset7 --robot 3
+  surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json")]
+pub(crate) struct ReplayCommand {
+    /// The format of the recording
+    format: Format,
+    /// The recording: a file, or a folder where the format has several
+    path: PathBuf,
+    /// Which robot, where the recording has several
+    #[arg(long, default_value_t = 1)]
+    robot: u32,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// UTIAS MRCLAM: commanded velocities, landmarks, motion capture
+    Mrclam,
+}
+
+impl ReplayCommand {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        let report = match self.format {
+            Format::Mrclam => {
+                let config = self.config.over(mrclam::Settings::preset())?;
+                mrclam::replay(&self.path, self.robot, &mrclam::Settings::of(&config))
+            }
+        };
+        let report = report.map_err(|error| match error {
+            ReplayError::Data(error) => Failure::Data(error),
+            ReplayError::NoStart => Failure::Recording { path: self.path.clone(), what: error.to_string() },
+        })?;
+        let json = json_of(&report);
+        output.result(&json, || {
+            let mut table = table(&[]);
+            for (key, value) in &json {
+                table.add_row([key.clone(), shown(value)]);
+            }
+            table
+        });
+        Ok(Exit::Done)
+    }
+}
+
+fn json_of(report: &ReplayReport) -> Map<String, Json> {
+    match serde_json::to_value(report) {
+        Ok(Json::Object(map)) => map,
+        _ => Map::from_iter([("steps".to_owned(), json!(report.steps))]),
+    }
+}
+
+/// A value as a person reads it: four digits, and counts by name.
+fn shown(value: &Json) -> String {
+    match value {
+        Json::Number(number) if !number.is_u64() => {
+            let number = number.as_f64().unwrap_or(f64::NAN);
+            format!("{:.*}", (3 - number.abs().max(1e-3).log10().floor() as i32).clamp(0, 6) as usize, number)
+        }
+        Json::Object(counts) if counts.is_empty() => "none".to_owned(),
+        Json::Object(counts) => {
+            let counted = counts.iter().filter(|(_, count)| count.as_u64() != Some(0));
+            let named: Vec<_> = counted.map(|(name, count)| format!("{count} {name}")).collect();
+            if named.is_empty() { "none".to_owned() } else { named.join(", ") }
+        }
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,20 @@
+//! Exit codes: part of the contract with scripts.
+
+use std::process::ExitCode;
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// Goal reached, certificate holds, files written.
+    Done = 0,
+    /// The command line or the configuration is wrong.
+    Usage = 2,
+    /// Input data cannot be read, or is malformed.
+    Data = 3,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}

@@ -1,0 +1,66 @@
+//! `surepose`: drives a simulated robot to a pose, replays recordings, reproduces the paper's figures.
+//!
+//! The program is thin: it reads options and files, calls the libraries, and prints. One file per command.
+
+mod command;
+mod exit;
+mod failure;
+mod output;
+mod settings;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use exit::Exit;
+
+/// Drive a differential robot to a pose, and be sure.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    after_help = "Exit codes: 0 done, 1 ran but the outcome is negative, 2 usage or configuration error, 3 input data \
+                  unreadable or malformed, 4 stopped by the supervisor, 130 interrupted.",
+    after_long_help = EXAMPLES
+)]
+struct Program {
+    #[command(subcommand)]
+    command: command::Command,
+
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  surepose config show > robot.toml           every parameter with its default, to edit
+  surepose config check robot.toml            whether a configuration can be used
+  surepose config explain capture_radius_m    what one parameter does
+
+Exit codes:
+  0    done: goal reached, certificate holds, files written
+  1    ran, but the outcome is negative
+  2    usage or configuration error
+  3    input data unreadable or malformed; the message names file and line
+  4    stopped by the supervisor
+  130  interrupted; what was finished is kept";
+
+fn main() -> ExitCode {
+    let program = match Program::try_parse() {
+        Ok(program) => program,
+        Err(problem) => {
+            // A closed pipe cannot be told anything.
+            let _ = problem.print();
+            return if problem.use_stderr() { Exit::Usage } else { Exit::Done }.into();
+        }
+    };
+    failure::style_messages();
+    match program.command.run(output::Output { json: program.json }) {
+        Ok(exit) => exit.into(),
+        Err(failure) => {
+            let exit = failure.exit();
+            eprintln!("{:?}", miette::Report::new(failure));
+            exit.into()
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! What a command says: one JSON object on standard output, or a table on standard error.
+
+use std::io::Write;
+
+use comfy_table::{LineStyle, Table, presets};
+use serde_json::{Map, Value};
+
+/// How results are printed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Output {
+    /// One JSON object instead of tables.
+    pub(crate) json: bool,
+}
+
+impl Output {
+    /// Prints the result: `json` on standard output if asked for, else `table` on standard error.
+    pub(crate) fn result(self, json: &Map<String, Value>, table: impl FnOnce() -> Table) {
+        if self.json {
+            text(&format!("{}\n", Value::Object(json.clone())));
+        } else {
+            eprintln!("{}", table());
+        }
+    }
+}
+
+/// Prints text on standard output; a reader that left early is no failure.
+pub(crate) fn text(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// A warning, on standard error.
+pub(crate) fn warning(text: &str) {
+    eprintln!("warning: {text}");
+}
+
+/// A table in the program's style.
+pub(crate) fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    if !header.is_empty() {
+        table.set_header(header);
+    }
+    table
+}

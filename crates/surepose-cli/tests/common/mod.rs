@@ -1,0 +1,68 @@
+//! Running the program, and files to run it on.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// What a run of the program gave.
+pub(crate) struct Run {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Run {
+    /// The one JSON object on standard output.
+    pub(crate) fn json(&self) -> serde_json::Value {
+        let value: serde_json::Value = serde_json::from_str(&self.stdout).expect("one JSON value");
+        assert!(value.is_object(), "{value}");
+        assert!(!self.stdout.contains("NaN"), "{value}");
+        value
+    }
+}
+
+/// Runs `surepose` with these arguments.
+pub(crate) fn surepose(arguments: &[&str]) -> Run {
+    let output: Output = Command::new(env!("CARGO_BIN_EXE_surepose"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    let run = Run {
+        code: output.status.code().expect("the program ends by itself"),
+        stdout: text(output.stdout),
+        stderr: text(output.stderr),
+    };
+    assert!(!run.stderr.contains("panicked"), "{arguments:?}: {}", run.stderr);
+    run
+}
+
+/// A folder of this test's own, empty.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("the target folder can be written to");
+    folder
+}
+
+/// A file of these bytes, with its path as text.
+pub(crate) fn file(folder: &Path, name: &str, bytes: &[u8]) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).expect("the folder can be written to");
+    path.to_str().expect("UTF-8").to_owned()
+}
+
+/// Where the real recordings are, if they are there.
+pub(crate) fn recordings() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var_os("SUREPOSE_DATA").map_or(beside, PathBuf::from);
+    if folder.is_dir() {
+        Some(folder)
+    } else {
+        eprintln!("skipped: no recordings in {}; set SUREPOSE_DATA", folder.display());
+        None
+    }
+}

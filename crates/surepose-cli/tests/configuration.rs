@@ -1,0 +1,108 @@
+//! `surepose config`, and what any command makes of a wrong configuration or a wrong command line.
+
+mod common;
+
+use common::{file, folder, surepose};
+
+#[test]
+fn the_defaults_are_valid_and_shown_as_what_can_be_read_again() {
+    let check = surepose(&["config", "check", "--json"]);
+    assert_eq!(check.code, 0);
+    assert_eq!(check.json()["valid"], true);
+
+    let shown = surepose(&["config", "show"]);
+    assert_eq!(shown.code, 0);
+    let path = file(&folder("show"), "robot.toml", shown.stdout.as_bytes());
+    let again = surepose(&["config", "show", &path]);
+    let values = |text: &str| -> Vec<String> {
+        text.lines().map(|line| line.split('#').next().unwrap_or("").trim().to_owned()).collect()
+    };
+    assert_eq!(values(&shown.stdout), values(&again.stdout));
+    assert!(again.stdout.contains("robot.toml:2"), "{}", again.stdout);
+}
+
+#[test]
+fn each_value_says_where_it_came_from() {
+    let path = file(&folder("origin"), "robot.toml", b"[law]\nk_v = 3\n");
+    let json = surepose(&["config", "show", &path, "--set", "law.h=0.25", "--json"]).json();
+    assert!(json["law.k_v"]["from"].as_str().is_some_and(|from| from.ends_with("robot.toml:2")), "{json}");
+    assert_eq!(json["law.h"]["from"], "command line");
+    assert_eq!(json["law.h"]["value"], 0.25);
+    assert_eq!(json["law.k_alpha"]["from"], "preset fitted");
+    assert_eq!(json["goal.hold_s"]["from"], "default");
+    assert_eq!(json["robot.track_m"]["unit"], "m");
+}
+
+#[test]
+fn explaining_names_unit_range_and_reason() {
+    let json = surepose(&["config", "explain", "robot.track_m", "--json"]).json();
+    for key in ["name", "unit", "default", "range", "reason", "meaning"] {
+        assert!(!json[key].is_null(), "{key} in {json}");
+    }
+    let ambiguous = surepose(&["config", "explain", "latency_s"]);
+    assert_eq!(ambiguous.code, 2);
+    assert!(ambiguous.stderr.contains("compass.latency_s, laser.latency_s"), "{}", ambiguous.stderr);
+}
+
+#[test]
+fn problems_point_into_the_file() {
+    let text =
+        "[robot]\nwheel_radius_mm = 50\ntrack_m = -0.6\n\n[compass]\nstd_deg = -0.1\n\n[law]\nk_alfa = 3\n";
+    let folder = folder("problems");
+    let path = file(&folder, "robot.toml", text.as_bytes());
+    let run = surepose(&["config", "check", &path]);
+    assert_eq!(run.code, 2);
+    assert_eq!(run.stdout, "");
+    let message = run.stderr.replace(&path, "robot.toml");
+    insta::assert_snapshot!(message);
+}
+
+#[test]
+fn every_damage_to_a_configuration_exits_with_2() {
+    let folder = folder("damage");
+    let cases: [(&str, &[u8]); 9] = [
+        ("truncated", b"[robot]\ntrack_m ="),
+        ("binary", &[0x1f, 0x8b, 0x08, 0x00, 0xff, 0xfe, 0x00, 0x80]),
+        ("nan", b"[robot]\ntrack_m = nan\n"),
+        ("huge number", b"[robot]\ntrack_m = 1e999\n"),
+        ("huge whole number", b"[laser]\nbeams = 99999999999999999999999999\n"),
+        ("text for a number", b"[robot]\ntrack_m = \"wide\"\n"),
+        ("a list", b"robot = [1, 2]\n"),
+        ("twice", b"[robot]\ntrack_m = 1\ntrack_m = 2\n"),
+        ("nested", b"[robot.track_m]\nx = 1\n"),
+    ];
+    for (name, bytes) in cases {
+        let path = file(&folder, name, bytes);
+        for arguments in [vec!["config", "check", &path], vec!["replay", "mrclam", ".", "--config", &path]] {
+            let run = surepose(&arguments);
+            assert_eq!(run.code, 2, "{name}: {}", run.stderr);
+            assert_eq!(run.stdout, "", "{name}");
+            let line = if ["truncated", "nan", "text for a number"].contains(&name) { 2 } else { 0 };
+            let place = format!("{path}:{line}");
+            assert!(line == 0 || run.stderr.contains(&place), "{name}: {}", run.stderr);
+        }
+    }
+    let absent = surepose(&["config", "check", "no/such/file.toml"]);
+    assert_eq!(absent.code, 2);
+    assert!(absent.stderr.contains("no/such/file.toml"), "{}", absent.stderr);
+}
+
+#[test]
+fn a_wrong_command_line_exits_with_2() {
+    for arguments in [
+        &["parc"][..],
+        &["config", "explain"],
+        &["config", "explain", "nothing"],
+        &["config", "check", "--set", "law.k_v=-1"],
+        &["config", "check", "--set", "law.k_v"],
+        &["replay", "mrclam"],
+        &["replay", "marclam", "."],
+        &["replay", "mrclam", ".", "--robot", "-1"],
+    ] {
+        let run = surepose(arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{arguments:?}");
+    }
+    assert_eq!(surepose(&["--help"]).code, 0);
+    assert_eq!(surepose(&["--version"]).code, 0);
+}

@@ -1,0 +1,106 @@
+//! `surepose replay`: keys, exit codes, and damage to recordings.
+
+mod common;
+
+use std::path::Path;
+
+use common::{file, folder, recordings, surepose};
+
+/// A data set of one robot that stands before a landmark.
+fn data_set(folder: &Path) {
+    file(folder, "Barcodes.dat", b"# subject barcode\n1 5\n6 72\n");
+    file(folder, "Landmark_Groundtruth.dat", b"# s x y sx sy\n6 4.0 0.0 0.0001 0.0001\n");
+    let times = || (0..200).map(|tick| f64::from(tick) * 0.02);
+    let lines = |row: &dyn Fn(f64) -> String| times().map(row).collect::<String>();
+    file(folder, "Robot1_Odometry.dat", lines(&|t| format!("{t} 0.0 0.0\n")).as_bytes());
+    file(folder, "Robot1_Groundtruth.dat", lines(&|t| format!("{t} 1.0 0.0 0.0\n")).as_bytes());
+    file(folder, "Robot1_Measurement.dat", b"1.0 72 3.12 0.0\n2.0 72 3.12 0.0\n");
+}
+
+#[test]
+fn the_json_has_the_contracts_keys() {
+    let folder = folder("replay-keys");
+    data_set(&folder);
+    let run = surepose(&["replay", "mrclam", folder.to_str().expect("UTF-8"), "--robot", "1", "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    for key in [
+        "steps",
+        "duration_s",
+        "distance_m",
+        "wall_s",
+        "position_rmse_m",
+        "heading_rmse_deg",
+        "position_median_m",
+        "nees_mean",
+        "nees_median",
+        "dead_reckoning_position_rmse_m",
+        "dead_reckoning_heading_rmse_deg",
+        "accepted",
+        "rejected",
+    ] {
+        assert!(!json[key].is_null(), "{key} in {json}");
+    }
+    assert_eq!(json["accepted"], 2);
+}
+
+#[test]
+fn a_parameter_reaches_the_filter() {
+    let folder = folder("replay-set");
+    data_set(&folder);
+    let path = folder.to_str().expect("UTF-8");
+    let rmse = |scale: &str| {
+        let run = surepose(&["replay", "mrclam", path, "--set", scale, "--json"]);
+        run.json()["position_rmse_m"].as_f64().expect("a number")
+    };
+    // The landmark is 3 m away and was seen at 1.04 times that; told another scale, the filter steps towards it.
+    assert!(rmse("camera.scale=1.04") < 1e-9);
+    assert!(rmse("camera.scale=0.8") > 1e-4);
+}
+
+#[test]
+fn every_damage_to_a_recording_exits_with_3_and_names_file_and_line() {
+    let damages: [(&str, &[u8], Option<u32>); 8] = [
+        ("Robot1_Odometry.dat", b"0.0 0.1 0.0\n0.1 0.1\n", Some(2)),
+        ("Robot1_Odometry.dat", b"0.0 0.1 0.0\n0.1 nan 0.0\n", Some(2)),
+        ("Robot1_Odometry.dat", b"0.0 1e300 0.0\n", Some(1)),
+        ("Robot1_Groundtruth.dat", b"0.0 0.1 zero 0.0\n", Some(1)),
+        ("Robot1_Measurement.dat", &[0, 1, 2, 0xff, 0xfe, b'\n'], Some(1)),
+        ("Barcodes.dat", b"", None),
+        ("Landmark_Groundtruth.dat", b"6 4.0 0.0 0.0001\n", Some(1)),
+        ("Robot1_Odometry.dat", &[0x1f, 0x8b, 8, 0, 0, 0, 0, 0], None),
+    ];
+    for (name, bytes, line) in damages {
+        let folder = folder("replay-damage");
+        data_set(&folder);
+        let path = file(&folder, name, bytes);
+        let run = surepose(&["replay", "mrclam", folder.to_str().expect("UTF-8"), "--json"]);
+        assert_eq!(run.code, 3, "{name}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{name}");
+        let place = line.map_or(path.clone(), |line| format!("{path}:{line}"));
+        assert!(run.stderr.contains(&place), "{place} in {}", run.stderr);
+    }
+}
+
+#[test]
+fn a_missing_recording_exits_with_3() {
+    let run = surepose(&["replay", "mrclam", "no/such/folder"]);
+    assert_eq!(run.code, 3);
+    assert!(run.stderr.contains("no/such/folder"), "{}", run.stderr);
+    let folder = folder("replay-robot");
+    data_set(&folder);
+    let run = surepose(&["replay", "mrclam", folder.to_str().expect("UTF-8"), "--robot", "9"]);
+    assert_eq!(run.code, 3);
+    assert!(run.stderr.contains("robot 9"), "{}", run.stderr);
+}
+
+#[test]
+fn a_real_recording_is_replayed_far_faster_than_it_was_made() {
+    let Some(data) = recordings() else { return };
+    let path = data.join("mrclam7");
+    let run = surepose(&["replay", "mrclam", path.to_str().expect("UTF-8"), "--robot", "2", "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    assert!(json["position_rmse_m"].as_f64().is_some_and(|rmse| rmse < 0.25), "{json}");
+    assert!(json["duration_s"].as_f64().is_some_and(|duration| duration > 800.0), "{json}");
+}

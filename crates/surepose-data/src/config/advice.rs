@@ -1,0 +1,22 @@
+//! Configurations that can be used, but should perhaps not.
+
+use surepose::param;
+
+use super::Config;
+
+impl Config {
+    /// What a careful user wants to know of these values, as sentences.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let sampled = self.gains().k_alpha * self.number(&param::PERIOD);
+        if sampled >= 1.0 {
+            // With the command held for ΔT, a bearing error α becomes (1 − k_α·ΔT)·α.
+            let fate = if sampled > 2.0 { "grows" } else { "overshoots" };
+            warnings.push(format!(
+                "law.k_alpha × loop.period_s is {sampled:.3}: the bearing error {fate} from tick to tick; keep it well \
+                 under 1"
+            ));
+        }
+        warnings
+    }
+}

@@ -1,0 +1,12 @@
+//! Any bytes are a configuration, or an error.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use surepose_data::Config;
+
+fuzz_target!(|bytes: &[u8]| {
+    let _ = Config::default().with_text(Path::new("input"), bytes);
+});

@@ -1,0 +1,13 @@
+//! Any bytes are lines, or an error with a line: plain text and gzip alike.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use surepose_data::lines::Lines;
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut lines = Lines::from_bytes(Path::new("input"), bytes);
+    while let Ok(Some(_)) = lines.next_line() {}
+});

@@ -1,0 +1,12 @@
+//! Any bytes describe a map, or are an error.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use surepose_data::map_server;
+
+fuzz_target!(|bytes: &[u8]| {
+    let _ = map_server::parse(Path::new("input"), bytes);
+});

@@ -1,0 +1,22 @@
+//! Any five texts are the log of a robot, or an error.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use surepose_data::lines::Lines;
+use surepose_data::mrclam::{self, Files};
+
+fuzz_target!(|bytes: &[u8]| {
+    // A byte that no text has parts the five files.
+    let mut texts = bytes.split(|&byte| byte == 0xff);
+    let mut next = |name: &str| Lines::from_bytes(Path::new(name), texts.next().unwrap_or_default());
+    let _ = mrclam::parse(Files {
+        barcodes: next("barcodes"),
+        landmarks: next("landmarks"),
+        odometry: next("odometry"),
+        sightings: next("sightings"),
+        reference: next("reference"),
+    });
+});

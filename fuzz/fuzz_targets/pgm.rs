@@ -1,0 +1,14 @@
+//! Any bytes are a grey image, or an error.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use surepose_data::pgm;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(image) = pgm::parse(Path::new("input"), bytes) {
+        assert_eq!(image.pixels.len(), image.width * image.height);
+    }
+});

@@ -1,0 +1,17 @@
+//! Any bytes are a log of ticks and ranges, or an error.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use surepose_data::lines::Lines;
+use surepose_data::ticks;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(log) = ticks::parse(Lines::from_bytes(Path::new("input"), bytes)) {
+        let ranges = log.scans.iter().flat_map(|scan| &scan.ranges);
+        assert!(ranges.copied().all(|range| range > 0.0), "a range is NaN or not above zero");
+        assert!(log.duration().is_finite());
+    }
+});
