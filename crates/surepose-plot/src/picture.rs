@@ -1,0 +1,119 @@
+//! A picture that is drawn, and how it becomes a file.
+
+use std::path::Path;
+
+use kuva::PngBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
+
+/// Pixels of the PNG for each unit of the SVG.
+const PNG_SCALE: f32 = 2.0;
+
+/// A picture, ready to be written.
+pub struct Picture {
+    scene: Scene,
+}
+
+/// Why a picture could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] std::io::Error),
+    /// The raster does not fit into memory or a PNG.
+    #[error("cannot be drawn as PNG: {0}")]
+    Raster(String),
+}
+
+impl Picture {
+    /// The picture as SVG.
+    pub fn svg(&self) -> String {
+        renumbered(&SvgBackend::new().with_pretty(true).render_scene(&self.scene))
+    }
+
+    /// The picture as PNG.
+    ///
+    /// # Errors
+    /// [`PlotError::Raster`].
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        PngBackend::new().with_scale(PNG_SCALE).render_scene(&self.scene).map_err(PlotError::Raster)
+    }
+
+    /// Writes `folder/name.svg` and `folder/name.png`.
+    ///
+    /// # Errors
+    /// [`PlotError`].
+    pub fn save(&self, folder: &Path, name: &str) -> Result<(), PlotError> {
+        std::fs::write(folder.join(format!("{name}.svg")), self.svg())?;
+        std::fs::write(folder.join(format!("{name}.png")), self.png()?)?;
+        Ok(())
+    }
+}
+
+/// One part of a picture: what is drawn, its axes, and its size with all labels \[px].
+pub struct Cell {
+    pub(crate) plots: Vec<Plot>,
+    pub(crate) layout: Layout,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+}
+
+/// Space between parts \[px].
+const GAP: f64 = 8.0;
+
+/// The parts below each other.
+pub(crate) fn below(cells: Vec<Cell>) -> Picture {
+    let heights: Vec<f64> = cells.iter().map(|cell| cell.height).collect();
+    let width = cells.iter().fold(0.0, |widest: f64, cell| widest.max(cell.width));
+    let mut figure = Figure::new(cells.len(), 1);
+    figure = figure.with_structure((0..cells.len()).map(|i| vec![i]).collect());
+    figure = figure.with_spacing(GAP).with_padding(GAP).with_col_width(0, width);
+    for (row, height) in heights.iter().enumerate() {
+        figure = figure.with_row_height(row, *height);
+    }
+    finish(figure, cells)
+}
+
+/// The parts beside each other, as high as the highest.
+pub fn beside(cells: Vec<Cell>) -> Picture {
+    let height = cells.iter().fold(0.0, |highest: f64, cell| highest.max(cell.height));
+    let mut figure = Figure::new(1, cells.len());
+    figure = figure.with_structure((0..cells.len()).map(|i| vec![i]).collect());
+    figure = figure.with_spacing(GAP).with_padding(GAP).with_row_height(0, height);
+    for (column, cell) in cells.iter().enumerate() {
+        figure = figure.with_col_width(column, cell.width);
+    }
+    finish(figure, cells)
+}
+
+fn finish(figure: Figure, cells: Vec<Cell>) -> Picture {
+    let (plots, layouts) = cells.into_iter().map(|cell| (cell.plots, cell.layout)).unzip();
+    Picture { scene: figure.with_plots(plots).with_layouts(layouts).render() }
+}
+
+/// How the drawing library names its clip paths, before their number.
+const CLIP: &str = "kuva-clip-";
+
+/// The same SVG with its clip paths numbered from 0.
+///
+/// The library counts them through the whole process, so that the second picture would differ from the first.
+fn renumbered(svg: &str) -> String {
+    let (mut seen, mut result): (Vec<&str>, _) = (Vec::new(), String::with_capacity(svg.len()));
+    let mut parts = svg.split(CLIP);
+    result.push_str(parts.next().unwrap_or_default());
+    for part in parts {
+        let end = part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len());
+        let (number, rest) = part.split_at(end);
+        let index = seen.iter().position(|known| *known == number).unwrap_or_else(|| {
+            seen.push(number);
+            seen.len() - 1
+        });
+        result.push_str(CLIP);
+        result.push_str(&index.to_string());
+        result.push_str(rest);
+    }
+    result
+}

@@ -1,0 +1,77 @@
+//! Pictures are the same bytes every time, and come out whatever the numbers are.
+
+use surepose_plot::{Chart, Color, Map, Mark, Panel, Picture, Stroke, beside};
+
+fn way() -> Vec<(f64, f64)> {
+    (0..50).map(|i| f64::from(i) * 0.1).map(|s| (s, s.sin())).collect()
+}
+
+fn map() -> Picture {
+    Map::new("a < b & c")
+        .walls([[(0.0, -1.0), (5.0, -1.0)]])
+        .trace("way", way(), Stroke::solid(Color::Blue))
+        .pose("goal", (5.0, -0.9), 1.0, Color::Purple)
+        .picture()
+}
+
+fn chart(points: Vec<(f64, f64)>) -> Picture {
+    let panel = Panel::new("speed", "v [m/s]").series("v", points, Stroke::solid(Color::Blue));
+    Chart::over("time [s]")
+        .panel(
+            panel.clone().marks([Mark::At(1.0, "switch".to_owned()), Mark::Level(0.0)]).shaded([(1.0, 2.0)]),
+        )
+        .panel(panel.logarithmic())
+        .picture()
+}
+
+fn is_png(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.ends_with(b"IEND\xaeB`\x82")
+}
+
+#[test]
+fn the_same_numbers_give_the_same_bytes() {
+    assert_eq!(map().svg(), map().svg());
+    assert_eq!(map().png().unwrap(), map().png().unwrap());
+    assert_eq!(chart(way()).svg(), chart(way()).svg());
+    assert_ne!(map().svg(), chart(way()).svg());
+}
+
+#[test]
+fn text_is_escaped_and_legends_are_there() {
+    let svg = map().svg();
+    assert!(svg.contains("a &lt; b &amp; c") && !svg.contains("a < b"));
+    for label in ["walls", "way", "goal", "x [m]", "y [m]"] {
+        assert!(svg.contains(&format!(">{label}<")), "{label}");
+    }
+}
+
+#[test]
+fn metres_are_as_long_upwards_as_sideways() {
+    // A square stays one: its four corners are drawn at equal distances.
+    let square = vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let far = vec![(0.0, 0.0), (7.0, 2.0)];
+    let drawn = Map::new("square")
+        .trace("square", square, Stroke::solid(Color::Blue))
+        .trace("far", far, Stroke::thin(Color::Grey))
+        .picture()
+        .svg();
+    let path = drawn.split("d=\"M ").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+    let numbers: Vec<f64> = path.split([' ', 'L']).filter_map(|word| word.parse().ok()).collect();
+    let (width, height) = (numbers[2] - numbers[0], numbers[3] - numbers[5]);
+    assert!(width > 10.0 && (width - height).abs() < 0.1, "{width} × {height}");
+}
+
+#[test]
+fn no_numbers_break_it() {
+    let odd = [
+        vec![],
+        vec![(0.0, 0.0)],
+        vec![(f64::NAN, 1.0), (1.0, f64::INFINITY)],
+        vec![(1.0, -1.0), (1.0, -1.0)],
+    ];
+    for points in odd {
+        assert!(is_png(&chart(points.clone()).png().unwrap()), "{points:?}");
+        let map = Map::new("").trace("", points.clone(), Stroke::thin(Color::Grey));
+        assert!(is_png(&beside(vec![map.clone().cell(), map.cell()]).png().unwrap()), "{points:?}");
+    }
+}
