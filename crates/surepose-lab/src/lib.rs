@@ -1,3 +1,4 @@
 //! Experiments: replays of recordings, metrics, sweeps, the paper's figures.
 
+pub mod optimal;
 pub mod replay;
