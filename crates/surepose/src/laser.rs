@@ -1,0 +1,42 @@
+//! Laser scan → wall lines → matched walls.
+//!
+//! [`LineExtractor`] turns a [`Scan`] into [`SeenLine`]s without a map and without knowing the pose:
+//!
+//! 1. *beams*: what did not come back, or came from outside the laser's reach, is left out;
+//! 2. *segments*: seven beams that agree on a line start one, beam after beam joins it as long as the χ² test of
+//!    its own variance says so, a few that do not fit are stepped over;
+//! 3. *join*: segments of one line are one wall, seen in pieces; beams left between them are offered to every wall;
+//! 4. *boundaries*: a beam next to an edge or so near a corner that it may belong to either wall belongs to none;
+//! 5. *fit*: maximum likelihood with the full covariance; where things stand before the walls, likelihood of the
+//!    mixture of both.
+//!
+//! [`Matcher`] then finds which wall of the map each line is: inside a χ² gate, one to one, where the wall really is.
+//!
+//! # The coordinates
+//! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
+//! meets it at the range 1/u, u(φ) = a·cos φ + b·sin φ: the *inverse* range is linear in the line, so that nothing is
+//! iterated to start a fit, a line through two beams costs a division, and an error ε of the bearing changes u by u′ε.
+//! With range noise σ_r and bearing noise σ_φ the variance of the inverse range is u⁴σ_r² + u′²σ_φ²: the same as
+//! the perpendicular residual ρ·cos(φ−ψ) − r with its variance cos²(φ−ψ)·σ_r² + ρ²·sin²(φ−ψ)·σ_φ², divided by r·ρ.
+
+mod beam;
+mod boundary;
+mod evidence;
+mod extract;
+mod fit;
+mod grow;
+mod join;
+mod list;
+mod matching;
+mod ray_line;
+mod scan;
+mod segment;
+mod wall;
+
+pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
+pub use matching::{Fate, Matched, Matcher};
+pub use scan::{RangeFinder, Scan, ScanRefusal};
+pub use wall::{NotAWall, Wall};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,61 @@
+//! The beams that came back, and what their noise does to the inverse range.
+
+use crate::scalar::Float;
+
+use super::scan::{RangeFinder, Scan};
+
+/// A beam that came back.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Beam<S> {
+    /// cos φ, sin φ of its nominal bearing.
+    pub cos: S,
+    pub sin: S,
+    /// ρ \[m].
+    pub range: S,
+    /// 1/ρ \[1/m].
+    pub inverse: S,
+    /// Its number in the scan.
+    pub number: u16,
+}
+
+/// The variances of range and bearing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BeamNoise<S> {
+    pub range: S,
+    pub bearing: S,
+}
+
+impl<S: Float> BeamNoise<S> {
+    pub(super) fn of(laser: &RangeFinder<S>) -> Self {
+        Self { range: laser.range_std.squared(), bearing: laser.bearing_std.squared() }
+    }
+
+    /// The variance of the inverse range where it is `u` and changes by `slope` per radian.
+    #[inline]
+    pub(super) fn variance(&self, u: S, slope: S) -> S {
+        u.squared().squared() * self.range + slope.squared() * self.bearing
+    }
+}
+
+/// Fills `beams` with what came back and says how many these are.
+///
+/// Directions are turned from beam to beam by one rotation, renewed every 64 beams: in `f32` the error stays below
+/// 64 roundings, 4e-6 rad, a thousandth of what lasers know of their bearings.
+pub(super) fn read<S: Float>(laser: &RangeFinder<S>, scan: &Scan<'_, S>, beams: &mut [Beam<S>]) -> usize {
+    let (step_sin, step_cos) = scan.bearing_step.sin_cos();
+    let mut count = 0;
+    let (mut sin, mut cos) = (S::of(0.0), S::of(1.0));
+    for (number, range) in scan.ranges.iter().copied().enumerate() {
+        if number % 64 == 0 {
+            (sin, cos) = (scan.first_bearing.radians() + scan.bearing_step * S::of(number as f64)).sin_cos();
+        }
+        // A NaN compares false on both sides.
+        let back = range > laser.nearest && range <= laser.farthest && range.is_finite();
+        if let (true, Some(slot)) = (back, beams.get_mut(count)) {
+            *slot = Beam { cos, sin, range, inverse: S::of(1.0) / range, number: number as u16 };
+            count += 1;
+        }
+        (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+    }
+    count
+}

@@ -1,0 +1,73 @@
+//! Walls of the map: straight, thin, seen from both sides.
+
+use crate::frame::Map;
+use crate::line::Line;
+use crate::pose::Point;
+use crate::scalar::{Float, Scalar};
+
+/// A wall of the map, between two points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall<S> {
+    line: Line<Map, S>,
+    /// From where to where, along the left of the normal \[m].
+    extent: (S, S),
+}
+
+/// The ends of a wall coincide, or are not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotAWall;
+
+impl core::fmt::Display for NotAWall {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("not a wall: its ends must be finite and apart")
+    }
+}
+
+impl core::error::Error for NotAWall {}
+
+impl<S: Float> Wall<S> {
+    /// The wall between two points.
+    ///
+    /// # Errors
+    /// [`NotAWall`] where the points coincide or are not finite.
+    pub fn between(start: Point<Map, S>, end: Point<Map, S>) -> Result<Self, NotAWall> {
+        let finite = [start.x, start.y, end.x, end.y].iter().all(|v| v.is_finite());
+        if !finite || start.distance(end) <= S::of(0.0) {
+            return Err(NotAWall);
+        }
+        let line = Line::through(start, end);
+        let (a, b) = (along(&line, start), along(&line, end));
+        Ok(Self { line, extent: (a.min(b), a.max(b)) })
+    }
+
+    /// The line it lies on.
+    pub fn line(&self) -> &Line<Map, S> {
+        &self.line
+    }
+
+    /// Its ends.
+    pub fn ends(&self) -> [Point<Map, S>; 2] {
+        let (nx, ny) = self.line.normal();
+        let r = self.line.distance;
+        [self.extent.0, self.extent.1].map(|t| Point::new(r * nx - t * ny, r * ny + t * nx))
+    }
+
+    /// Its length \[m].
+    pub fn length(&self) -> S {
+        self.extent.1 - self.extent.0
+    }
+
+    /// How much of the stretch between two points lies beside the wall, its ends drawn out by `margin`: 0 to 1.
+    pub(super) fn covers(&self, ends: [Point<Map, S>; 2], margin: S) -> S {
+        let [a, b] = ends.map(|end| along(&self.line, end));
+        let (low, high) = (a.min(b), a.max(b));
+        let common = high.min(self.extent.1 + margin) - low.max(self.extent.0 - margin);
+        common.max(S::of(0.0)).over_positive(high - low)
+    }
+}
+
+/// Where on the line the foot of `point` lies: the distance to the left of the origin's foot \[m].
+fn along<S: Scalar>(line: &Line<Map, S>, point: Point<Map, S>) -> S {
+    let (nx, ny) = line.normal();
+    nx * point.y - ny * point.x
+}
