@@ -2,3 +2,4 @@
 
 pub mod optimal;
 pub mod replay;
+pub mod sweep;

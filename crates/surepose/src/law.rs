@@ -57,3 +57,22 @@ impl<S: Scalar> Law<S> {
         Decision { twist: Twist::select(seen, twist, Twist::rest()), memory }
     }
 }
+
+impl Law<f64> {
+    /// The same constants, rounded to another format.
+    pub fn cast<T: Scalar>(&self) -> Law<T> {
+        match self {
+            Self::Hybrid(law) => Law::Hybrid(HybridLaw {
+                gains: law.gains.cast(),
+                capture_radius: T::of(law.capture_radius),
+                direction: law.direction,
+                actuation: law.actuation.cast(),
+            }),
+            Self::Paper(law) => Law::Paper(PaperLaw {
+                gains: law.gains.cast(),
+                capture_radius: T::of(law.capture_radius),
+                capture_heading: T::of(law.capture_heading),
+            }),
+        }
+    }
+}

@@ -52,6 +52,18 @@ impl<S: Scalar> Gains<S> {
     }
 }
 
+impl Gains<f64> {
+    /// The same gains, rounded to another format.
+    pub fn cast<T: Scalar>(&self) -> Gains<T> {
+        Gains {
+            k_v: T::of(self.k_v),
+            k_alpha: T::of(self.k_alpha),
+            h: T::of(self.h),
+            k_theta: T::of(self.k_theta),
+        }
+    }
+}
+
 /// What the law knows of the robot it steers: how fast it can be, and how often it is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuation<S> {
@@ -73,6 +85,18 @@ impl<S: Scalar> Actuation<S> {
             turn_rate: limits.wheel_speed / (drive.track * S::of(0.5)),
             quiet_alpha: S::of(QUIET_ALPHA_PER_PERIOD) / period,
             quiet_theta: S::of(QUIET_THETA_PER_PERIOD) / period,
+        }
+    }
+}
+
+impl Actuation<f64> {
+    /// The same robot, rounded to another format.
+    pub fn cast<T: Scalar>(&self) -> Actuation<T> {
+        Actuation {
+            speed: T::of(self.speed),
+            turn_rate: T::of(self.turn_rate),
+            quiet_alpha: T::of(self.quiet_alpha),
+            quiet_theta: T::of(self.quiet_theta),
         }
     }
 }

@@ -1,0 +1,132 @@
+use surepose::{Angle, Direction, Gains, Law, PaperLaw};
+
+use super::{Noise, Precision, Spread, Start, Starts, Sweep, SweepReport, Watch, fitted_law};
+
+fn sweep(runs: usize, period: f64, noise: Noise) -> Sweep {
+    Sweep {
+        starts: Starts::Random(runs),
+        law: fitted_law(period, Direction::Auto),
+        period,
+        noise,
+        precision: Precision::F64,
+        threads: 2,
+        seed: 1,
+    }
+}
+
+fn run(sweep: &Sweep) -> SweepReport {
+    sweep.run(&Watch::default())
+}
+
+/// The figures that the default law is held to.
+#[test]
+fn the_default_law_keeps_its_figures() {
+    for (period, noise) in
+        [(0.02, Noise::NONE), (0.02, Noise::BENCH), (0.1, Noise::NONE), (0.1, Noise::BENCH)]
+    {
+        let report = run(&sweep(2000, period, noise));
+        assert_eq!(report.success_rate, Some(1.0), "{period} s, {noise:?}");
+        let (ratio, path) =
+            (report.time_ratio.expect("some succeeded"), report.path_ratio.expect("some succeeded"));
+        let position = report.final_position_error_m.expect("some succeeded");
+        assert!(position.p95 <= 0.0045, "{period} s, {noise:?}: {position:?}");
+        if period < 0.05 {
+            let noisy = noise != Noise::NONE;
+            let (p50, p95, cusps) = if noisy { (1.13, 1.38, 2.0) } else { (1.06, 1.22, 0.3) };
+            assert!(ratio.p50 <= p50 && ratio.p95 <= p95, "{ratio:?}");
+            assert!(
+                path.p50 <= 1.05 && report.cusps_mean.expect("some succeeded") <= cusps,
+                "{path:?} {:?}",
+                report.cusps_mean
+            );
+            assert!(report.final_heading_error_deg.expect("some succeeded").p95 <= 0.2);
+        }
+    }
+}
+
+#[test]
+fn every_direction_of_approach_and_both_formats_succeed() {
+    for direction in [Direction::Forward, Direction::Reverse, Direction::Auto] {
+        for precision in [Precision::F32, Precision::F64] {
+            let law = fitted_law(0.1, direction);
+            let report = run(&Sweep { law, precision, ..sweep(300, 0.1, Noise::BENCH) });
+            assert_eq!(report.success_rate, Some(1.0), "{direction:?}, {precision:?}");
+        }
+    }
+}
+
+/// Saturation of the wheels keeps the paper's law from diverging without noise. With noise it rarely comes to rest.
+#[test]
+fn the_papers_law_wants_no_noise() {
+    let law = Law::Paper(PaperLaw {
+        gains: Gains::paper(),
+        capture_radius: 0.01,
+        capture_heading: core::f64::consts::PI,
+    });
+    let [clean, noisy] = [Noise::NONE, Noise::BENCH]
+        .map(|noise| run(&Sweep { law, ..sweep(50, 0.02, noise) }).success_rate.unwrap_or(0.0));
+    assert!(clean > 0.99 && noisy < 0.5, "{clean} without noise, {noisy} with");
+}
+
+#[test]
+fn threads_and_watching_change_no_result() {
+    let one = run(&Sweep { threads: 1, ..sweep(200, 0.1, Noise::BENCH) });
+    let four = run(&Sweep { threads: 4, ..sweep(200, 0.1, Noise::BENCH) });
+    assert_eq!(one.trials, four.trials);
+    let other = run(&Sweep { seed: 2, ..sweep(200, 0.1, Noise::BENCH) });
+    assert_ne!(one.trials, other.trials);
+}
+
+#[test]
+fn a_stopped_sweep_keeps_what_is_done() {
+    let watch = Watch::default();
+    watch.stop();
+    let report = sweep(1000, 0.1, Noise::NONE).run(&watch);
+    assert!(report.runs < 1000 && report.time_s.is_none() == (report.runs == 0));
+}
+
+#[test]
+fn given_starts_are_driven_from() {
+    let starts = vec![
+        Start::new(-1.0, 0.0, Angle::zero()),
+        Start::new(0.0, 0.0, Angle::zero()),
+        Start::new(0.0, 0.0, Angle::half_turn()),
+    ];
+    let report = run(&Sweep { starts: Starts::Given(starts), ..sweep(0, 0.02, Noise::NONE) });
+    assert_eq!((report.runs, report.success_rate), (3, Some(1.0)));
+    let [ahead, there, round] = [0, 1, 2].map(|k| report.trials[k]);
+    // 0.99 m at 0.3 m/s, and a little for slowing down.
+    assert!(ahead.time_s.is_some_and(|time| (3.3..3.5).contains(&time)), "{ahead:?}");
+    assert_eq!((there.time_s, there.time_ratio(), there.steps), (Some(0.0), None, 50));
+    // Half a turn at 1 rad/s.
+    assert!(round.time_s.is_some_and(|time| (3.1..3.5).contains(&time)), "{round:?}");
+}
+
+#[test]
+fn the_report_has_the_contracts_keys() {
+    let json = serde_json::to_value(run(&sweep(20, 0.1, Noise::BENCH))).expect("plain data");
+    for key in [
+        "runs",
+        "success_rate",
+        "steps",
+        "wall_s",
+        "steps_per_s",
+        "time_s",
+        "time_ratio",
+        "path_ratio",
+        "final_position_error_m",
+        "final_heading_error_deg",
+        "cusps_mean",
+        "seed",
+    ] {
+        assert!(!json[key].is_null(), "{key} is missing");
+    }
+    assert!(json["time_s"]["p50"].as_f64() <= json["time_s"]["p95"].as_f64());
+}
+
+#[test]
+fn quantiles_are_those_of_the_sample() {
+    let spread = Spread::of((1..=100).rev().map(f64::from)).expect("not empty");
+    assert_eq!((spread.p50, spread.p95, spread.max), (50.0, 95.0, 100.0));
+    assert_eq!(Spread::of([]), None);
+}
