@@ -1,5 +1,8 @@
 //! Experiments: replays of recordings, metrics, sweeps, the paper's figures.
 
+pub mod drive;
 pub mod optimal;
 pub mod replay;
+pub mod reproduce;
+pub mod rig;
 pub mod sweep;

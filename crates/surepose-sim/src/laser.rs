@@ -153,9 +153,9 @@ impl Rays {
         let area = ax * ey - ay * ex;
         let directions = self.cos.iter().zip(&self.sin);
         for (range, (cos, sin)) in self.ranges.iter_mut().zip(directions) {
-            let cross = cos * ey - sin * ex;
-            let t = area / cross;
-            let u = (ax * sin - ay * cos) / cross;
+            let per_cross = 1.0 / (cos * ey - sin * ex);
+            let t = area * per_cross;
+            let u = (ax * sin - ay * cos) * per_cross;
             // A ray along the wall divides by 0: its NaN or ∞ compares false.
             let meets = (t > 0.0) & (u >= 0.0) & (u <= 1.0) & (t < *range);
             *range = if meets { t } else { *range };

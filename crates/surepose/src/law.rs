@@ -56,6 +56,26 @@ impl<S: Scalar> Law<S> {
             navigation.rho.lt(far).and(twist.v.abs().lt(S::of(1e30))).and(twist.omega.abs().lt(S::of(1e30)));
         Decision { twist: Twist::select(seen, twist, Twist::rest()), memory }
     }
+
+    /// The gains of both its laws.
+    pub fn gains(&self) -> Gains<S> {
+        match self {
+            Self::Hybrid(law) => law.gains,
+            Self::Paper(law) => law.gains,
+        }
+    }
+
+    /// The Lyapunov function of the law in charge, for the end of the robot that goes first: V_l of [Tran2012]
+    /// Eq. (26) near the goal, V_g of Eq. (19) elsewhere.
+    ///
+    /// The two are different functions: at the switch the value jumps.
+    pub fn lyapunov(&self, navigation: &Navigation<S>, memory: &Memory<S>) -> S {
+        let Gains { k_v, k_alpha, h, k_theta } = self.gains();
+        let ahead = Navigation::select(memory.reverse, navigation.reversed(), *navigation);
+        let near = LocalLaw { k_v, k_theta }.lyapunov(&ahead);
+        let far = GlobalLaw { k_v, k_alpha, h }.lyapunov(&ahead);
+        S::select(memory.near, near, far)
+    }
 }
 
 impl Law<f64> {

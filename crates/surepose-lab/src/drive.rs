@@ -1,0 +1,138 @@
+//! One closed-loop drive of the simulated robot: sensors, estimate, law, motors, until it rests at the goal.
+//!
+//! The loop is [`surepose::closed_loop`], the one that a real robot runs; the world around it is `surepose-sim`.
+
+mod sample;
+mod summary;
+#[cfg(test)]
+mod tests;
+
+use surepose::closed_loop::{Controller, Progress};
+use surepose::{Goal, Map, Navigation, Phase, Pose, Wheels, param};
+
+use crate::replay::Score;
+use crate::rig::{Rig, Scenario};
+
+pub use sample::{Mode, Sample};
+pub use summary::{Outcome, Summary};
+
+/// Drives `scenario` to its end.
+pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<Sample>, Summary) {
+    let mut drive = Drive::new(scenario, seed);
+    let samples = drive.by_ref().collect();
+    (samples, drive.summary())
+}
+
+/// A drive under way: an iterator over its ticks, which ends where the drive does.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    rig: Rig,
+    controller: Controller<f64>,
+    progress: Progress<f64>,
+    goal: Pose<Map, Goal, f64>,
+    wheels: Wheels<f64>,
+    timeout: f64,
+    outcome: Option<Outcome>,
+    score: Score,
+    path_length: f64,
+    closest_wall: f64,
+    fastest_rim: f64,
+    seed: u64,
+}
+
+impl Drive {
+    /// The drive of `scenario` with everything random drawn from `seed`.
+    pub fn new(scenario: &Scenario, seed: u64) -> Self {
+        Self {
+            rig: Rig::new(scenario, seed),
+            controller: scenario.config.controller(),
+            progress: Progress::fresh(),
+            goal: scenario.goal(),
+            wheels: Wheels::new(0.0, 0.0),
+            timeout: scenario.config.number(&param::TIMEOUT),
+            outcome: None,
+            score: Score::default(),
+            path_length: 0.0,
+            closest_wall: f64::INFINITY,
+            fastest_rim: 0.0,
+            seed,
+        }
+    }
+
+    /// How much of the time that it may take is over, in [0, 1].
+    pub fn elapsed(&self) -> f64 {
+        (self.rig.world().now().seconds() / self.timeout).clamp(0.0, 1.0)
+    }
+
+    /// Goes on for another tick, also after the end: to see whether the robot stays there.
+    pub fn tick(&mut self) -> Sample {
+        let before = self.rig.world().pose();
+        let belief = self.rig.step(self.wheels, self.controller.period);
+        let step = self.controller.step(self.progress, belief.pose, self.goal);
+        self.progress = step.progress;
+        self.wheels = step.wheels;
+
+        let world = self.rig.world();
+        let truth = world.pose();
+        self.path_length += before.origin().distance(truth.origin());
+        self.closest_wall = self.closest_wall.min(world.model().arena.clearance(truth.origin()));
+        let rims = self.controller.drive.rims_from_twist(step.granted);
+        self.fastest_rim = self.fastest_rim.max(rims.largest());
+        self.score.add(belief.error(truth));
+        self.score.add_nees(belief.nees(truth));
+        Sample::of(world, &belief, &self.controller, &step, self.goal)
+    }
+
+    /// The figures up to now; a drive that has not ended counts as stopped.
+    pub fn summary(&self) -> Summary {
+        let world = self.rig.world();
+        let error = Navigation::of(world.pose(), self.goal);
+        let judged = self.score.clone().summary();
+        let tally = self.rig.tally();
+        Summary {
+            outcome: self.outcome.unwrap_or(Outcome::Stopped),
+            time_s: world.now().seconds(),
+            final_position_error_m: error.rho,
+            final_heading_error_deg: error.heading_error().degrees().abs(),
+            final_speed_m_s: world.twist().v.abs(),
+            final_turn_rate_deg_s: world.twist().omega.to_degrees().abs(),
+            position_rmse_m: judged.map(|judged| judged.position_rmse),
+            heading_rmse_deg: judged.map(|judged| judged.heading_rmse.to_degrees()),
+            nees_mean: judged.and_then(|judged| judged.nees_mean),
+            path_length_m: self.path_length,
+            optimal_time_s: None,
+            closest_wall_m: self.closest_wall,
+            wheel_speed_max_m_s: self.fastest_rim,
+            accepted: tally.accepted,
+            rejected: tally.refused_in_all(),
+            seed: self.seed,
+        }
+    }
+
+    /// Whether, and how, the drive is over: at the goal the motors must stand, too.
+    fn ended(&self) -> Option<Outcome> {
+        let world = self.rig.world();
+        let rims = world.rim_speeds();
+        let phase = self.progress.arrival.phase(&self.controller.tolerance);
+        if phase == Phase::Reached && rims == Wheels::new(0.0, 0.0) {
+            Some(Outcome::Reached)
+        } else if self.closest_wall < 0.0 {
+            Some(Outcome::Stopped)
+        } else {
+            (world.now().seconds() >= self.timeout).then_some(Outcome::Timeout)
+        }
+    }
+}
+
+impl Iterator for Drive {
+    type Item = Sample;
+
+    fn next(&mut self) -> Option<Sample> {
+        if self.outcome.is_some() {
+            return None;
+        }
+        let sample = self.tick();
+        self.outcome = self.ended();
+        Some(sample)
+    }
+}

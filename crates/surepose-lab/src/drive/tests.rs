@@ -1,0 +1,136 @@
+use super::{Outcome, Sample, Summary, drive};
+use crate::rig::{Scenario, Sensors};
+use surepose::param::{PERIOD, START_HEADING, START_X, START_Y};
+use surepose::{Twist, Wheels};
+use surepose_data::Config;
+use surepose_sim::{Arena, Fault, Kind, Seed, Sensor};
+
+fn assert_parked(summary: &Summary, what: &str) {
+    assert_eq!(summary.outcome, Outcome::Reached, "{what}: {summary:?}");
+    assert!(summary.final_position_error_m <= 0.01, "{what}: {summary:?}");
+    assert!(summary.final_heading_error_deg <= 1.0, "{what}: {summary:?}");
+    assert!(summary.final_speed_m_s <= 0.0, "{what}: {summary:?}");
+    assert!(summary.wheel_speed_max_m_s <= 0.3 + 1e-12, "{what}: {summary:?}");
+}
+
+/// The largest change of an asked rim speed per second.
+fn hardest(samples: &[Sample]) -> f64 {
+    let config = Config::default();
+    let drive = config.drive();
+    let rims = |s: &Sample| {
+        drive.rims_from_twist(Twist::new(s.commanded_v_m_s, s.commanded_omega_deg_s.to_radians()))
+    };
+    let change = |pair: &[Sample]| {
+        let (before, after) = (rims(&pair[0]), rims(&pair[1]));
+        Wheels::new(after.right - before.right, after.left - before.left).largest()
+    };
+    samples.windows(2).map(change).fold(0.0, f64::max) / config.number(&PERIOD)
+}
+
+/// The mean of NEES over independent drives is χ²₃/n distributed if the drives' means were single draws; a mean over
+/// a drive varies less, so the band is wide enough for every consistent filter.
+#[test]
+fn default_drive_parks_and_knows_how_well() {
+    let runs: Vec<Summary> = (1..=8).map(|seed| drive(&Scenario::default(), seed).1).collect();
+    for summary in &runs {
+        assert_parked(summary, "default");
+    }
+    let nees = runs.iter().filter_map(|s| s.nees_mean).sum::<f64>() / runs.len() as f64;
+    let band = 1.96 * (6.0 / runs.len() as f64).sqrt();
+    assert!((nees - 3.0).abs() < band, "{nees}");
+}
+
+#[test]
+fn every_direction_parks_from_random_starts() {
+    for direction in ["auto", "forward", "reverse"] {
+        let mut starts = Seed(1).stream("starts");
+        for seed in 1..=5 {
+            let (x, y) = (starts.uniform(-1.5, 4.0), starts.uniform(-1.5, 4.0));
+            let start = [(&START_X, x), (&START_Y, y), (&START_HEADING, starts.uniform(-180.0, 180.0))];
+            let config = Config::default().with_preset("test", &start);
+            let config = config.with_option(&format!("law.direction={direction}")).unwrap();
+            let (samples, summary) = drive(&Scenario::in_arena(Arena::open(), config), seed);
+            assert_parked(&summary, &format!("{direction} from {x:.2}, {y:.2}"));
+            assert!(samples.iter().all(|s| s.lyapunov.is_finite() && s.nees.is_finite()));
+            assert!(hardest(&samples) <= 0.5 + 1e-9, "{direction} from {x:.2}, {y:.2}");
+        }
+    }
+}
+
+#[test]
+fn same_seed_same_bits() {
+    let run = |seed| format!("{:?}", drive(&Scenario::default(), seed));
+    assert_eq!(run(3), run(3));
+    assert_ne!(run(3), run(4));
+}
+
+#[test]
+fn odometry_alone_ends_farther_off_and_says_so() {
+    let blind = Scenario { sensors: Sensors::NONE, ..Scenario::default() };
+    let (samples, summary) = drive(&blind, 1);
+    let with_all = drive(&Scenario::default(), 1).1;
+    assert!(summary.position_rmse_m > with_all.position_rmse_m.map(|rmse| 3.0 * rmse));
+    let end = samples.last().unwrap();
+    assert!(end.variance_x_m2.sqrt() > 0.01 && end.nees < 16.0, "{end:?}");
+}
+
+/// Broken sensors for half a second each: what they say is refused and counted, and the robot parks all the same.
+#[test]
+fn broken_sensors_are_refused_and_the_drive_goes_on() {
+    let clean = drive(&Scenario::default(), 1).1.rejected;
+    for (sensor, refused) in [(Sensor::Compass, 5), (Sensor::Encoders, 5)] {
+        let faults = vec![Fault::between(4.0, 4.5, Kind::NotANumber(sensor))];
+        let summary = drive(&Scenario { faults, ..Scenario::default() }, 1).1;
+        assert_parked(&summary, &format!("{sensor:?}"));
+        assert!(summary.rejected >= clean + refused, "{sensor:?}: {summary:?}");
+    }
+    let blinded =
+        [Kind::NotANumber(Sensor::Laser), Kind::Silent(Sensor::Laser), Kind::Offset(Sensor::Laser, 0.5)];
+    for kind in blinded {
+        let faults = vec![Fault::between(4.0, 4.5, kind)];
+        assert_parked(&drive(&Scenario { faults, ..Scenario::default() }, 1).1, &format!("{kind:?}"));
+    }
+    let stale = vec![Fault::between(4.0, 4.5, Kind::Backdated(Sensor::Compass, 3.0))];
+    let summary = drive(&Scenario { faults: stale, ..Scenario::default() }, 1).1;
+    assert_parked(&summary, "stale compass");
+    assert!(summary.rejected >= clean + 5, "{summary:?}");
+}
+
+#[test]
+fn late_sensors_are_put_in_their_place() {
+    let config = Config::default().with_option("laser.latency_s=0.25").unwrap();
+    let config = config.with_option("compass.latency_s=0.12").unwrap();
+    let late = drive(&Scenario { config, ..Scenario::default() }, 1).1;
+    assert_parked(&late, "late");
+    // Taken for current, a scan 0.25 s old would be off by 75 mm at full speed.
+    assert!(late.position_rmse_m.unwrap() < 0.01, "{late:?}");
+    assert!(late.nees_mean.unwrap() < 6.0, "{late:?}");
+}
+
+#[test]
+fn time_that_runs_out_is_reported() {
+    let config = Config::default().with_option("scenario.timeout_s=2").unwrap();
+    let summary = drive(&Scenario { config, ..Scenario::default() }, 1).1;
+    assert_eq!(summary.outcome, Outcome::Timeout);
+}
+
+/// The keys that scripts rely on.
+#[test]
+fn json_has_the_promised_keys() {
+    let json = serde_json::to_value(drive(&Scenario::default(), 1).1).unwrap();
+    for key in [
+        "outcome",
+        "time_s",
+        "final_position_error_m",
+        "final_heading_error_deg",
+        "final_speed_m_s",
+        "position_rmse_m",
+        "heading_rmse_deg",
+        "nees_mean",
+        "path_length_m",
+        "seed",
+    ] {
+        assert!(json.get(key).is_some(), "{key}");
+    }
+    assert_eq!(json["outcome"], "reached");
+}
