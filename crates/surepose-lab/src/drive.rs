@@ -10,6 +10,7 @@ mod tests;
 use surepose::closed_loop::{Controller, Progress};
 use surepose::{Goal, Map, Navigation, Phase, Pose, Wheels, param};
 
+use crate::optimal::fastest;
 use crate::replay::Score;
 use crate::rig::{Rig, Scenario};
 
@@ -32,6 +33,7 @@ pub struct Drive {
     goal: Pose<Map, Goal, f64>,
     wheels: Wheels<f64>,
     timeout: f64,
+    optimal_time: f64,
     outcome: Option<Outcome>,
     score: Score,
     path_length: f64,
@@ -43,13 +45,17 @@ pub struct Drive {
 impl Drive {
     /// The drive of `scenario` with everything random drawn from `seed`.
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
+        let controller = scenario.config.controller();
+        let goal_from_start = scenario.goal().inverse() * scenario.start();
+        let fastest = fastest(goal_from_start, &controller.drive, controller.limits.wheel_speed);
         Self {
             rig: Rig::new(scenario, seed),
-            controller: scenario.config.controller(),
+            controller,
             progress: Progress::fresh(),
             goal: scenario.goal(),
             wheels: Wheels::new(0.0, 0.0),
             timeout: scenario.config.number(&param::TIMEOUT),
+            optimal_time: fastest.time,
             outcome: None,
             score: Score::default(),
             path_length: 0.0,
@@ -100,7 +106,7 @@ impl Drive {
             heading_rmse_deg: judged.map(|judged| judged.heading_rmse.to_degrees()),
             nees_mean: judged.and_then(|judged| judged.nees_mean),
             path_length_m: self.path_length,
-            optimal_time_s: None,
+            optimal_time_s: self.optimal_time,
             closest_wall_m: self.closest_wall,
             wheel_speed_max_m_s: self.fastest_rim,
             accepted: tally.accepted,

@@ -40,9 +40,8 @@ pub struct Summary {
     pub nees_mean: Option<f64>,
     /// Length of the true way.
     pub path_length_m: f64,
-    /// The least time that any control could take, without limits of acceleration.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub optimal_time_s: Option<f64>,
+    /// The least time that any drive could take at these wheel speeds, without limits of acceleration.
+    pub optimal_time_s: f64,
     /// How near the robot's centre came to a wall; negative where it went through one.
     pub closest_wall_m: f64,
     /// Largest rim speed asked of the wheels.
