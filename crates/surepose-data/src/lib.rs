@@ -12,6 +12,7 @@
 //! | [`map_server`] | ROS map server: YAML beside an image | [`grid::Grid`] |
 //! | [`pgm`] | grey images, `P5` and `P2` | [`pgm::Image`] |
 //! | [`wall_map`] | walls by their end points, TOML; also written | [`wall_map::WallMap`] |
+//! | [`starts`] | start poses, CSV | poses seen from the goal |
 //! | [`config`] | the configuration, TOML | [`Config`] |
 //!
 //! Recordings, grids and images may be plain or gzip; their first two bytes tell which, not their name.
@@ -52,6 +53,7 @@ pub mod pgm;
 mod quantity;
 pub mod recording;
 mod source;
+pub mod starts;
 pub mod ticks;
 pub mod wall_map;
 pub mod wean;

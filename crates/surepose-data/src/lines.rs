@@ -138,7 +138,23 @@ impl<'l> Line<'l> {
 
     /// Exactly `N` columns; `layout` names them for the error.
     pub(crate) fn split<const N: usize>(self, layout: &'static str) -> Result<[Column<'l>; N], DataError> {
-        let mut columns = self.columns();
+        self.exactly(self.columns(), layout)
+    }
+
+    /// Exactly `N` columns between commas; `layout` names them for the error.
+    pub(crate) fn split_at_commas<const N: usize>(
+        self,
+        layout: &'static str,
+    ) -> Result<[Column<'l>; N], DataError> {
+        let cells = self.text.split(|&byte| byte == b',').map(<[u8]>::trim_ascii).enumerate();
+        self.exactly(cells.map(|(before, text)| Column { line: self, number: before + 1, text }), layout)
+    }
+
+    fn exactly<const N: usize>(
+        self,
+        mut columns: impl Iterator<Item = Column<'l>>,
+        layout: &'static str,
+    ) -> Result<[Column<'l>; N], DataError> {
         let mut exact = [Column { line: self, number: 0, text: &[] }; N];
         let mut found = 0;
         for (place, column) in exact.iter_mut().zip(&mut columns) {

@@ -1,0 +1,16 @@
+//! Any bytes are a list of start poses, at least one and all finite, or an error.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use surepose_data::lines::Lines;
+use surepose_data::starts;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(starts) = starts::parse(Lines::from_bytes(Path::new("input"), bytes)) {
+        assert!(!starts.is_empty());
+        assert!(starts.iter().all(|start| start.x.is_finite() && start.heading.radians().is_finite()));
+    }
+});
