@@ -25,15 +25,15 @@ use super::local::LocalLaw;
 /// reversed, α, φ and v are those of a robot whose tail is its nose.
 ///
 /// # Guarantee
-/// Without noise and in continuous time V̇_g of (19), with the gains of the moment, is ≤ 0 for ρ > ε, and V̇_l of (26) is
-/// ≤ 0 wherever the local law is in charge. The first part of ω of (28) and the fading of (23) only ever multiply a
-/// descent by a positive factor, or take away a turn. Tested by `hybrid::the_far_law_descends`,
-/// `hybrid::the_near_law_descends`. What holds sampled and with noise is the certificate's to say.
+/// Without noise and in continuous time W = c·ln ρ + ½(α² + h_w·φ²) falls for ρ > ε with c = 2 and h_w = 0.1, at the fitted
+/// gains, and V_l of (26) does not grow where the local law is in charge. Between the two, while steering fades,
+/// nothing is proved. Tested by `hybrid::the_far_law_descends`, `hybrid::the_near_law_descends`. What holds sampled
+/// and with noise is the certificate's to say.
 ///
 /// # Departure
 /// - k_v → min(k_v, V/ρ) bounds v by V. It is a positive factor on the part of the twist that k_v scales, and V̇_g
-///   keeps its form with the smaller k_v. So the turn has the wheels first, and the path is nearly straight: as fast as
-///   the time-optimal one.
+///   keeps its form with the smaller k_v. So the turn has the wheels first, and the path is nearly straight, as the
+///   time-optimal ones are.
 /// - No driving away: where cos α < 0, (23) drives backwards and turns. Here the robot turns on the spot first, so that
 ///   it does not reverse its travel: forward is forward.
 /// - Gains that shrink with their error, k_α(α) and k_θ(θ_e): noise of the estimate is averaged, and large errors are
