@@ -21,7 +21,7 @@ pub struct Angle<S>(S);
 
 impl<S: Scalar> Angle<S> {
     /// The angle of `radians`, wrapped to (−π, π].
-    #[inline]
+    #[inline(always)]
     pub fn wrapped(radians: S) -> Self {
         let (pi, tau) = (S::of(PI), S::of(TAU));
         let near = radians - tau * (radians * S::of(1.0 / TAU)).round();
@@ -31,14 +31,22 @@ impl<S: Scalar> Angle<S> {
         Self(S::select(inside.gt(-pi), inside, inside.abs()))
     }
 
+    /// The angle of `radians` that were wrapped before: what [`Angle::radians`] gave, kept as a bare number.
+    ///
+    /// Nothing checks that they are in (−π, π].
+    #[inline(always)]
+    pub fn from_wrapped(radians: S) -> Self {
+        Self(radians)
+    }
+
     /// The angle of `degrees`, wrapped: for the edge of the system only.
-    #[inline]
+    #[inline(always)]
     pub fn from_degrees(degrees: S) -> Self {
         Self::wrapped(degrees * S::of(PI / 180.0))
     }
 
     /// The direction of the vector (`x`, `y`); 0 for the null vector.
-    #[inline]
+    #[inline(always)]
     pub fn of_vector(x: S, y: S) -> Self {
         let angle = y.atan2(x);
         Self(S::select(angle.gt(S::of(-PI)), angle, angle.abs()))
@@ -46,51 +54,51 @@ impl<S: Scalar> Angle<S> {
 
     /// `yes` where `mask` is true, else `no`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self(S::select(mask, yes.0, no.0))
     }
 
     /// No turn at all.
-    #[inline]
+    #[inline(always)]
     pub fn zero() -> Self {
         Self(S::of(0.0))
     }
 
     /// Half a turn, π.
-    #[inline]
+    #[inline(always)]
     pub fn half_turn() -> Self {
         Self(S::of(PI))
     }
 
     /// This angle turned by half a turn. One subtraction: no wrap is needed.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn opposite(self) -> Self {
         Self(self.0 - S::select(self.0.gt(S::of(0.0)), S::of(PI), S::of(-PI)))
     }
 
     /// The value in (−π, π] \[rad].
-    #[inline]
+    #[inline(always)]
     pub fn radians(self) -> S {
         self.0
     }
 
     /// The value in (−180, 180] \[°], for the edge of the system only.
-    #[inline]
+    #[inline(always)]
     pub fn degrees(self) -> S {
         self.0 * S::of(180.0 / PI)
     }
 
     /// Sine and cosine.
-    #[inline]
+    #[inline(always)]
     pub fn sin_cos(self) -> (S, S) {
         self.0.sin_cos()
     }
 
     /// This angle turned by `radians`, which may be any size.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn turned(self, radians: S) -> Self {
         Self::wrapped(self.0 + radians)
     }
@@ -98,23 +106,23 @@ impl<S: Scalar> Angle<S> {
 
 impl<S: Scalar> Add for Angle<S> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::wrapped(self.0 + other.0)
+        Self((self.0 + other.0).wrapped_sum())
     }
 }
 
 impl<S: Scalar> Sub for Angle<S> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self::wrapped(self.0 - other.0)
+        Self((self.0 - other.0).wrapped_sum())
     }
 }
 
 impl<S: Scalar> Neg for Angle<S> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         Self::wrapped(-self.0)
     }

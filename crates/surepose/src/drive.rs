@@ -15,33 +15,33 @@ pub struct Twist<S> {
 
 impl<S: Scalar> Twist<S> {
     /// The twist of `v` \[m/s] and `omega` \[rad/s].
-    #[inline]
+    #[inline(always)]
     pub fn new(v: S, omega: S) -> Self {
         Self { v, omega }
     }
 
     /// At rest.
-    #[inline]
+    #[inline(always)]
     pub fn rest() -> Self {
         Self::new(S::of(0.0), S::of(0.0))
     }
 
     /// Both parts times `factor`: the same path, driven at another speed.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn scaled(self, factor: S) -> Self {
         Self::new(self.v * factor, self.omega * factor)
     }
 
     /// `yes` where `mask` is true, else `no`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self::new(S::select(mask, yes.v, no.v), S::select(mask, yes.omega, no.omega))
     }
 
     /// The motion of holding this twist for `period` \[s].
-    #[inline]
+    #[inline(always)]
     pub fn over(self, period: S) -> Motion<S> {
         Motion { length: self.v * period, turn: self.omega * period }
     }
@@ -58,20 +58,20 @@ pub struct Wheels<S> {
 
 impl<S: Scalar> Wheels<S> {
     /// One value for each wheel.
-    #[inline]
+    #[inline(always)]
     pub fn new(right: S, left: S) -> Self {
         Self { right, left }
     }
 
     /// Both times `factor`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn scaled(self, factor: S) -> Self {
         Self::new(self.right * factor, self.left * factor)
     }
 
     /// The larger of the two magnitudes.
-    #[inline]
+    #[inline(always)]
     pub fn largest(self) -> S {
         self.right.abs().max(self.left.abs())
     }
@@ -88,7 +88,7 @@ pub struct Drive<S> {
 
 impl<S: Scalar> Drive<S> {
     /// Motion from rim travels Δs_R, Δs_L \[m]: [Tran2012] Eq. (8).
-    #[inline]
+    #[inline(always)]
     pub fn motion_from_travel(&self, travel: Wheels<S>) -> Motion<S> {
         Motion {
             length: (travel.right + travel.left) * S::of(0.5),
@@ -97,27 +97,27 @@ impl<S: Scalar> Drive<S> {
     }
 
     /// Rim travels \[m] from turn rates ω_R, ω_L \[rad/s] held for `period` \[s]: [Tran2012] Eq. (7).
-    #[inline]
+    #[inline(always)]
     pub fn travel_from_rates(&self, rates: Wheels<S>, period: S) -> Wheels<S> {
         rates.scaled(self.wheel_radius * period)
     }
 
     /// Rim speeds \[m/s] that give `twist`: the inverse of Eq. (8), per second.
-    #[inline]
+    #[inline(always)]
     pub fn rims_from_twist(&self, twist: Twist<S>) -> Wheels<S> {
         let swing = twist.omega * self.track * S::of(0.5);
         Wheels::new(twist.v + swing, twist.v - swing)
     }
 
     /// The twist of rim speeds \[m/s]: Eq. (8), per second.
-    #[inline]
+    #[inline(always)]
     pub fn twist_from_rims(&self, rims: Wheels<S>) -> Twist<S> {
         let motion = self.motion_from_travel(rims);
         Twist::new(motion.length, motion.turn)
     }
 
     /// Wheel turn rates \[rad/s] that give `twist`.
-    #[inline]
+    #[inline(always)]
     pub fn rates_from_twist(&self, twist: Twist<S>) -> Wheels<S> {
         self.rims_from_twist(twist).scaled(S::of(1.0) / self.wheel_radius)
     }
@@ -147,9 +147,18 @@ pub enum Integration {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// The chord of the arc: its length over Δs, and that factor's derivative by Δθ.
-    #[inline]
-    pub(crate) fn chord(self, integration: Integration) -> (S, S) {
+    /// The chord of the arc over its length Δs.
+    #[inline(always)]
+    fn chord(self, integration: Integration) -> S {
+        match integration {
+            Integration::Midpoint => S::of(1.0),
+            Integration::Arc => (self.turn * S::of(0.5)).sinc(),
+        }
+    }
+
+    /// The same, and its derivative by Δθ.
+    #[inline(always)]
+    pub(crate) fn chord_and_slope(self, integration: Integration) -> (S, S) {
         match integration {
             Integration::Midpoint => (S::of(1.0), S::of(0.0)),
             Integration::Arc => {
@@ -164,11 +173,10 @@ impl<S: Scalar> Motion<S> {
 impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
     /// The pose after `motion` along its own x axis: [Tran2012] Eq. (9), or its exact form, by `integration`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn moved(self, motion: Motion<S>, integration: Integration) -> Self {
-        let (chord, _) = motion.chord(integration);
         let (sin, cos) = (self.heading.radians() + motion.turn * S::of(0.5)).sin_cos();
-        let length = motion.length * chord;
+        let length = motion.length * motion.chord(integration);
         Self::new(self.x + length * cos, self.y + length * sin, self.heading.turned(motion.turn))
     }
 }

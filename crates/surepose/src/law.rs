@@ -45,7 +45,7 @@ impl<S: Scalar> Law<S> {
     /// The twist for the goal as seen now, and the memory for the next tick.
     ///
     /// Finite for every input: a goal whose place is not a number is answered with rest, and so is one beyond 10⁹ m.
-    #[inline]
+    #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
         let Decision { twist, memory } = match self {
             Self::Hybrid(law) => law.decide(navigation, memory),

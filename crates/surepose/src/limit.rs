@@ -16,7 +16,7 @@ impl<S: Scalar> Limits<S> {
     /// The part s ≤ 1 of `wanted` at which the faster rim runs at its limit: [Tran2012] leaves limits out.
     ///
     /// Both V̇_g and V̇_l are linear in (v, ω): scaled by s they keep their sign, and the path is the same.
-    #[inline]
+    #[inline(always)]
     pub fn within_speed(&self, drive: &Drive<S>, wanted: Twist<S>) -> Twist<S> {
         let fastest = drive.rims_from_twist(wanted).largest();
         wanted.scaled(self.wheel_speed / fastest.max(self.wheel_speed))
@@ -27,7 +27,7 @@ impl<S: Scalar> Limits<S> {
     /// The largest common factor s ∈ (0, 1] that both accelerations allow. Where no factor does (a wheel cannot
     /// reverse at once), both wheels go the same part of the way towards `wanted`: the path is left for as long as
     /// that takes, the limit is not.
-    #[inline]
+    #[inline(always)]
     pub fn grant(&self, drive: &Drive<S>, wanted: Twist<S>, before: Twist<S>, period: S) -> Twist<S> {
         let wanted = self.within_speed(drive, wanted);
         let (target, from) = (drive.rims_from_twist(wanted), drive.rims_from_twist(before));
@@ -50,7 +50,7 @@ impl<S: Scalar> Limits<S> {
 }
 
 /// The factors s for which s·`target` is within `reach` of `from`, as (lowest, highest).
-#[inline]
+#[inline(always)]
 fn factors<S: Scalar>(target: S, from: S, reach: S) -> (S, S) {
     let tiny = S::of(1e-12);
     let still = target.abs().lt(tiny);

@@ -28,7 +28,7 @@ pub struct Navigation<S> {
 
 impl<S: Scalar> Navigation<S> {
     /// The goal seen from the robot: [Tran2012] Eq. (3), or (5) where the pose is an estimate.
-    #[inline]
+    #[inline(always)]
     pub fn of(map_from_body: Pose<Map, Body, S>, map_from_goal: Pose<Map, Goal, S>) -> Self {
         let (body, goal) = (map_from_body.origin(), map_from_goal.origin());
         let bearing = body.direction_to(goal);
@@ -40,21 +40,21 @@ impl<S: Scalar> Navigation<S> {
     }
 
     /// θ_e = θ − θ₂ = φ − α, how far the robot is turned from the commanded heading.
-    #[inline]
+    #[inline(always)]
     pub fn heading_error(&self) -> Angle<S> {
         self.phi - self.alpha
     }
 
     /// The same goal seen by a robot that drives backwards: what is ahead is behind.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn reversed(self) -> Self {
         Self { rho: self.rho, alpha: self.alpha.opposite(), phi: self.phi.opposite() }
     }
 
     /// `yes` where `mask` is true, else `no`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self {
             rho: S::select(mask, yes.rho, no.rho),
@@ -66,7 +66,7 @@ impl<S: Scalar> Navigation<S> {
     /// The rates (ρ̇, α̇, φ̇) \[m/s, rad/s, rad/s] under `twist`: [Tran2012] Eq. (2).
     ///
     /// With `twist` the commanded one plus its disturbance (ε_v, ε_ω) this is Eq. (6). Only for ρ > 0.
-    #[inline]
+    #[inline(always)]
     pub fn rates(&self, twist: Twist<S>) -> (S, S, S) {
         let (sin, cos) = self.alpha.sin_cos();
         let swing = twist.v * sin / self.rho;
@@ -91,7 +91,7 @@ pub struct NavigationNoise<S> {
 
 impl<S: Scalar> NavigationNoise<S> {
     /// Estimated minus true.
-    #[inline]
+    #[inline(always)]
     pub fn between(estimated: Navigation<S>, truth: Navigation<S>) -> Self {
         Self {
             rho: estimated.rho - truth.rho,

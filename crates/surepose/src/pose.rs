@@ -40,20 +40,20 @@ pub struct Pose<To, From, S> {
 
 impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
     /// The pose at (`x`, `y`) \[m] with `heading`.
-    #[inline]
+    #[inline(always)]
     pub fn new(x: S, y: S, heading: Angle<S>) -> Self {
         Self { x, y, heading, frames: PhantomData }
     }
 
     /// The frames coincide.
-    #[inline]
+    #[inline(always)]
     pub fn identity() -> Self {
         Self::new(S::of(0.0), S::of(0.0), Angle::zero())
     }
 
     /// `yes` where `mask` is true, else `no`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         let heading = S::select(mask, yes.heading.radians(), no.heading.radians());
         Self::new(S::select(mask, yes.x, no.x), S::select(mask, yes.y, no.y), Angle::wrapped(heading))
@@ -61,14 +61,14 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
 
     /// The same relation, seen from the other side: `from_from_to`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn inverse(self) -> Pose<From, To, S> {
         let (sin, cos) = self.heading.sin_cos();
         Pose::new(-(cos * self.x + sin * self.y), sin * self.x - cos * self.y, -self.heading)
     }
 
     /// The origin of `From`, as a point of `To`.
-    #[inline]
+    #[inline(always)]
     pub fn origin(self) -> Point<To, S> {
         Point::new(self.x, self.y)
     }
@@ -76,7 +76,7 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
 
 impl<A: Frame, B: Frame, C: Frame, S: Scalar> Mul<Pose<B, C, S>> for Pose<A, B, S> {
     type Output = Pose<A, C, S>;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Pose<B, C, S>) -> Pose<A, C, S> {
         let at = self * other.origin();
         Pose::new(at.x, at.y, self.heading + other.heading)
@@ -95,19 +95,19 @@ pub struct Point<In, S> {
 
 impl<In: Frame, S: Scalar> Point<In, S> {
     /// The point (`x`, `y`) \[m].
-    #[inline]
+    #[inline(always)]
     pub fn new(x: S, y: S) -> Self {
         Self { x, y, frame: PhantomData }
     }
 
     /// Distance to `other` \[m].
-    #[inline]
+    #[inline(always)]
     pub fn distance(self, other: Self) -> S {
         ((self.x - other.x).squared() + (self.y - other.y).squared()).sqrt()
     }
 
     /// Direction from here to `other`; 0 where they coincide.
-    #[inline]
+    #[inline(always)]
     pub fn direction_to(self, other: Self) -> Angle<S> {
         Angle::of_vector(other.x - self.x, other.y - self.y)
     }
@@ -115,7 +115,7 @@ impl<In: Frame, S: Scalar> Point<In, S> {
 
 impl<To: Frame, From: Frame, S: Scalar> Mul<Point<From, S>> for Pose<To, From, S> {
     type Output = Point<To, S>;
-    #[inline]
+    #[inline(always)]
     fn mul(self, point: Point<From, S>) -> Point<To, S> {
         let (sin, cos) = self.heading.sin_cos();
         Point::new(self.x + cos * point.x - sin * point.y, self.y + sin * point.x + cos * point.y)

@@ -31,15 +31,15 @@ pub trait Mask: Copy + core::fmt::Debug + PartialEq + Not<Output = Self> + 'stat
 }
 
 impl Mask for bool {
-    #[inline]
+    #[inline(always)]
     fn splat(value: bool) -> Self {
         value
     }
-    #[inline]
+    #[inline(always)]
     fn and(self, other: Self) -> Self {
         self & other
     }
-    #[inline]
+    #[inline(always)]
     fn or(self, other: Self) -> Self {
         self | other
     }
@@ -93,7 +93,7 @@ pub trait Scalar:
     fn atan2(self, x: Self) -> Self;
 
     /// Sine, cosine and `sin(x)/x` (1 at 0) of an angle in radians.
-    #[inline]
+    #[inline(always)]
     fn sin_cos_sinc(self) -> (Self, Self, Self) {
         // Below 1e-8, sin(x)/x differs from 1 by less than x²/6 < 2e-17: under half an ulp of 1 in every format.
         let near_zero = self.abs().lt(Self::of(1e-8));
@@ -105,14 +105,14 @@ pub trait Scalar:
 
     /// `sin(x)/x`, continued to 1 at 0.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn sinc(self) -> Self {
         self.sin_cos_sinc().2
     }
 
     /// The derivative of `sin(x)/x`, given `cos(x)` and `sin(x)/x`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn sinc_slope(self, cos: Self, sinc: Self) -> Self {
         // (cos x − sinc x)/x loses all digits near 0, where the series −x/3 takes over.
         let small = self.abs().lt(Self::of(1e-3));
@@ -120,36 +120,45 @@ pub trait Scalar:
         Self::select(small, -self * Self::of(1.0 / 3.0), (cos - sinc) / safe)
     }
 
+    /// An angle \[rad] that is at most a turn too large, as the sum of two wrapped ones is, wrapped to (−π, π].
+    ///
+    /// For scalars that know a shorter way than [`Angle::wrapped`](crate::Angle::wrapped), which takes any angle.
+    #[must_use]
+    #[inline(always)]
+    fn wrapped_sum(self) -> Self {
+        crate::Angle::wrapped(self).radians()
+    }
+
     /// The value limited to [`low`, `high`].
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
 
     /// The square.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn squared(self) -> Self {
         self * self
     }
 
     /// True where `self > other`; false where either is NaN.
-    #[inline]
+    #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
 
     /// 1 with the sign of `self`, and 1 at 0.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn sign(self) -> Self {
         Self::select(self.lt(Self::of(0.0)), Self::of(-1.0), Self::of(1.0))
     }
 
     /// `self / divisor`, or 0 where the divisor is not positive: a direction without variance has nothing to share.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn over_positive(self, divisor: Self) -> Self {
         let zero = Self::of(0.0);
         let positive = divisor.gt(zero);

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 /// How far out each crate stands; a crate may only depend on crates further in.
-const RINGS: [(&str, u8); 9] = [
+const RINGS: [(&str, u8); 10] = [
     ("surepose", 0),
     ("surepose-sim", 1),
     ("surepose-data", 1),
     ("surepose-cert", 1),
+    ("surepose-lanes", 1),
     ("surepose-plot", 1),
     ("surepose-lab", 2),
     ("surepose-ros2", 3),

@@ -93,7 +93,7 @@ impl<S: Scalar> Ekf<S> {
     #[inline]
     pub fn predict(&self, belief: Belief<S>, travel: Travel<S>) -> Belief<S> {
         let motion = self.drive.motion_from_travel(travel.rims);
-        let (chord, chord_slope) = motion.chord(self.integration);
+        let (chord, chord_slope) = motion.chord_and_slope(self.integration);
         let (sin, cos) = (belief.pose.heading.radians() + motion.turn * S::of(0.5)).sin_cos();
         let length = motion.length * chord;
         let (dx, dy) = (length * cos, length * sin);

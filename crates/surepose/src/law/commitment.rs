@@ -35,7 +35,7 @@ impl<S: Scalar> Memory<S> {
     }
 
     /// Where nothing is decided yet.
-    #[inline]
+    #[inline(always)]
     pub fn is_fresh(&self) -> S::Mask {
         self.side.abs().lt(S::of(0.5))
     }
@@ -51,7 +51,7 @@ const DIRECTION_HYSTERESIS: f64 = 1.3;
 /// At first the direction that takes less turning: driving nearly straight, nose first turns by |α| + |φ| and tail
 /// first by 2π − |α| − |φ|. Later the robot turns round only where |α| + h|φ| says so by a margin: then
 /// W = c·ln ρ + ½(α² + hφ²) falls by π times that margin, so that the change of mind is itself a descent.
-#[inline]
+#[inline(always)]
 pub(super) fn reverse<S: Scalar>(
     direction: Direction,
     navigation: &Navigation<S>,
@@ -77,7 +77,7 @@ pub(super) fn reverse<S: Scalar>(
 ///
 /// # Departure
 /// [Tran2012] wraps every angle. With noise the sign of a wrapped angle near ±π flips, and the robot dithers.
-#[inline]
+#[inline(always)]
 pub(super) fn to_side<S: Scalar>(angle: S, side: S) -> (S, S) {
     let near_branch = angle.abs().gt(S::of(PI - SIDE_HYSTERESIS));
     let other_side = (angle * side).lt(S::of(0.0));

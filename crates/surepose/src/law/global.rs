@@ -32,7 +32,7 @@ pub struct GlobalLaw<S> {
 
 impl<S: Scalar> GlobalLaw<S> {
     /// The twist of [Tran2012] Eq. (23).
-    #[inline]
+    #[inline(always)]
     pub fn twist(&self, navigation: &Navigation<S>) -> Twist<S> {
         let alpha = navigation.alpha.radians();
         let (_, cos, sinc) = alpha.sin_cos_sinc();
@@ -43,7 +43,7 @@ impl<S: Scalar> GlobalLaw<S> {
     ///
     /// V̇_g = −k_v·ρ²·drive·cos α − k_α·α²: it descends wherever `drive` has the sign of cos α or is 0. The terms
     /// with φ cancel whatever `drive` is.
-    #[inline]
+    #[inline(always)]
     pub fn twist_driven(&self, rho: S, alpha: S, phi: S, drive: S, sinc: S) -> Twist<S> {
         let approach = self.k_v * drive;
         Twist { v: approach * rho, omega: self.k_alpha * alpha + approach * sinc * (alpha + self.h * phi) }

@@ -82,7 +82,7 @@ impl<S: Scalar> HybridLaw<S> {
     }
 
     /// The twist for the goal as seen now, and the memory for the next tick.
-    #[inline]
+    #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
         let reverse = commitment::reverse(self.direction, navigation, self.gains.h, &memory);
         let ahead = Navigation::select(reverse, navigation.reversed(), *navigation);
@@ -98,7 +98,7 @@ impl<S: Scalar> HybridLaw<S> {
     }
 
     /// (23) scheduled, with `alpha` continued beyond ±π.
-    #[inline]
+    #[inline(always)]
     fn far(&self, seen: &Seen<S>, ahead: &Navigation<S>, alpha: S) -> Twist<S> {
         let (one, zero) = (S::of(1.0), S::of(0.0));
         let global = GlobalLaw {
@@ -115,7 +115,7 @@ impl<S: Scalar> HybridLaw<S> {
     }
 
     /// (28) scheduled, with the heading error continued beyond ±π.
-    #[inline]
+    #[inline(always)]
     fn near(&self, seen: &Seen<S>, heading_error: S) -> Twist<S> {
         let (one, zero) = (S::of(1.0), S::of(0.0));
         let local = LocalLaw {
@@ -132,7 +132,7 @@ impl<S: Scalar> HybridLaw<S> {
 }
 
 /// `whole` at errors of `knee` \[rad] and above, at most `small` at small ones, a parabola between.
-#[inline]
+#[inline(always)]
 fn quiet<S: Scalar>(error: S, knee: f64, whole: S, small: S) -> S {
     let small = small.min(whole);
     let part = (error * S::of(1.0 / knee)).squared().min(S::of(1.0));
@@ -154,7 +154,7 @@ struct Seen<S> {
 }
 
 impl<S: Scalar> Seen<S> {
-    #[inline]
+    #[inline(always)]
     fn of(navigation: &Navigation<S>, capture_radius: S) -> Self {
         let (sin, cos, sinc) = navigation.alpha.radians().sin_cos_sinc();
         let per_radius = S::of(1.0) / capture_radius;
@@ -170,7 +170,7 @@ impl<S: Scalar> Seen<S> {
     }
 
     /// Whether the local law is in charge, having been or not.
-    #[inline]
+    #[inline(always)]
     fn near(&self, was: S::Mask) -> S::Mask {
         let radius = S::select(was, S::of(LEAVE * LEAVE), S::of(ENTER * ENTER));
         let aside = S::select(was, S::of(LEAVE_ASIDE), S::of(ENTER_ASIDE));

@@ -37,7 +37,7 @@ impl<S: Scalar> LocalLaw<S> {
     }
 
     /// The twist of [Tran2012] Eq. (28), corrected.
-    #[inline]
+    #[inline(always)]
     pub fn twist(&self, navigation: &Navigation<S>) -> Twist<S> {
         let (_, cos) = navigation.alpha.sin_cos();
         self.twist_toward(navigation.rho * cos, navigation.heading_error().radians())
@@ -45,7 +45,7 @@ impl<S: Scalar> LocalLaw<S> {
 
     /// The same for a goal that is `ahead` = ρ·cos α \[m] of the robot, whose heading error \[rad] may be continued
     /// beyond ±π.
-    #[inline]
+    #[inline(always)]
     pub fn twist_toward(&self, ahead: S, heading_error: S) -> Twist<S> {
         Twist { v: self.k_v * ahead, omega: -(self.k_theta * heading_error) }
     }

@@ -37,7 +37,7 @@ impl<S: Scalar> PaperLaw<S> {
     }
 
     /// The twist for the goal as seen now. Of the memory only `near` is set, for those who plot the switch.
-    #[inline]
+    #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
         let error = navigation.heading_error().radians().abs();
         let near = navigation.rho.lt(self.capture_radius).and(error.lt(self.capture_heading));

@@ -1,0 +1,118 @@
+//! `N` numbers as one scalar.
+
+use core::array::from_fn;
+use core::f64::consts::{PI, TAU};
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use surepose::Scalar;
+
+use crate::element::Element;
+use crate::mask::LaneMask;
+
+/// `N` numbers that go through the same operations, none of which branches.
+///
+/// # Domain
+/// That of [`Element`]'s functions. [`Scalar::sinc`] is NaN beyond π/4: half the turn of one period's motion stays
+/// within that, or the robot is not one this scalar can simulate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lanes<T, const N: usize>(pub [T; N]);
+
+impl<T: Element, const N: usize> Lanes<T, N> {
+    #[inline(always)]
+    fn map(self, f: impl Fn(T) -> T) -> Self {
+        Self(from_fn(|k| f(self.0[k])))
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+        Self(from_fn(|k| f(self.0[k], other.0[k])))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl<T: Element, const N: usize> $trait for Lanes<T, N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $op b)
+            }
+        }
+    };
+}
+
+operator!(Add, add, +);
+operator!(Sub, sub, -);
+operator!(Mul, mul, *);
+operator!(Div, div, /);
+
+impl<T: Element, const N: usize> Neg for Lanes<T, N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
+    type Mask = LaneMask<N>;
+
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        Self([T::of(value); N])
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> LaneMask<N> {
+        LaneMask(from_fn(|k| self.0[k] < other.0[k]))
+    }
+    #[inline(always)]
+    fn select(mask: LaneMask<N>, yes: Self, no: Self) -> Self {
+        Self(from_fn(|k| if mask.0[k] { yes.0[k] } else { no.0[k] }))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(T::abs)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, T::min)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, T::max)
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        self.map(T::round)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(T::sqrt)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (mut sin, mut cos) = (self.0, self.0);
+        for k in 0..N {
+            (sin[k], cos[k]) = self.0[k].sin_cos();
+        }
+        (Self(sin), Self(cos))
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        self.zip(x, T::atan2)
+    }
+    #[inline(always)]
+    fn sinc(self) -> Self {
+        self.map(T::small_sinc)
+    }
+    #[inline(always)]
+    fn wrapped_sum(self) -> Self {
+        let (pi, tau) = (T::of(PI), T::of(TAU));
+        self.map(|sum| {
+            let below = if sum > pi { sum - tau } else { sum };
+            if below <= -pi { below + tau } else { below }
+        })
+    }
+}

@@ -1,0 +1,55 @@
+//! Surepose in SIMD lanes: the scalar for millions of trials.
+//!
+//! [`Lanes`] is a [`Scalar`](surepose::Scalar) of `N` numbers and [`Column`] holds one such number for each of many
+//! robots. A loop along columns that drives `N` robots at a time with the core's law, limits and motion, which are
+//! written once, has neither branches nor calls in it: the compiler makes vector instructions of it. [`on_widest`]
+//! compiles such a loop for AVX-512, for AVX2 and for any processor, and chooses when it runs.
+//!
+//! ```
+//! use surepose::{Angle, Body, Goal, Map, Navigation, Pose};
+//! use surepose_lanes::{Column, Lanes, Work, on_widest};
+//!
+//! /// The distance of each of 64 robots from its goal.
+//! struct Distances<'a>(&'a Column<f64, 64>, &'a Column<f64, 64>, &'a mut Column<f64, 64>);
+//!
+//! impl Work for Distances<'_> {
+//!     type Output = ();
+//!
+//!     #[inline(always)]
+//!     fn run(self) {
+//!         let goal: Pose<Map, Goal, Lanes<f64, 4>> = Pose::identity();
+//!         for k in Column::<f64, 64>::rows::<4>() {
+//!             let robot: Pose<Map, Body, _> = Pose::new(self.0.get(k), self.1.get(k), Angle::zero());
+//!             self.2.set(k, Navigation::of(robot, goal).rho);
+//!         }
+//!     }
+//! }
+//!
+//! let (x, y, mut distance) = (Column([3.0; 64]), Column([4.0; 64]), Column([0.0; 64]));
+//! on_widest(Distances(&x, &y, &mut distance));
+//! assert_eq!(distance.0, [5.0; 64]);
+//! ```
+//!
+//! # The same bits everywhere
+//! Sine, cosine and arc tangent are polynomials of this crate, made of operations that IEEE 754 rounds correctly, the
+//! fused multiply–add among them. So a result's bits depend neither on the instruction set, nor on `N`, nor on the
+//! neighbouring lanes. They differ from those of `f64` and `f32` by the errors stated at [`Element`]. Without fused
+//! multiply–add in hardware (x86 before 2013) it is the C library's, which is slow.
+//!
+//! # What is not promised
+//! Beyond the domains of [`Element`] a function answers with nonsense or NaN. It never panics.
+
+mod column;
+mod dispatch;
+mod element;
+mod lanes;
+mod mask;
+mod normal;
+mod streams;
+
+pub use column::Column;
+pub use dispatch::{Work, instruction_set, on_widest, portably};
+pub use element::Element;
+pub use lanes::Lanes;
+pub use mask::LaneMask;
+pub use streams::Streams;

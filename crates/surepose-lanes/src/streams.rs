@@ -1,0 +1,76 @@
+//! Random numbers for lanes: one generator per stream, any stream from any seed.
+
+/// `L` xoshiro128+ generators side by side: [BlackmanVigna2021].
+///
+/// A stream is named by a seed and a number, so a trial draws the same numbers in whatever lane, block or thread it
+/// runs. Its lowest bits are weak and go unused: it is made for `f32`.
+#[derive(Clone, Copy, Debug)]
+pub struct Streams<const L: usize> {
+    state: [[u32; L]; 4],
+}
+
+impl<const L: usize> Default for Streams<L> {
+    fn default() -> Self {
+        Self { state: [[1; L]; 4] }
+    }
+}
+
+impl<const L: usize> Streams<L> {
+    /// Lane `lane` starts stream `number` of `seed` from its beginning. A lane beyond `L` does not exist: nothing happens.
+    pub fn start(&mut self, lane: usize, seed: u64, number: u64) {
+        // The hash of (seed, number) is a bijection of `number` for each seed; two rounds of it make 128 bits.
+        let mut hash = mixed(seed.wrapping_add(GOLDEN)) ^ number;
+        for pair in self.state.chunks_exact_mut(2) {
+            hash = mixed(hash.wrapping_add(GOLDEN));
+            for (words, part) in pair.iter_mut().zip([hash, hash >> 32]) {
+                if let Some(word) = words.get_mut(lane) {
+                    *word = part as u32;
+                }
+            }
+        }
+        if let Some(word) = self.state[0].get_mut(lane) {
+            // All zeros is the one state that never leaves itself.
+            *word |= 1;
+        }
+    }
+
+    /// Lane `to` goes on where lane `from` is. Lanes beyond `L` do not exist: nothing happens.
+    pub fn copy(&mut self, from: usize, to: usize) {
+        for words in &mut self.state {
+            if let Some(word) = words.get(from).copied()
+                && let Some(copy) = words.get_mut(to)
+            {
+                *copy = word;
+            }
+        }
+    }
+
+    /// The state of each stream, word by word.
+    #[inline(always)]
+    pub(crate) fn state(&mut self) -> &mut [[u32; L]; 4] {
+        &mut self.state
+    }
+}
+
+/// The next 32 bits of the stream in this `state`.
+#[inline(always)]
+pub(crate) fn draw([a, b, c, d]: &mut [u32; 4]) -> u32 {
+    let drawn = a.wrapping_add(*d);
+    let t = *b << 9;
+    *c ^= *a;
+    *d ^= *b;
+    *b ^= *c;
+    *a ^= *d;
+    *c ^= t;
+    *d = d.rotate_left(11);
+    drawn
+}
+
+const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// The output function of SplitMix64.
+fn mixed(state: u64) -> u64 {
+    let state = (state ^ (state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let state = (state ^ (state >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    state ^ (state >> 31)
+}
