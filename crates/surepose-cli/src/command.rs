@@ -2,6 +2,8 @@
 
 mod config;
 mod replay;
+mod reproduce;
+mod run;
 
 use clap::Subcommand;
 
@@ -12,16 +14,29 @@ use crate::output::Output;
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Drive the simulated robot to a pose
+    Run(run::RunCommand),
+    /// Reproduce the figures of the paper
+    Reproduce(reproduce::ReproduceCommand),
     /// Check, show or explain the configuration
     Config(config::ConfigCommand),
     /// Run the estimator on a recording, judged against its reference
     Replay(replay::ReplayCommand),
 }
 
+impl Default for Command {
+    /// The robot drives.
+    fn default() -> Self {
+        Self::Run(run::RunCommand::default())
+    }
+}
+
 impl Command {
     /// Does it.
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         match self {
+            Self::Run(command) => command.run(output),
+            Self::Reproduce(command) => command.run(output),
             Self::Config(command) => command.run(output),
             Self::Replay(command) => command.run(output),
         }

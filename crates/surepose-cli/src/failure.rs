@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use miette::{Diagnostic, GraphicalReportHandler};
 use surepose_data::{ConfigError, DataError};
+use surepose_lab::picture::PlotError;
 
 use crate::exit::Exit;
 
@@ -34,13 +35,22 @@ pub(crate) enum Failure {
         #[help]
         help: String,
     },
+    /// The results cannot be written.
+    #[error("{}: cannot be written: {problem}", .path.display())]
+    #[diagnostic(help("give --out a folder that can be written to"))]
+    Output {
+        /// Where to.
+        path: PathBuf,
+        /// Why.
+        problem: PlotError,
+    },
 }
 
 impl Failure {
     /// The exit code that says so.
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Config(_) | Self::Usage { .. } => Exit::Usage,
+            Self::Config(_) | Self::Usage { .. } | Self::Output { .. } => Exit::Usage,
             Self::Data(_) | Self::Recording { .. } => Exit::Data,
         }
     }

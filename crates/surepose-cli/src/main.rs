@@ -5,7 +5,10 @@
 mod command;
 mod exit;
 mod failure;
+mod folder;
+mod interrupt;
 mod output;
+mod progress;
 mod settings;
 
 use std::process::ExitCode;
@@ -24,7 +27,7 @@ use exit::Exit;
 )]
 struct Program {
     #[command(subcommand)]
-    command: command::Command,
+    command: Option<command::Command>,
 
     /// Print one JSON object on standard output, and nothing else there
     #[arg(long, global = true)]
@@ -32,7 +35,12 @@ struct Program {
 }
 
 const EXAMPLES: &str = "\
+Without a command, the robot drives: `surepose` is `surepose run`.
+
 Examples:
+  surepose run --goal 2,2,90 --out out        drive the simulated robot; pictures and data into out/
+  surepose reproduce --out figures            the figures of the paper
+  surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
   surepose config show > robot.toml           every parameter with its default, to edit
   surepose config check robot.toml            whether a configuration can be used
   surepose config explain capture_radius_m    what one parameter does
@@ -55,7 +63,7 @@ fn main() -> ExitCode {
         }
     };
     failure::style_messages();
-    match program.command.run(output::Output { json: program.json }) {
+    match program.command.unwrap_or_default().run(output::Output { json: program.json }) {
         Ok(exit) => exit.into(),
         Err(failure) => {
             let exit = failure.exit();

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use comfy_table::{LineStyle, Table, presets};
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// How results are printed.
@@ -20,6 +21,15 @@ impl Output {
         } else {
             eprintln!("{}", table());
         }
+    }
+}
+
+/// A report under the names of its fields.
+pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
+    match serde_json::to_value(report) {
+        Ok(Value::Object(map)) => map,
+        // Reports are structures of numbers and names: they always become objects.
+        _ => Map::new(),
     }
 }
 

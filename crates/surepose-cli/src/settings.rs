@@ -1,9 +1,11 @@
-//! Options that many commands share: the configuration.
+//! Options that many commands share: the configuration and poses.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 use surepose_data::Config;
+use surepose_data::config::Value;
 
 use crate::failure::Failure;
 
@@ -31,4 +33,59 @@ impl ConfigArgs {
         }
         Ok(config)
     }
+}
+
+/// A pose on the command line: `X,Y,DEG`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PoseArg {
+    /// \[m]
+    pub(crate) x: f64,
+    /// \[m]
+    pub(crate) y: f64,
+    /// \[°]
+    pub(crate) heading_deg: f64,
+}
+
+impl PoseArg {
+    /// Its parts, under the ends of their keys.
+    pub(crate) fn keys(&self) -> [(&'static str, f64); 3] {
+        [("x_m", self.x), ("y_m", self.y), ("heading_deg", self.heading_deg)]
+    }
+}
+
+impl std::str::FromStr for PoseArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const SHAPE: &str = "write X,Y,DEG: metres, metres, degrees, for example 2,2,30";
+        let numbers: Vec<f64> = text
+            .split(',')
+            .map(|part| part.trim().parse().map_err(|_| SHAPE.to_owned()))
+            .collect::<Result<_, _>>()?;
+        let [x, y, heading_deg] = numbers[..] else { return Err(SHAPE.to_owned()) };
+        if ![x, y].iter().all(|v| v.abs() <= 1e4) || heading_deg.is_nan() || heading_deg.abs() > 360.0 {
+            return Err("a pose lies within 10 km, its heading within 360°".to_owned());
+        }
+        Ok(Self { x, y, heading_deg })
+    }
+}
+
+/// Every value with where it came from, as TOML that can be read again.
+pub(crate) fn toml_of(config: &Config) -> String {
+    let (mut toml, mut section) = (String::new(), "");
+    for setting in config.settings() {
+        let p = setting.parameter;
+        if p.section != section {
+            section = p.section;
+            let gap = if toml.is_empty() { "" } else { "\n" };
+            let _ = writeln!(toml, "{gap}[{section}]");
+        }
+        let value = match &setting.value {
+            Value::Number(number) => number.to_string(),
+            Value::Choice(choice) => format!("\"{choice}\""),
+        };
+        let line = format!("{} = {value}", p.key);
+        let _ = writeln!(toml, "{line:<40} # {}", setting.origin);
+    }
+    toml
 }

@@ -2,6 +2,7 @@
 
 pub mod drive;
 pub mod optimal;
+pub mod picture;
 pub mod replay;
 pub mod reproduce;
 pub mod rig;

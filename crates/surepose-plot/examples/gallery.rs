@@ -32,7 +32,7 @@ fn main() -> Result<(), surepose_plot::PlotError> {
         .outlines("", vec![circle((2.0, 2.0), 0.03)], Stroke::thin(Color::Purple))
         .pose("", (2.0, 2.0), 0.5, Color::Purple)
         .window((1.95, 1.95), (2.05, 2.05))
-        .in_unit(1000.0, "mm");
+        .axes(1000.0, "x [mm]", "y [mm]");
     beside(vec![map.cell(), close.cell()]).save(folder, "map")?;
     let over = |f: &dyn Fn(f64) -> f64| {
         (0..=200).map(|i| f64::from(i) * 0.06).map(|t| (t, f(t))).collect::<Vec<_>>()

@@ -1,5 +1,8 @@
 //! Values over one axis, stacked in panels: time series, mostly.
 
+use std::sync::Arc;
+
+use kuva::TickFormat;
 use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
 use kuva::plot::legend::LegendPosition;
 use kuva::render::layout::Layout;
@@ -137,16 +140,23 @@ impl Chart {
 
     /// The chart as a picture.
     pub fn picture(self) -> Picture {
+        below(self.cells())
+    }
+
+    /// The panels as parts of a picture.
+    pub fn cells(self) -> Vec<Cell> {
         let xs = self.panels.iter().flat_map(|p| &p.series).flat_map(|s| s.points.iter().map(|(x, _)| *x));
         let (low, high) =
             xs.filter(|x| x.is_finite()).fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+        // An axis that nearly starts at 0 does.
+        let low = if low > 0.0 && low < 0.05 * high { 0.0 } else { low };
         let range = if low < high { (low, high) } else { (0.0, 1.0) };
         let last = self.panels.len().saturating_sub(1);
         let x_label = self.x_label;
         let cell = |(i, panel): (usize, Panel)| {
             panel.cell(range, if i == last { Some(x_label.as_str()) } else { None })
         };
-        below(self.panels.into_iter().enumerate().map(cell).collect())
+        self.panels.into_iter().enumerate().map(cell).collect()
     }
 }
 
@@ -176,7 +186,7 @@ impl Panel {
             layout = layout.with_x_label(label);
         }
         if self.logarithmic {
-            layout = layout.with_log_y();
+            layout = layout.with_log_y().with_y_tick_format(TickFormat::Custom(Arc::new(decimal)));
         }
         for (from, to) in &self.shaded {
             layout = layout.with_shaded_region(
@@ -200,5 +210,14 @@ impl Panel {
         let plots: Vec<Plot> =
             self.series.into_iter().map(|s| line(&s.label, visible(s.points), s.stroke)).collect();
         Cell { plots, layout, width, height }
+    }
+}
+
+/// 0.01 rather than 1e-2, down to where zeros can no longer be counted at a glance.
+fn decimal(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
+        format!("{}", (value * 1e9).round() / 1e9)
+    } else {
+        format!("{value:e}")
     }
 }

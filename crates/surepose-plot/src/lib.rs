@@ -10,5 +10,5 @@ mod style;
 
 pub use chart::{Chart, Mark, Panel, Series};
 pub use map::{Arrow, Map, Outline, Trace};
-pub use picture::{Picture, PlotError, beside};
+pub use picture::{Cell, Picture, PlotError, beside, beside_column};
 pub use style::{Color, Stroke};

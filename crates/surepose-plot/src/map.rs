@@ -17,8 +17,17 @@ pub struct Map {
     outlines: Vec<Outline>,
     arrows: Vec<Arrow>,
     window: Option<[(f64, f64); 2]>,
-    unit: Option<(f64, &'static str)>,
+    axes: Option<Axes>,
 }
+
+/// What the axes of a map say.
+#[derive(Clone, Copy, Debug)]
+struct Axes {
+    per_metre: f64,
+    labels: [&'static str; 2],
+}
+
+const METRES: Axes = Axes { per_metre: 1.0, labels: ["x [m]", "y [m]"] };
 
 /// A way.
 #[derive(Clone, Debug)]
@@ -108,10 +117,10 @@ impl Map {
         self
     }
 
-    /// Labels the axes in another unit: `per_metre` of `symbol` are one metre.
+    /// Labels the axes otherwise, `per_metre` of their unit being one metre.
     #[must_use]
-    pub fn in_unit(mut self, per_metre: f64, symbol: &'static str) -> Self {
-        self.unit = Some((per_metre, symbol));
+    pub fn axes(mut self, per_metre: f64, x_label: &'static str, y_label: &'static str) -> Self {
+        self.axes = Some(Axes { per_metre, labels: [x_label, y_label] });
         self
     }
 
@@ -124,7 +133,7 @@ impl Map {
     pub fn cell(self) -> Cell {
         let [low, high] = self.extent();
         let (span_x, span_y) = (high.0 - low.0, high.1 - low.1);
-        let (scale, symbol) = self.unit.unwrap_or((1.0, "m"));
+        let Axes { per_metre: scale, labels: [x_label, y_label] } = self.axes.unwrap_or(METRES);
         let per_metre = LONGEST / span_x.max(span_y);
         let [left, right, top, bottom] = MARGINS;
         let legend = if self.has_legend() { LEGEND } else { 0.0 };
@@ -134,8 +143,8 @@ impl Map {
         let mut layout = Layout::new((low.0 * scale, high.0 * scale), (low.1 * scale, high.1 * scale))
             .with_title(self.title.clone())
             .with_title_size(15)
-            .with_x_label(format!("x [{symbol}]"))
-            .with_y_label(format!("y [{symbol}]"))
+            .with_x_label(x_label)
+            .with_y_label(y_label)
             .with_x_axis_min(low.0 * scale)
             .with_x_axis_max(high.0 * scale)
             .with_y_axis_min(low.1 * scale)
@@ -213,7 +222,8 @@ impl Map {
             return [(0.0, 0.0), (1.0, 1.0)];
         }
         let longest = (high.0 - low.0).max(high.1 - low.1).max(1e-3);
-        let margin = 0.05 * longest;
+        // Room for the arrows, which are as long on paper whatever the map's scale.
+        let margin = if self.arrows.is_empty() { 0.05 } else { 0.08 } * longest;
         // A map that is nearly a line keeps some height, or there is no room for its labels.
         let grown = |low: f64, high: f64| {
             let half = (0.5 * (high - low) + margin).max(0.2 * longest);

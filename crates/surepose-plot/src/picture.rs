@@ -64,6 +64,21 @@ pub struct Cell {
 /// Space between parts \[px].
 const GAP: f64 = 8.0;
 
+/// One part on the left, as high as the others on its right are together.
+pub fn beside_column(left: Cell, right: Vec<Cell>) -> Picture {
+    let rows = right.len().max(1);
+    let width = right.iter().fold(0.0, |widest: f64, cell| widest.max(cell.width));
+    let mut figure = Figure::new(rows, 2).with_spacing(GAP).with_padding(GAP);
+    // Cells are numbered row by row; the left part covers every other one.
+    let mut structure = vec![(0..rows).map(|row| 2 * row).collect()];
+    structure.extend((0..right.len()).map(|row| vec![2 * row + 1]));
+    figure = figure.with_structure(structure).with_col_width(0, left.width).with_col_width(1, width);
+    for (row, cell) in right.iter().enumerate() {
+        figure = figure.with_row_height(row, cell.height);
+    }
+    finish(figure, std::iter::once(left).chain(right).collect())
+}
+
 /// The parts below each other.
 pub(crate) fn below(cells: Vec<Cell>) -> Picture {
     let heights: Vec<f64> = cells.iter().map(|cell| cell.height).collect();

@@ -1,6 +1,5 @@
 //! `surepose config`: whether a configuration can be used, what is in effect and why, what a parameter means.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -12,7 +11,7 @@ use surepose_data::config::{Setting, Value};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::output::{Output, table, text, warning};
-use crate::settings::ConfigArgs;
+use crate::settings::{ConfigArgs, toml_of};
 
 /// Check, show or explain the configuration.
 #[derive(Debug, Args)]
@@ -102,22 +101,7 @@ fn show(output: Output, config: &Config) {
         let all: Map<String, Json> = config.settings().iter().map(entry).collect();
         return text(&format!("{}\n", Json::Object(all)));
     }
-    let (mut toml, mut section) = (String::new(), "");
-    for setting in config.settings() {
-        let p = setting.parameter;
-        if p.section != section {
-            section = p.section;
-            let gap = if toml.is_empty() { "" } else { "\n" };
-            let _ = writeln!(toml, "{gap}[{section}]");
-        }
-        let value = match &setting.value {
-            Value::Number(number) => number.to_string(),
-            Value::Choice(choice) => format!("\"{choice}\""),
-        };
-        let line = format!("{} = {value}", p.key);
-        let _ = writeln!(toml, "{line:<40} # {}", setting.origin);
-    }
-    text(&toml);
+    text(&toml_of(config));
 }
 
 fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {

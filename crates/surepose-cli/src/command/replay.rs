@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use serde_json::{Map, Value as Json, json};
-use surepose_lab::replay::{ReplayError, ReplayReport, mrclam};
+use serde_json::Value as Json;
+use surepose_lab::replay::{ReplayError, mrclam};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::output::{Output, table};
+use crate::output::{Output, object, table};
 use crate::settings::ConfigArgs;
 
 /// Run the estimator on a recording and judge it against the recording's reference.
@@ -46,7 +46,7 @@ impl ReplayCommand {
             ReplayError::Data(error) => Failure::Data(error),
             ReplayError::NoStart => Failure::Recording { path: self.path.clone(), what: error.to_string() },
         })?;
-        let json = json_of(&report);
+        let json = object(&report);
         output.result(&json, || {
             let mut table = table(&[]);
             for (key, value) in &json {
@@ -55,13 +55,6 @@ impl ReplayCommand {
             table
         });
         Ok(Exit::Done)
-    }
-}
-
-fn json_of(report: &ReplayReport) -> Map<String, Json> {
-    match serde_json::to_value(report) {
-        Ok(Json::Object(map)) => map,
-        _ => Map::from_iter([("steps".to_owned(), json!(report.steps))]),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is driven: where, from where to where, and with which senses.
 
-use surepose::{Body, Goal, Map, Pose};
+use surepose::{Body, Goal, Map, Pose, param};
 use surepose_data::Config;
 use surepose_sim::{Arena, CompassModel, Fault, LaserModel, MotorModel, Slip, Timing, WorldModel};
 
@@ -55,6 +55,12 @@ impl Scenario {
     /// The scenarios by name, each named as its arena: `paper`, `open` and `loop`.
     pub fn named(name: &str, config: Config) -> Option<Self> {
         Arena::named(name).map(|arena| Self::in_arena(arena, config))
+    }
+
+    /// The scenario that `config` names.
+    pub fn configured(config: Config) -> Self {
+        let arena = Arena::named(config.choice(&param::ARENA)).unwrap_or_else(Arena::paper);
+        Self::in_arena(arena, config)
     }
 
     /// Where the robot starts.

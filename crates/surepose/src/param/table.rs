@@ -160,6 +160,8 @@ parameters! {
     PERIOD = "loop" "period_s", Second,
         within(0.001, 1.0, 0.1, "below 1 ms no wheel follows; above 1 s the robot drives blind");
 
+    /// Where the simulated robot drives: the paper's arena, the same without its plates, or the loop world.
+    ARENA = "scenario" "arena", One, one_of(&["paper", "open", "loop"]);
     /// Where the simulated robot starts, x.
     START_X = "scenario" "start_x_m", Metre, within(-10_000.0, 10_000.0, 0.0, PLACE);
     /// Where the simulated robot starts, y.

@@ -1,0 +1,169 @@
+//! `surepose reproduce`: the paper's figures and their data.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use serde_json::{Map, Value as Json, json};
+use surepose_data::Config;
+use surepose_lab::{picture, reproduce};
+
+use crate::exit::Exit;
+use crate::failure::Failure;
+use crate::folder::Folder;
+use crate::interrupt;
+use crate::output::{Output, table};
+use crate::settings::ConfigArgs;
+
+/// Reproduce the figures of the paper, as SVG and PNG, with their data.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  surepose reproduce --out figures                 every figure
+  surepose reproduce fig4 fig5 --out figures --runs 200")]
+pub(crate) struct ReproduceCommand {
+    /// Which figures; all of them where none is named
+    figures: Vec<Figure>,
+    /// The folder for pictures and data
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// How many seeds are behind fig4, and a tenth of them behind fig6
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    runs: u64,
+    /// The first seed
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+enum Figure {
+    /// The law alone, to three goals under bounded noise
+    Fig3,
+    /// Two predefined paths, with the filter and without it
+    Fig6,
+    /// The whole robot to three goals
+    Fig7,
+}
+
+/// What one figure came to.
+struct Outcome {
+    json: Json,
+    good: bool,
+    rows: Vec<[String; 2]>,
+}
+
+impl ReproduceCommand {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        let config = self.config.over(Config::default())?;
+        let folder = Folder::at(&self.out)?;
+        let mut figures = self.figures.clone();
+        if figures.is_empty() {
+            figures = Figure::value_variants().to_vec();
+        }
+        figures.sort_unstable();
+        figures.dedup();
+
+        interrupt::listen();
+        let (mut json, mut good, mut rows) = (Map::new(), true, Vec::new());
+        for figure in figures {
+            if interrupt::asked() {
+                break;
+            }
+            let (name, outcome) = match figure {
+                Figure::Fig3 => ("fig3", self.fig3(&folder)?),
+                Figure::Fig6 => ("fig6", self.fig6(&folder, &config)?),
+                Figure::Fig7 => ("fig7", self.fig7(&folder, &config)?),
+            };
+            json.insert(name.to_owned(), outcome.json);
+            good &= outcome.good;
+            rows.extend(outcome.rows.into_iter().map(|[what, found]| [name.to_owned(), what, found]));
+        }
+        folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
+        output.result(&json, || {
+            let mut table = table(&["figure", "what", "found"]);
+            for row in rows {
+                table.add_row(row);
+            }
+            table.add_row(["", "written to", &self.out.display().to_string()]);
+            table
+        });
+        Ok(match (interrupt::asked(), good) {
+            (true, _) => Exit::Interrupted,
+            (false, true) => Exit::Done,
+            (false, false) => Exit::Negative,
+        })
+    }
+
+    fn fig3(&self, folder: &Folder) -> Result<Outcome, Failure> {
+        let goals = reproduce::stabilisation(self.seed);
+        let (printed, corrected) = (reproduce::local_law(true), reproduce::local_law(false));
+        folder.picture("fig3", &picture::fig3(&goals, &printed, &corrected))?;
+        for goal in &goals {
+            folder.table(&format!("fig3_{}deg.csv", goal.figures.goal[2]), &goal.motion)?;
+        }
+        folder.table("fig3_local_law_as_printed.csv", printed)?;
+        folder.table("fig3_local_law_corrected.csv", corrected)?;
+        let figures: Vec<_> = goals.iter().map(|goal| goal.figures).collect();
+        Ok(Outcome {
+            json: json!(figures),
+            good: figures.iter().all(|goal| goal.reached),
+            rows: figures
+                .iter()
+                .map(|f| parked(f.goal, f.reached, f.final_position_error_m, f.final_heading_error_deg))
+                .collect(),
+        })
+    }
+
+    fn fig6(&self, folder: &Folder, config: &Config) -> Result<Outcome, Failure> {
+        let runs = (self.runs / 10).max(1);
+        let following = reproduce::following(config, self.seed, runs)
+            .map_err(|error| Failure::Usage { what: error.to_string(), help: "report this".to_owned() })?;
+        folder.picture("fig6", &picture::fig6(&following))?;
+        let shapes = [
+            ("rounded_rectangle", &following.rounded_rectangle, following.figures.rounded_rectangle),
+            ("rounded_triangle", &following.rounded_triangle, following.figures.rounded_triangle),
+        ];
+        let mut rows = Vec::new();
+        for (name, shape, figures) in shapes {
+            for (part, points) in
+                [("path", &shape.path), ("with_ekf", &shape.with_ekf), ("without_ekf", &shape.without_ekf)]
+            {
+                let points = points.iter().map(|point| Place { x_m: point.x, y_m: point.y });
+                folder.table(&format!("fig6_{name}_{part}.csv"), points)?;
+            }
+            let (with, without) = (figures.with_ekf.path_rmse_m, figures.without_ekf.path_rmse_m);
+            let found = format!("{:.1} mm with EKF, {:.1} mm without (rms)", 1e3 * with, 1e3 * without);
+            rows.push([name.replace('_', " "), found]);
+        }
+        Ok(Outcome { json: json!(following.figures), good: true, rows })
+    }
+
+    fn fig7(&self, folder: &Folder, config: &Config) -> Result<Outcome, Failure> {
+        let goals = reproduce::parking(config, self.seed);
+        folder.picture("fig7", &picture::fig7(&goals))?;
+        for goal in &goals {
+            folder.table(&format!("fig7_{}deg.csv", goal.figures.goal[2]), &goal.samples)?;
+        }
+        let figures: Vec<_> = goals.iter().map(|goal| goal.figures).collect();
+        Ok(Outcome {
+            json: json!(figures),
+            good: figures.iter().all(|goal| goal.reached),
+            rows: figures
+                .iter()
+                .map(|f| parked(f.goal, f.reached, f.final_position_error_m, f.final_heading_error_deg))
+                .collect(),
+        })
+    }
+}
+
+#[derive(Serialize)]
+struct Place {
+    x_m: f64,
+    y_m: f64,
+}
+
+fn parked([x, y, heading]: [f64; 3], reached: bool, position_m: f64, heading_deg: f64) -> [String; 2] {
+    let fate = if reached { "reached" } else { "not reached" };
+    [format!("goal {x}, {y}, {heading}°"), format!("{fate}: {:.2} mm, {heading_deg:.3}°", 1e3 * position_m)]
+}

@@ -1,0 +1,161 @@
+//! `surepose run`: one closed-loop drive of the simulated robot.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Map, Value as Json, json};
+use surepose_data::Config;
+use surepose_lab::drive::{Drive, Outcome, Sample, Summary};
+use surepose_lab::picture;
+use surepose_lab::rig::Scenario;
+
+use crate::exit::Exit;
+use crate::failure::Failure;
+use crate::folder::Folder;
+use crate::output::{Output, object, table, warning};
+use crate::settings::{ConfigArgs, PoseArg, toml_of};
+use crate::{interrupt, progress};
+
+/// Drive the simulated robot, with motors, sensors and estimate, to a pose.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  surepose run                                          the paper's arena, to 2,2,30
+  surepose run --goal 2,2,90 --seed 7 --out out         another goal; pictures and data into out/
+  surepose run --scenario open --start 0,0,180 --set law.direction=reverse --json
+
+Exit codes: 0 reached, 1 time ran out, 4 stopped at a wall, 130 interrupted (with what was done until then).")]
+pub(crate) struct RunCommand {
+    /// Where: paper, open, loop, or a TOML file whose [scenario] says so
+    #[arg(long, value_name = "NAME or FILE")]
+    scenario: Option<String>,
+    /// Where the robot starts: metres, metres, degrees
+    #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
+    start: Option<PoseArg>,
+    /// Where it shall come to rest
+    #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
+    goal: Option<PoseArg>,
+    /// What all noise is drawn from: the same seed gives the same drive
+    #[arg(long, default_value_t = SEED)]
+    seed: u64,
+    /// A folder for pictures, time series and summary
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+/// The seed unless one is given.
+const SEED: u64 = 1;
+
+impl Default for RunCommand {
+    fn default() -> Self {
+        Self { scenario: None, start: None, goal: None, seed: SEED, out: None, config: ConfigArgs::default() }
+    }
+}
+
+impl RunCommand {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        let scenario = self.scenario()?;
+        for said in scenario.config.warnings() {
+            warning(&said);
+        }
+        // A folder that cannot be written to is found before the drive, not after it.
+        let folder = self.out.as_deref().map(Folder::at).transpose()?;
+
+        interrupt::listen();
+        let bar = progress::bar(output, "driving");
+        let mut drive = Drive::new(&scenario, self.seed);
+        let mut samples = Vec::new();
+        while !interrupt::asked() {
+            let Some(sample) = drive.next() else { break };
+            samples.push(sample);
+            progress::show(&bar, drive.elapsed());
+        }
+        bar.finish_and_clear();
+
+        let summary = drive.summary();
+        let json = object(&summary);
+        if let Some(folder) = &folder {
+            write(folder, &scenario, &samples, &json)?;
+        }
+        output.result(&json, || {
+            let mut table = table(&[]);
+            rows(&summary, |name, value| {
+                table.add_row([name, value]);
+            });
+            if let Some(path) = &self.out {
+                table.add_row(["written to".to_owned(), path.display().to_string()]);
+            }
+            table
+        });
+        Ok(match summary.outcome {
+            _ if interrupt::asked() => Exit::Interrupted,
+            Outcome::Reached => Exit::Done,
+            Outcome::Timeout => Exit::Negative,
+            Outcome::Stopped => Exit::Stopped,
+        })
+    }
+
+    fn scenario(&self) -> Result<Scenario, Failure> {
+        let mut base = Config::default();
+        match self.scenario.as_deref() {
+            Some(name) if Scenario::named(name, Config::default()).is_some() => {
+                base = base.with_option(&format!("scenario.arena={name}"))?;
+            }
+            Some(file) if Path::new(file).extension().is_some() || Path::new(file).exists() => {
+                base = base.with_file(Path::new(file))?;
+            }
+            Some(other) => {
+                let what = format!("'{}' is neither a scenario nor a file", other.escape_debug());
+                let help = "the scenarios are paper, open and loop".to_owned();
+                return Err(Failure::Usage { what, help });
+            }
+            None => {}
+        }
+        let mut config = self.config.over(base)?;
+        for (section, pose) in [("start", self.start), ("goal", self.goal)] {
+            for (key, value) in pose.iter().flat_map(PoseArg::keys) {
+                config = config.with_option(&format!("scenario.{section}_{key}={value}"))?;
+            }
+        }
+        Ok(Scenario::configured(config))
+    }
+}
+
+fn write(
+    folder: &Folder,
+    scenario: &Scenario,
+    samples: &[Sample],
+    summary: &Map<String, Json>,
+) -> Result<(), Failure> {
+    folder.picture("overview", &picture::overview(scenario, samples))?;
+    folder.picture("trajectory", &picture::trajectory(scenario, samples))?;
+    folder.picture("velocities", &picture::velocities(samples))?;
+    folder.picture("heading_error", &picture::heading_error(scenario, samples))?;
+    folder.picture("lyapunov", &picture::lyapunov(samples))?;
+    folder.table("time_series.csv", samples)?;
+    folder.text("config.toml", &toml_of(&scenario.config.fitted()))?;
+    folder.text("summary.json", &format!("{:#}\n", json!(summary)))
+}
+
+fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
+    let outcome = match summary.outcome {
+        Outcome::Reached => "reached",
+        Outcome::Timeout => "time ran out",
+        Outcome::Stopped => "stopped",
+    };
+    row("outcome".to_owned(), outcome.to_owned());
+    row("time".to_owned(), format!("{:.1} s (at least {:.1} s)", summary.time_s, summary.optimal_time_s));
+    row("way".to_owned(), format!("{:.2} m", summary.path_length_m));
+    let (position, heading) = (summary.final_position_error_m, summary.final_heading_error_deg);
+    row("final error".to_owned(), format!("{:.1} mm, {heading:.2}°", 1e3 * position));
+    if let (Some(position), Some(heading)) = (summary.position_rmse_m, summary.heading_rmse_deg) {
+        row("estimate's error (rms)".to_owned(), format!("{:.1} mm, {heading:.3}°", 1e3 * position));
+    }
+    if let Some(nees) = summary.nees_mean {
+        row("NEES (3 is consistent)".to_owned(), format!("{nees:.2}"));
+    }
+    let (accepted, rejected) = (summary.accepted, summary.rejected);
+    row("measurements".to_owned(), format!("{accepted} used, {rejected} refused"));
+    row("seed".to_owned(), summary.seed.to_string());
+}

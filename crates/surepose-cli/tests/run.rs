@@ -1,0 +1,179 @@
+//! `surepose run`: keys, exit codes, files, and the same bytes for the same seed.
+
+#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use common::{file, folder, surepose};
+
+/// Every file of a folder, by name.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries =
+        std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("readable"));
+    entries
+        .map(|entry| {
+            let bytes = std::fs::read(entry.path()).expect("readable");
+            (entry.file_name().to_string_lossy().into_owned(), bytes)
+        })
+        .collect()
+}
+
+#[test]
+fn without_any_option_the_robot_parks() {
+    let run = surepose(&["--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    for key in [
+        "outcome",
+        "time_s",
+        "final_position_error_m",
+        "final_heading_error_deg",
+        "final_speed_m_s",
+        "position_rmse_m",
+        "heading_rmse_deg",
+        "nees_mean",
+        "path_length_m",
+        "optimal_time_s",
+        "seed",
+    ] {
+        assert!(!json[key].is_null(), "{key} in {json}");
+    }
+    assert_eq!(json["outcome"], "reached");
+    assert!(json["final_position_error_m"].as_f64().is_some_and(|error| error <= 0.01), "{json}");
+    assert!(json["final_heading_error_deg"].as_f64().is_some_and(|error| error <= 1.0), "{json}");
+    assert_eq!(json, surepose(&["run", "--seed", "1", "--json"]).json());
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_in_every_file() {
+    let [first, second, other] = ["run-first", "run-second", "run-other"].map(folder);
+    for (out, seed) in [(&first, "5"), (&second, "5"), (&other, "6")] {
+        let run = surepose(&["run", "--seed", seed, "--out", out.to_str().expect("UTF-8")]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(run.stdout, "", "tables go to standard error");
+    }
+    let (first, second, other) = (contents(&first), contents(&second), contents(&other));
+    let pictures = ["overview", "trajectory", "velocities", "heading_error", "lyapunov"];
+    let pictures = pictures.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
+    let data = ["time_series.csv", "summary.json", "config.toml"].map(str::to_owned);
+    for name in pictures.chain(data) {
+        assert!(first.contains_key(&name), "{name} in {:?}", first.keys());
+    }
+    for (name, bytes) in &first {
+        assert!(second.get(name) == Some(bytes), "{name} differs from run to run");
+    }
+    assert_ne!(first["time_series.csv"], other["time_series.csv"]);
+}
+
+#[test]
+fn what_was_written_can_be_driven_again() {
+    let out = folder("run-again");
+    let goal = ["--goal", "1,-0.5,-90", "--seed", "3", "--json"];
+    let out_text = out.to_str().expect("UTF-8");
+    let first = surepose(&[&["run", "--out", out_text][..], &goal[..]].concat());
+    let config = out.join("config.toml");
+    let again = surepose(&["run", "--scenario", config.to_str().expect("UTF-8"), "--seed", "3", "--json"]);
+    assert_eq!(first.code, 0, "{}", first.stderr);
+    assert_eq!(first.json(), again.json());
+}
+
+#[test]
+fn time_that_runs_out_exits_with_1() {
+    let run = surepose(&["run", "--set", "scenario.timeout_s=1", "--json"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert_eq!(run.json()["outcome"], "timeout");
+}
+
+#[test]
+fn a_wrong_command_line_exits_with_2() {
+    let folder = folder("run-wrong");
+    let not_a_folder = file(&folder, "file", b"");
+    let damaged = file(&folder, "damaged.toml", b"[scenario]\narena = \"mars\"\n");
+    for arguments in [
+        &["run", "--scenario", "mars"][..],
+        &["run", "--scenario", "no/such/file.toml"],
+        &["run", "--scenario", &damaged],
+        &["run", "--start", "1,2"],
+        &["run", "--start", "1,2,nan"],
+        &["run", "--goal", "1,inf,0"],
+        &["run", "--seed", "-1"],
+        &["run", "--out", &not_a_folder],
+        &["reproduce"],
+        &["reproduce", "fig1", "--out", "x"],
+        &["reproduce", "--out", &not_a_folder],
+    ] {
+        let run = surepose(arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{arguments:?}");
+    }
+    assert!(surepose(&["run", "--scenario", &damaged]).stderr.contains(&format!("{damaged}:2")));
+}
+
+#[test]
+fn the_figures_have_the_contracts_keys() {
+    let out = folder("figures");
+    let run = surepose(&["reproduce", "fig3", "fig7", "--out", out.to_str().expect("UTF-8"), "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    for figure in ["fig3", "fig7"] {
+        let goals = json[figure].as_array().expect("a list");
+        assert_eq!(goals.len(), 3);
+        for goal in goals {
+            assert_eq!(goal["reached"], true, "{goal}");
+            assert!(goal["final_position_error_m"].as_f64().is_some_and(|error| error <= 0.01), "{goal}");
+            assert!(goal["final_heading_error_deg"].as_f64().is_some_and(|error| error <= 1.0), "{goal}");
+        }
+        assert!(out.join(format!("{figure}.svg")).exists() && out.join(format!("{figure}.png")).exists());
+    }
+    for key in ["final_speed_m_s", "final_turn_rate_deg_s"] {
+        assert_eq!(json["fig7"][0][key], 0.0, "{json}");
+    }
+}
+
+#[test]
+fn the_path_experiment_compares_with_and_without_the_filter() {
+    let out = folder("figure6");
+    let run =
+        surepose(&["reproduce", "fig6", "--out", out.to_str().expect("UTF-8"), "--runs", "10", "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    for path in ["rounded_rectangle", "rounded_triangle"] {
+        let rmse = |with: &str| json["fig6"][path][with]["path_rmse_m"].as_f64().expect("a number");
+        assert!(rmse("without_ekf") > rmse("with_ekf"), "{json}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_keeps_what_was_done_and_exits_with_130() {
+    use std::process::{Command, Stdio};
+    let out = folder("interrupted");
+    // An hour of trying to stand still to a nanometre: there is time to interrupt it.
+    let child = Command::new(env!("CARGO_BIN_EXE_surepose"))
+        .args([
+            "run",
+            "--scenario",
+            "open",
+            "--goal",
+            "5000,0,0",
+            "--set",
+            "scenario.timeout_s=3600",
+            "--json",
+        ])
+        .args(["--out", out.to_str().expect("UTF-8")])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let asked = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(asked.success());
+    let output = child.wait_with_output().expect("it ends");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON all the same");
+    assert_eq!(output.status.code(), Some(130), "{json}");
+    assert_eq!(json["outcome"], "stopped");
+    assert!(out.join("summary.json").exists() && out.join("time_series.csv").exists());
+}

@@ -1,0 +1,8 @@
+//! Pictures of drives and of the paper's figures.
+
+mod drive;
+mod figures;
+
+pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
+pub use figures::{fig3, fig6, fig7};
+pub use surepose_plot::{Picture, PlotError};

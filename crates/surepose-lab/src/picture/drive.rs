@@ -1,0 +1,210 @@
+//! One drive: its way with the walls, and what happened over time.
+
+use core::f64::consts::TAU;
+
+use surepose::param;
+use surepose_plot::{Cell, Chart, Color, Map, Mark, Panel, Picture, Stroke, beside, beside_column};
+
+use crate::drive::{Mode, Sample};
+use crate::rig::Scenario;
+
+/// Time between two ellipses \[s].
+const ELLIPSE_EVERY: f64 = 1.0;
+/// Three standard deviations that can be seen on a map of metres \[m].
+const VISIBLE: f64 = 0.06;
+/// Half the side of the window around the goal \[m].
+const WINDOW: f64 = 0.03;
+
+/// The way with the walls, start and goal; and the last centimetres, with the tolerance.
+pub fn trajectory(scenario: &Scenario, samples: &[Sample]) -> Picture {
+    beside(vec![from_above(scenario, samples), at_the_goal(scenario, samples)])
+}
+
+/// v and ω, asked and true.
+pub fn velocities(samples: &[Sample]) -> Picture {
+    Chart::over("time [s]").panel(speed(samples)).panel(turn_rate(samples)).picture()
+}
+
+/// Heading error and distance from the goal.
+pub fn heading_error(scenario: &Scenario, samples: &[Sample]) -> Picture {
+    Chart::over("time [s]").panel(heading(scenario, samples)).panel(distance(scenario, samples)).picture()
+}
+
+/// V of the law in charge, with the changes of law.
+pub fn lyapunov(samples: &[Sample]) -> Picture {
+    Chart::over("time [s]").panel(descent(samples)).picture()
+}
+
+/// The drive at one glance.
+pub fn overview(scenario: &Scenario, samples: &[Sample]) -> Picture {
+    let chart = Chart::over("time [s]")
+        .panel(speed(samples))
+        .panel(heading(scenario, samples))
+        .panel(descent(samples));
+    beside_column(from_above(scenario, samples), chart.cells())
+}
+
+fn from_above(scenario: &Scenario, samples: &[Sample]) -> Cell {
+    let (start, goal) = (scenario.start(), scenario.goal());
+    let shown = every(samples, ELLIPSE_EVERY);
+    // A laser knows the place to millimetres: on a map of metres that is nothing to see.
+    let mut spreads: Vec<f64> = shown.iter().map(|sample| spread(sample)).collect();
+    spreads.sort_by(f64::total_cmp);
+    let typical = spreads.get(spreads.len() / 2).copied().unwrap_or(VISIBLE);
+    let factor = [1.0, 10.0, 30.0].into_iter().find(|factor| typical * factor >= VISIBLE).unwrap_or(30.0);
+    let label =
+        if factor > 1.0 { format!("3σ × {factor}, each second") } else { "3σ, each second".to_owned() };
+    let here = |sample: &Sample| (sample.estimated_x_m, sample.estimated_y_m);
+    let ellipses = shown.into_iter().map(|sample| ellipse(sample, here(sample), 3.0 * factor)).collect();
+    Map::new("From start to goal")
+        .walls(walls(scenario))
+        .trace("true way", true_way(samples), Stroke::wide(Color::Silver))
+        .trace("estimated way", estimated_way(samples), Stroke::thin(Color::Vermilion))
+        .outlines(label, ellipses, Stroke::thin(Color::Blue))
+        .pose("start", (start.x, start.y), start.heading.radians(), Color::Green)
+        .pose("goal", (goal.x, goal.y), goal.heading.radians(), Color::Purple)
+        .cell()
+}
+
+/// The neighbourhood of the goal, seen from it.
+fn at_the_goal(scenario: &Scenario, samples: &[Sample]) -> Cell {
+    let goal = scenario.goal();
+    let from_goal =
+        |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x - goal.x, y - goal.y)).collect();
+    let tolerance = scenario.config.number(&param::POSITION_TOLERANCE);
+    let circle = turn().map(|(cos, sin)| (tolerance * cos, tolerance * sin)).collect();
+    let mut map = Map::new("The last centimetres")
+        .outlines("tolerance", vec![circle], Stroke::solid(Color::Purple))
+        .trace("true way", from_goal(true_way(samples)), Stroke::wide(Color::Silver))
+        .trace("estimated way", from_goal(estimated_way(samples)), Stroke::thin(Color::Vermilion));
+    let here = |sample: &Sample| (sample.estimated_x_m - goal.x, sample.estimated_y_m - goal.y);
+    let near = every(samples, ELLIPSE_EVERY).into_iter().chain(samples.last());
+    let near = near.filter(|sample| here(sample).0.abs().max(here(sample).1.abs()) < WINDOW);
+    let ellipses = near.map(|sample| ellipse(sample, here(sample), 3.0)).collect();
+    map = map.outlines("3σ, each second", ellipses, Stroke::thin(Color::Blue));
+    if let Some(end) = samples.last() {
+        let at = (end.x_m - goal.x, end.y_m - goal.y);
+        map = map.pose("true pose at the end", at, end.heading_deg.to_radians(), Color::Black);
+    }
+    map.pose("goal", (0.0, 0.0), goal.heading.radians(), Color::Purple)
+        .window((-WINDOW, -WINDOW), (WINDOW, WINDOW))
+        .axes(1000.0, "x from the goal [mm]", "y from the goal [mm]")
+        .cell()
+}
+
+fn speed(samples: &[Sample]) -> Panel {
+    Panel::new("Speed", "v [m/s]")
+        .series("asked", over(samples, |s| s.commanded_v_m_s), Stroke::wide(Color::Silver))
+        .series("true", over(samples, |s| s.v_m_s), Stroke::solid(Color::Blue))
+        .marks([Mark::Level(0.0)])
+}
+
+fn turn_rate(samples: &[Sample]) -> Panel {
+    Panel::new("Turn rate", "ω [°/s]")
+        .series("asked", over(samples, |s| s.commanded_omega_deg_s), Stroke::wide(Color::Silver))
+        .series("true", over(samples, |s| s.omega_deg_s), Stroke::solid(Color::Blue))
+        .marks([Mark::Level(0.0)])
+}
+
+fn heading(scenario: &Scenario, samples: &[Sample]) -> Panel {
+    let tolerance = scenario.config.number(&param::HEADING_TOLERANCE).to_degrees();
+    Panel::new("Heading error; dashed: tolerance", "θ − θ goal [°]")
+        .series("true", unwrapped(over(samples, |s| s.heading_error_deg)), Stroke::solid(Color::Blue))
+        .marks([Mark::Level(tolerance), Mark::Level(-tolerance)])
+}
+
+fn distance(scenario: &Scenario, samples: &[Sample]) -> Panel {
+    Panel::new("Distance from the goal; dashed: tolerance", "ρ [m]")
+        .series("true", over(samples, |s| s.goal_distance_m), Stroke::solid(Color::Blue))
+        .marks([Mark::Level(scenario.config.number(&param::POSITION_TOLERANCE))])
+        .logarithmic()
+}
+
+fn descent(samples: &[Sample]) -> Panel {
+    let near = |mode| mode == Mode::Near;
+    let mut panel = Panel::new("Lyapunov function: V_g of the global law; shaded: V_l of the local law", "V")
+        .series("V in charge", over(samples, |s| s.lyapunov), Stroke::solid(Color::Green))
+        .shaded(stretches(samples, near))
+        .logarithmic();
+    if let Some((at, _)) = stretches(samples, near).first() {
+        panel = panel.marks([Mark::At(*at, String::new())]);
+    }
+    panel.marks(
+        stretches(samples, |mode| mode == Mode::Holding).first().map(|(at, _)| Mark::At(*at, String::new())),
+    )
+}
+
+fn over(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
+    samples.iter().map(|sample| (sample.time_s, value(sample))).collect()
+}
+
+/// The same angles \[°] without jumps by a turn.
+pub(super) fn unwrapped(mut series: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let mut before: Option<f64> = None;
+    for (_, angle) in &mut series {
+        if let Some(before) = before {
+            *angle -= 360.0 * ((*angle - before) / 360.0).round();
+        }
+        before = Some(*angle);
+    }
+    series
+}
+
+/// From when to when the law was in a mode.
+fn stretches(samples: &[Sample], wanted: impl Fn(Mode) -> bool) -> Vec<(f64, f64)> {
+    let mut found: Vec<(f64, f64)> = Vec::new();
+    let mut inside = false;
+    for sample in samples {
+        let now = wanted(sample.mode);
+        match found.last_mut() {
+            Some(last) if inside => last.1 = sample.time_s,
+            _ if now => found.push((sample.time_s, sample.time_s)),
+            _ => {}
+        }
+        inside = now;
+    }
+    found
+}
+
+/// Every so many seconds a sample.
+fn every(samples: &[Sample], seconds: f64) -> Vec<&Sample> {
+    let mut next = seconds;
+    let due = |sample: &&Sample| {
+        let due = sample.time_s >= next;
+        next = if due { next + seconds } else { next };
+        due
+    };
+    samples.iter().filter(due).collect()
+}
+
+/// Three standard deviations of the worse coordinate \[m].
+fn spread(sample: &Sample) -> f64 {
+    3.0 * sample.variance_x_m2.max(sample.variance_y_m2).max(0.0).sqrt()
+}
+
+/// The contour of so many standard deviations around (x, y).
+fn ellipse(sample: &Sample, (x, y): (f64, f64), sigmas: f64) -> Vec<(f64, f64)> {
+    // With P = L Lᵀ the contour is L·(cos, sin).
+    let l11 = sample.variance_x_m2.max(0.0).sqrt();
+    let l21 = if l11 > 0.0 { sample.covariance_xy_m2 / l11 } else { 0.0 };
+    let l22 = (sample.variance_y_m2 - l21 * l21).max(0.0).sqrt();
+    turn().map(|(cos, sin)| (x + sigmas * l11 * cos, y + sigmas * (l21 * cos + l22 * sin))).collect()
+}
+
+/// Cosines and sines once round.
+fn turn() -> impl Iterator<Item = (f64, f64)> {
+    (0..=48).map(|i| f64::from(i) * TAU / 48.0).map(|angle| (angle.cos(), angle.sin()))
+}
+
+pub(super) fn walls(scenario: &Scenario) -> Vec<[(f64, f64); 2]> {
+    let segments = scenario.arena.walls().iter();
+    segments.map(|wall| [(wall.start.x, wall.start.y), (wall.end.x, wall.end.y)]).collect()
+}
+
+pub(super) fn true_way(samples: &[Sample]) -> Vec<(f64, f64)> {
+    samples.iter().map(|sample| (sample.x_m, sample.y_m)).collect()
+}
+
+fn estimated_way(samples: &[Sample]) -> Vec<(f64, f64)> {
+    samples.iter().map(|sample| (sample.estimated_x_m, sample.estimated_y_m)).collect()
+}
