@@ -4,6 +4,7 @@ mod config;
 mod replay;
 mod reproduce;
 mod run;
+mod sweep;
 
 use clap::Subcommand;
 
@@ -18,6 +19,8 @@ pub(crate) enum Command {
     Run(run::RunCommand),
     /// Reproduce the figures of the paper
     Reproduce(reproduce::ReproduceCommand),
+    /// Run many closed-loop trials at once
+    Sweep(sweep::SweepCommand),
     /// Check, show or explain the configuration
     Config(config::ConfigCommand),
     /// Run the estimator on a recording, judged against its reference
@@ -37,6 +40,7 @@ impl Command {
         match self {
             Self::Run(command) => command.run(output),
             Self::Reproduce(command) => command.run(output),
+            Self::Sweep(command) => command.run(output),
             Self::Config(command) => command.run(output),
             Self::Replay(command) => command.run(output),
         }

@@ -40,6 +40,7 @@ Without a command, the robot drives: `surepose` is `surepose run`.
 Examples:
   surepose run --goal 2,2,90 --out out        drive the simulated robot; pictures and data into out/
   surepose reproduce --out figures            the figures of the paper
+  surepose sweep --runs 100000 --noise bench  many trials, against the least possible time
   surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
   surepose config show > robot.toml           every parameter with its default, to edit
   surepose config check robot.toml            whether a configuration can be used

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use comfy_table::{LineStyle, Table, presets};
+use comfy_table::{CellAlignment, LineStyle, Table, presets};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -52,4 +52,11 @@ pub(crate) fn table(header: &[&str]) -> Table {
         table.set_header(header);
     }
     table
+}
+
+/// Aligns every column but the first to the right, as numbers are read.
+pub(crate) fn align_numbers(table: &mut Table) {
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
 }

@@ -1,0 +1,173 @@
+//! `surepose sweep`: many closed-loop trials at once, judged against the least possible time.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use surepose::param;
+use surepose_data::{Config, starts};
+use surepose_lab::sweep::{Noise, Precision, Spread, Starts, Sweep, SweepReport, Watch};
+
+use crate::exit::Exit;
+use crate::failure::Failure;
+use crate::folder::Folder;
+use crate::output::{Output, align_numbers, object, table};
+use crate::settings::ConfigArgs;
+use crate::{interrupt, progress};
+
+/// Run the bench trial from many starts: success, time over the least possible, final error.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  surepose sweep --runs 100000 --noise bench --json
+  surepose sweep --law paper --period 0.1
+  surepose sweep --starts starts.csv --out out          x_m,y_m,heading_deg on each line
+
+The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for
+1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.")]
+pub(crate) struct SweepCommand {
+    /// How many random starts
+    #[arg(long, default_value_t = 10_000, conflicts_with = "starts")]
+    runs: usize,
+    /// Given starts, in metres and degrees, seen from the goal
+    #[arg(long, value_name = "FILE.csv")]
+    starts: Option<PathBuf>,
+    /// Time between two ticks, in seconds
+    #[arg(long, value_name = "S")]
+    period: Option<f64>,
+    /// What is wrong with the estimate and the wheels
+    #[arg(long, value_enum, default_value_t = NoiseName::None)]
+    noise: NoiseName,
+    /// What the loop is computed with
+    #[arg(long, value_enum, default_value_t = PrecisionName::F64)]
+    precision: PrecisionName,
+    /// How many threads; all cores unless given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// The law: surepose or paper
+    #[arg(long, value_name = "NAME")]
+    law: Option<String>,
+    /// What all noise and all random starts are drawn from
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// A folder for the summary and the trials, one line each
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum NoiseName {
+    /// None
+    None,
+    /// 5 mm and 0.3° on the estimate, 5 % on each wheel's speed
+    Bench,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PrecisionName {
+    /// The microcontroller's
+    F32,
+    /// The robot's
+    F64,
+}
+
+/// How often the progress is looked at.
+const LOOK: Duration = Duration::from_millis(50);
+
+impl SweepCommand {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        let sweep = self.sweep()?;
+        let folder = self.out.as_deref().map(Folder::at).transpose()?;
+
+        interrupt::listen();
+        let (watch, bar, total) = (Watch::default(), progress::bar(output, "sweeping"), sweep.starts.len());
+        let report = std::thread::scope(|scope| {
+            let running = scope.spawn(|| sweep.run(&watch));
+            while !running.is_finished() {
+                if interrupt::asked() {
+                    watch.stop();
+                }
+                progress::show(&bar, watch.done() as f64 / total.max(1) as f64);
+                std::thread::sleep(LOOK.min(Duration::from_millis(1 + total as u64 / 1000)));
+            }
+            running.join()
+        });
+        bar.finish_and_clear();
+        // A thread ends early only where the library is at fault; there is then nothing to report.
+        let report = report.map_err(|_| Failure::Usage {
+            what: "the sweep ended early".to_owned(),
+            help: "this is a mistake of the program".to_owned(),
+        })?;
+
+        let json = object(&report);
+        if let Some(folder) = &folder {
+            folder.table("trials.csv", &report.trials)?;
+        }
+        output.result(&json, || shown(&report));
+        Ok(if interrupt::asked() { Exit::Interrupted } else { Exit::Done })
+    }
+
+    fn sweep(&self) -> Result<Sweep, Failure> {
+        // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
+        let bench = [
+            (&param::WHEEL_RADIUS, 0.05),
+            (&param::TRACK, 0.6),
+            (&param::WHEEL_SPEED_LIMIT, 0.3),
+            (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
+            (&param::PERIOD, 0.02),
+        ];
+        let mut config = self.config.over(Config::default().with_preset("bench", &bench))?;
+        if let Some(name) = &self.law {
+            config = config.with_option(&format!("law.name={name}"))?;
+        }
+        if let Some(period) = self.period {
+            config = config.with_option(&format!("loop.period_s={period}"))?;
+        }
+        Ok(Sweep {
+            starts: match &self.starts {
+                Some(file) => Starts::Given(starts::read(file)?),
+                None => Starts::Random(self.runs),
+            },
+            law: config.law(),
+            period: config.number(&param::PERIOD),
+            noise: match self.noise {
+                NoiseName::None => Noise::NONE,
+                NoiseName::Bench => Noise::BENCH,
+            },
+            precision: match self.precision {
+                PrecisionName::F32 => Precision::F32,
+                PrecisionName::F64 => Precision::F64,
+            },
+            threads: self.threads.map_or_else(cores, usize::from),
+            seed: self.seed,
+        })
+    }
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn shown(report: &SweepReport) -> comfy_table::Table {
+    let mut table = table(&["", "p50", "p95", "max"]);
+    let rows = [
+        ("time [s]", report.time_s, 1.0, 2),
+        ("time / least possible", report.time_ratio, 1.0, 3),
+        ("way / distance", report.path_ratio, 1.0, 3),
+        ("final error [mm]", report.final_position_error_m, 1e3, 2),
+        ("final error [°]", report.final_heading_error_deg, 1.0, 3),
+    ];
+    for (name, spread, factor, digits) in rows {
+        let Some(Spread { p50, p95, max }) = spread else { continue };
+        let number = |value: f64| format!("{:.digits$}", value * factor);
+        table.add_row([name.to_owned(), number(p50), number(p95), number(max)]);
+    }
+    if let (Some(success), Some(cusps)) = (report.success_rate, report.cusps_mean) {
+        table.add_row(["success", &format!("{:.3} %", 1e2 * success), "of", &report.runs.to_string()]);
+        table.add_row(["reversals, mean".to_owned(), format!("{cusps:.2}")]);
+    }
+    table.add_row(["steps per second".to_owned(), format!("{:.3e}", report.steps_per_s)]);
+    align_numbers(&mut table);
+    table
+}
