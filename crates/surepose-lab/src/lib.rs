@@ -1,6 +1,7 @@
-//! Experiments: replays of recordings, metrics, sweeps, the paper's figures.
+//! Experiments: replays of recordings, wall maps, metrics, sweeps, the paper's figures.
 
 pub mod drive;
+pub mod mapping;
 pub mod optimal;
 pub mod picture;
 pub mod replay;

@@ -3,11 +3,16 @@
 //! One module per format. Each one merges its streams by stamp and is causal: a pose is estimated from what had
 //! been recorded by then, and is judged at that time.
 
+pub mod carmen;
+mod follower;
 pub mod mrclam;
+mod odometry;
 mod reference;
 mod report;
 mod score;
 
+pub(crate) use follower::mounted;
+pub use follower::{FollowerSettings, walls_of};
 pub use reference::Reference;
 pub use report::{ReplayError, ReplayReport};
 pub use score::{Score, Summary};

@@ -53,6 +53,13 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         Self::from_variances(std.map(S::squared))
     }
 
+    /// The matrix times `factor`, which is not negative.
+    #[must_use]
+    #[inline]
+    pub fn scaled(self, factor: S) -> Self {
+        Self { diagonal: self.diagonal.map(|d| d * factor), ..self }
+    }
+
     /// The entry in `row` and `column` of the matrix itself.
     #[inline]
     pub fn entry(&self, row: usize, column: usize) -> S {

@@ -11,6 +11,8 @@ mod time;
 pub use ekf::{Belief, Correction, Ekf, Travel};
 pub use estimator::Estimator;
 pub use gate::Gate;
-pub use measurement::{Compass, Innovation, LandmarkSighting, Measurement, PositionFix, WallSighting};
+pub use measurement::{
+    Compass, Innovation, LandmarkSighting, Measurement, PoseFix, PositionFix, WallSighting,
+};
 pub use outcome::{Outcome, Refusal, Tally};
 pub use time::{Stamp, Stamped};

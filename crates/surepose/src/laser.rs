@@ -12,6 +12,9 @@
 //!
 //! [`Matcher`] then finds which wall of the map each line is: inside a χ² gate, one to one, where the wall really is.
 //!
+//! [`Aligner`] lays a scan on the walls of a map beam by beam, where rooms are so full that few walls are long enough to be
+//! found without one.
+//!
 //! # The coordinates
 //! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
 //! meets it at the range 1/u, u(φ) = a·cos φ + b·sin φ: the *inverse* range is linear in the line, so that nothing is
@@ -19,6 +22,7 @@
 //! With range noise σ_r and bearing noise σ_φ the variance of the inverse range is u⁴σ_r² + u′²σ_φ²: the same as
 //! the perpendicular residual ρ·cos(φ−ψ) − r with its variance cos²(φ−ψ)·σ_r² + ρ²·sin²(φ−ψ)·σ_φ², divided by r·ρ.
 
+mod align;
 mod beam;
 mod boundary;
 mod evidence;
@@ -33,6 +37,7 @@ mod scan;
 mod segment;
 mod wall;
 
+pub use align::{Aligned, Aligner, AlignerMemory, Alignment};
 pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
 pub use matching::{Fate, Matched, Matcher};
 pub use scan::{RangeFinder, Scan, ScanRefusal};

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use surepose::{
     Angle, Belief, Body, Compass, Drive, Ekf, Innovation, Integration, LandmarkSighting, Line, Map, Matrix,
-    Point, Pose, PositionFix, Travel, WallSighting, Wheels,
+    Point, Pose, PoseFix, PositionFix, Travel, WallSighting, Wheels,
 };
 
 type MapFromBody = Pose<Map, Body, f64>;
@@ -117,6 +117,12 @@ proptest! {
             position: Point::new(y, x), x_variance: 0.1, y_variance: 0.2, covariance: -0.05,
         };
         prop_assert!(jacobian_error(belief, |b| fix.innovation(b)) < TOLERANCE);
+
+        let pose = PoseFix {
+            pose: Pose::new(y, x, Angle::wrapped(heading + 0.3)),
+            information: Matrix([[4.0, 1.0, -2.0], [1.0, 3.0, 0.5], [-2.0, 0.5, 9.0]]),
+        };
+        prop_assert!(jacobian_error(belief, |b| pose.innovation(b)) < TOLERANCE);
     }
 
     /// A wall says the same whichever way its seen normal points, and nothing new where it is expected.

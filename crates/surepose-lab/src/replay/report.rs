@@ -64,6 +64,13 @@ impl ReplayReport {
         self.dead_reckoning_heading_rmse_deg = odometry.map(|summary| summary.heading_rmse.to_degrees());
     }
 
+    /// Counts a record that the filter never saw, if there is a name for why.
+    pub fn skip(&mut self, kind: Option<&'static str>) {
+        if let Some(kind) = kind {
+            *self.skipped.entry(kind).or_default() += 1;
+        }
+    }
+
     /// Fills in what became of the measurements; every reason is named, also those that never occurred.
     pub fn count(&mut self, tally: &Tally) {
         self.accepted = tally.accepted;

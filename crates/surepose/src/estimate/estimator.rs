@@ -181,6 +181,9 @@ impl<S: Float, const N: usize> Estimator<S, N> {
             Measurement::Wall(wall) => self.ekf.correct(belief, &wall.innovation(&belief), pair),
             Measurement::Landmark(landmark) => self.ekf.correct(belief, &landmark.innovation(&belief), pair),
             Measurement::Position(position) => self.ekf.correct(belief, &position.innovation(&belief), pair),
+            Measurement::Pose(pose) => {
+                self.ekf.correct(belief, &pose.innovation(&belief), self.gate.threshold(3))
+            }
         };
         (correction.belief, correction.nis, correction.accepted)
     }

@@ -3,9 +3,11 @@
 mod check;
 
 mod innovation;
+mod pose_fix;
 
 pub(super) use check::finite;
 pub use innovation::Innovation;
+pub use pose_fix::PoseFix;
 
 use crate::angle::Angle;
 use crate::frame::{Body, Map};
@@ -78,6 +80,8 @@ pub enum Measurement<S> {
     Landmark(LandmarkSighting<S>),
     /// An absolute position.
     Position(PositionFix<S>),
+    /// A whole pose, as far as something was seen of it.
+    Pose(PoseFix<S>),
 }
 
 impl<S: Scalar> Compass<S> {

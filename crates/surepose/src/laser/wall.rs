@@ -11,6 +11,8 @@ pub struct Wall<S> {
     line: Line<Map, S>,
     /// From where to where, along the left of the normal \[m].
     extent: (S, S),
+    /// How well the map knows the line, see [`Wall::variance`].
+    variance: [S; 3],
 }
 
 /// The ends of a wall coincide, or are not finite.
@@ -37,12 +39,36 @@ impl<S: Float> Wall<S> {
         }
         let line = Line::through(start, end);
         let (a, b) = (along(&line, start), along(&line, end));
-        Ok(Self { line, extent: (a.min(b), a.max(b)) })
+        Ok(Self { line, extent: (a.min(b), a.max(b)), variance: [S::of(0.0); 3] })
     }
 
     /// The line it lies on.
     pub fn line(&self) -> &Line<Map, S> {
         &self.line
+    }
+
+    /// The same wall, where the map knows its line only so well; see [`Wall::variance`].
+    #[must_use]
+    pub fn known_to(self, variance: [S; 3]) -> Self {
+        Self { variance, ..self }
+    }
+
+    /// How well the map knows the line: variance of r \[m²], covariance of r and ψ \[m·rad], variance of ψ \[rad²].
+    pub fn variance(&self) -> [S; 3] {
+        self.variance
+    }
+
+    /// How far from `point` the wall is at its nearest \[m].
+    #[inline]
+    pub(super) fn distance(&self, point: Point<Map, S>) -> S {
+        (self.line.distance_from(point).squared() + self.beyond(point).squared()).sqrt()
+    }
+
+    /// How far beyond the wall's ends the foot of `point` lies \[m]; 0 beside the wall.
+    #[inline]
+    pub(super) fn beyond(&self, point: Point<Map, S>) -> S {
+        let a = along(&self.line, point);
+        (self.extent.0 - a).max(a - self.extent.1).max(S::of(0.0))
     }
 
     /// Its ends.
@@ -67,7 +93,8 @@ impl<S: Float> Wall<S> {
 }
 
 /// Where on the line the foot of `point` lies: the distance to the left of the origin's foot \[m].
-fn along<S: Scalar>(line: &Line<Map, S>, point: Point<Map, S>) -> S {
+#[inline]
+pub(super) fn along<S: Scalar>(line: &Line<Map, S>, point: Point<Map, S>) -> S {
     let (nx, ny) = line.normal();
     nx * point.y - ny * point.x
 }

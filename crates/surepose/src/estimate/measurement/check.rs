@@ -1,8 +1,9 @@
 //! Which measurements may touch the belief at all.
 
+use crate::covariance::Covariance;
 use crate::scalar::Float;
 
-use super::{Compass, LandmarkSighting, Measurement, PositionFix, WallSighting};
+use super::{Compass, LandmarkSighting, Measurement, PoseFix, PositionFix, WallSighting};
 use crate::estimate::outcome::Refusal;
 
 /// Distances beyond this \[m] are broken sensors, not places: their squares would drown the pose in rounding.
@@ -19,6 +20,7 @@ impl<S: Float> Measurement<S> {
             Self::Wall(wall) => wall.check(),
             Self::Landmark(landmark) => landmark.check(),
             Self::Position(position) => position.check(),
+            Self::Pose(pose) => pose.check(),
         }
     }
 }
@@ -66,5 +68,19 @@ impl<S: Float> PositionFix<S> {
     fn check(&self) -> Result<(), Refusal> {
         finite(&[self.position.x, self.position.y])?;
         positive_definite(self.x_variance, self.y_variance, self.covariance)
+    }
+}
+
+impl<S: Float> PoseFix<S> {
+    fn check(&self) -> Result<(), Refusal> {
+        finite(&[self.pose.x, self.pose.y, self.pose.heading.radians()])?;
+        // Nothing known of any direction is no measurement; a negative information is none either.
+        let known = |i: usize| self.information[(i, i)].is_finite() && self.information[(i, i)] >= S::of(0.0);
+        let any = (0..3).any(|i| self.information[(i, i)] > S::of(0.0));
+        if (0..3).all(known) && any && Covariance::from_matrix(&self.information).is_ok() {
+            Ok(())
+        } else {
+            Err(Refusal::BadVariance)
+        }
     }
 }

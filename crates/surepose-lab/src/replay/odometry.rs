@@ -1,0 +1,56 @@
+//! Recorded odometry poses, as the motion between them.
+
+use surepose::{Angle, Body, Integration, Map, Motion, Pose};
+use surepose_data::recording::StampedPose;
+
+/// A recorded pose in the core's form.
+pub(crate) fn pose_of(at: &StampedPose) -> Pose<Map, Body, f64> {
+    Pose::new(at.x, at.y, Angle::wrapped(at.heading))
+}
+
+/// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::moved`].
+///
+/// What the second pose lies beside that arc is no motion of wheels, and is left out.
+pub(super) fn motion_between(from: Pose<Map, Body, f64>, to: Pose<Map, Body, f64>) -> Motion<f64> {
+    let turn = (to.heading - from.heading).radians();
+    let (sin, cos) = from.heading.turned(0.5 * turn).sin_cos();
+    let chord = (to.x - from.x) * cos + (to.y - from.y) * sin;
+    let unit = Pose::<Map, Body, f64>::identity().moved(Motion { length: 1.0, turn }, Integration::Arc);
+    Motion { length: chord / unit.origin().distance(Pose::<Map, Map, f64>::identity().origin()), turn }
+}
+
+/// The pose after `count` records, between two of them along the arc that joins them.
+pub(super) fn pose_after(records: &[StampedPose], count: f64) -> Option<Pose<Map, Body, f64>> {
+    let whole = libm::floor(count);
+    let last = records.len().checked_sub(1)?;
+    let record = |count: f64| records.get(((count - 1.0).max(0.0) as usize).min(last)).map(pose_of);
+    let (before, after) = (record(whole)?, record(whole + 1.0)?);
+    let motion = motion_between(before, after);
+    let part = Motion { length: motion.length * (count - whole), turn: motion.turn * (count - whole) };
+    Some(before.moved(part, Integration::Arc))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_motion_between_poses_leads_from_one_to_the_other() {
+        let from: Pose<Map, Body, f64> = Pose::new(1.0, -2.0, Angle::from_degrees(170.0));
+        for motion in [(0.3, 0.5), (-0.2, -3.0), (0.4, 0.0), (0.0, 1.0)] {
+            let motion = Motion { length: motion.0, turn: motion.1 };
+            let to = from.moved(motion, Integration::Arc);
+            let found = motion_between(from, to);
+            assert!((found.length - motion.length).abs() < 1e-12 && (found.turn - motion.turn).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn between_records_the_pose_is_on_the_arc() {
+        let at = |x: f64| StampedPose { time: 0.0, x, y: 0.0, heading: 0.0 };
+        let records = [at(0.0), at(1.0), at(3.0)];
+        let x = |count: f64| pose_after(&records, count).map(|pose| pose.x);
+        assert_eq!([0.5, 1.0, 1.5, 2.25, 3.0, 9.0].map(x), [0.0, 0.0, 0.5, 1.5, 3.0, 3.0].map(Some));
+        assert_eq!(pose_after(&[], 1.0), None);
+    }
+}

@@ -1,0 +1,128 @@
+//! A pose that something else found, with directions it may know nothing of.
+
+use crate::covariance::NotACovariance;
+use crate::frame::{Body, Map};
+use crate::matrix::Matrix;
+use crate::pose::Pose;
+use crate::scalar::{Float, Scalar};
+
+use super::Innovation;
+use crate::estimate::ekf::Belief;
+
+/// A pose, and how much is known of it in each direction.
+///
+/// The inverse of a covariance, the *information*, can say "nothing": in a corridor a scan knows the way across and the
+/// heading, but not the way along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseFix<S> {
+    /// The pose; where nothing is known of a direction it may be anything in that direction.
+    pub pose: Pose<Map, Body, S>,
+    /// The information on (x, y, θ) in the map frame \[1/m², 1/(m·rad), 1/rad²]: symmetric, positive semi-definite.
+    pub information: Matrix<S, 3, 3>,
+}
+
+/// Variance of a direction of which nothing is known: beyond what any pose is uncertain by.
+const NOTHING: f64 = 1e12;
+
+impl<S: Scalar> PoseFix<S> {
+    /// ν = Lᵀ(z − x̂), where the information is L D Lᵀ: rows with the independent variances 1/D.
+    #[inline]
+    pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 3> {
+        let (zero, one) = (S::of(0.0), S::of(1.0));
+        let offset = [
+            self.pose.x - belief.pose.x,
+            self.pose.y - belief.pose.y,
+            (self.pose.heading - belief.pose.heading).radians(),
+        ];
+        let (lower, diagonal) = factors(&self.information);
+        let mut jacobian = [[zero; 3]; 3];
+        let mut residual = [zero; 3];
+        let mut variance = [zero; 3];
+        for row in 0..3 {
+            jacobian[row][row] = one;
+            residual[row] = offset[row];
+            for k in row + 1..3 {
+                jacobian[row][k] = lower[k][row];
+                residual[row] = residual[row] + lower[k][row] * offset[k];
+            }
+            variance[row] = one / diagonal[row].max(S::of(1.0 / NOTHING));
+        }
+        Innovation { residual, jacobian, variance }
+    }
+
+    /// The same pose, where an error of these variances of x, y \[m²] and θ \[rad²] is added that all that was seen
+    /// shares: the time of a scan, or how the robot leaned.
+    ///
+    /// (Λ⁻¹ + σ²eeᵀ)⁻¹ = Λ − Λe·eᵀΛ/(σ⁻² + eᵀΛe) for each axis e: [ShermanMorrison1950], which needs no Λ⁻¹.
+    #[must_use]
+    pub fn blurred(mut self, variances: [S; 3]) -> Self {
+        for (axis, variance) in variances.into_iter().enumerate() {
+            let column = [0, 1, 2].map(|row| self.information[(row, axis)]);
+            let share = variance / (S::of(1.0) + variance * column[axis]);
+            for row in 0..3 {
+                for k in 0..3 {
+                    self.information[(row, k)] = self.information[(row, k)] - share * column[row] * column[k];
+                }
+            }
+        }
+        self
+    }
+}
+
+impl<S: Float> PoseFix<S> {
+    /// The fix at which an information and its gradient add up to nothing more: Λ·(z − `near`) = `gradient`.
+    ///
+    /// In directions without information the pose stays that of `near`.
+    ///
+    /// # Errors
+    /// [`NotACovariance`] where the information of an axis is negative, or anything is not finite.
+    pub fn from_information(
+        near: Pose<Map, Body, S>,
+        information: Matrix<S, 3, 3>,
+        gradient: [S; 3],
+    ) -> Result<Self, NotACovariance> {
+        let (lower, diagonal) = factors(&information);
+        let sound = |i: usize| information[(i, i)].is_finite() && information[(i, i)] >= S::of(0.0);
+        if !(0..3).all(sound) || !gradient.iter().all(|g| g.is_finite()) {
+            return Err(NotACovariance);
+        }
+        let mut step = gradient;
+        for row in 0..3 {
+            for k in 0..row {
+                step[row] = step[row] - lower[row][k] * step[k];
+            }
+        }
+        for row in (0..3).rev() {
+            step[row] = step[row].over_positive(diagonal[row]);
+            for k in row + 1..3 {
+                step[row] = step[row] - lower[k][row] * step[k];
+            }
+        }
+        let pose = Pose::new(near.x + step[0], near.y + step[1], near.heading.turned(step[2]));
+        Ok(Self { pose, information })
+    }
+}
+
+/// L (unit lower triangular) and D of a symmetric positive semi-definite matrix L D Lᵀ.
+///
+/// A pivot that is rounding only, and one below zero, is nothing: 0, and with it its column.
+fn factors<S: Scalar>(matrix: &Matrix<S, 3, 3>) -> ([[S; 3]; 3], [S; 3]) {
+    let zero = S::of(0.0);
+    let mut rest = matrix.0;
+    let mut lower = [[zero; 3]; 3];
+    let mut diagonal = [zero; 3];
+    for j in 0..3 {
+        let rounding = matrix.0[j][j].abs() * S::of(1e-6);
+        let pivot = S::select(rest[j][j].gt(rounding), rest[j][j], zero);
+        diagonal[j] = pivot;
+        for i in j + 1..3 {
+            lower[i][j] = rest[i][j].over_positive(pivot);
+        }
+        for i in j + 1..3 {
+            for k in j + 1..3 {
+                rest[i][k] = rest[i][k] - lower[i][j] * rest[j][k];
+            }
+        }
+    }
+    (lower, diagonal)
+}

@@ -1,0 +1,184 @@
+//! A scan laid on the walls of a map: the pose comes out, with what is not seen of it left open.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use surepose::{
+    Aligned, Aligner, AlignerMemory, Alignment, Angle, Belief, Drive, Ekf, Gate, Integration, Matrix, Point,
+    Pose, PoseFix, RangeFinder, Scan, ScanRefusal, Wall,
+};
+
+const BEAMS: usize = 181;
+type Place = Pose<surepose::Map, surepose::Body, f64>;
+
+fn wall(from: (f64, f64), to: (f64, f64)) -> Wall<f64> {
+    Wall::between(Point::new(from.0, from.1), Point::new(to.0, to.1)).unwrap()
+}
+
+/// A room of 6 m by 4 m with a short face in it.
+fn room() -> Vec<Wall<f64>> {
+    let corners = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)];
+    let mut walls: Vec<_> = corners.windows(2).map(|ends| wall(ends[0], ends[1])).collect();
+    walls.push(wall((3.9, 2.8), (4.1, 3.0)));
+    walls
+}
+
+fn laser() -> RangeFinder<f64> {
+    let body_from_laser = Pose::new(0.2, -0.05, Angle::from_degrees(5.0));
+    RangeFinder { body_from_laser, range_std: 0.03, bearing_std: 0.004, nearest: 0.05, farthest: 30.0 }
+}
+
+fn aligner() -> Aligner<f64> {
+    Aligner {
+        gate: Gate::new(0.999),
+        farthest_off: 0.7,
+        fewest_beams: 5,
+        least_share: 0.33,
+        wall_offset_std: 0.0,
+        wall_direction_std: 0.0,
+        scan_std: [0.0; 3],
+    }
+}
+
+fn ekf() -> Ekf<f64> {
+    let drive = Drive { wheel_radius: 0.05, track: 0.6 };
+    Ekf { drive, delta: 0.0025, integration: Integration::Arc }
+}
+
+/// Ranges over 180°, each off by a fixed pattern of at most 3σ that looks like noise.
+fn ranges(pose: Place, walls: &[Wall<f64>]) -> Vec<f64> {
+    let origin = pose * laser().body_from_laser;
+    let mut noise = 12345_u32;
+    (0..BEAMS)
+        .map(|beam| {
+            let bearing = (beam as f64 - 90.0).to_radians();
+            let (sin, cos) = (origin.heading.radians() + bearing).sin_cos();
+            let hits = walls.iter().filter_map(|wall| {
+                let [a, b] = wall.ends();
+                let (ex, ey) = (b.x - a.x, b.y - a.y);
+                let (ox, oy) = (a.x - origin.x, a.y - origin.y);
+                let turn = cos * ey - sin * ex;
+                let (range, share) = ((ox * ey - oy * ex) / turn, (ox * sin - oy * cos) / turn);
+                (range > 0.0 && (0.0..=1.0).contains(&share)).then_some(range)
+            });
+            let mut sum = -2.0;
+            for _ in 0..4 {
+                noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum += f64::from(noise >> 8) / f64::from(1 << 24);
+            }
+            hits.fold(f64::INFINITY, f64::min) + 0.03 * sum * f64::sqrt(3.0)
+        })
+        .collect()
+}
+
+fn laid(belief: Belief<f64>, ranges: &[f64], walls: &[Wall<f64>]) -> Alignment<f64> {
+    let scan = Scan { first_bearing: Angle::from_degrees(-90.0), bearing_step: 1_f64.to_radians(), ranges };
+    let mut memory = AlignerMemory::<f64, BEAMS>::default();
+    aligner().align(&mut memory, &ekf(), &belief, &laser(), &scan, walls).unwrap()
+}
+
+fn found(alignment: Alignment<f64>) -> Aligned<f64> {
+    match alignment {
+        Alignment::Found(aligned) => aligned,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn corrected(belief: Belief<f64>, aligned: &Aligned<f64>) -> Belief<f64> {
+    ekf().correct(belief, &aligned.fix.innovation(&belief), 1e30).belief
+}
+
+#[test]
+fn finds_the_pose_in_a_room() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
+    let start = Pose::new(2.15, 1.4, Angle::from_degrees(44.0));
+    let belief = Belief::new(start, [0.2, 0.2, 0.1]);
+    let aligned = found(laid(belief, &ranges(truth, &room()), &room()));
+    let after = corrected(belief, &aligned);
+    assert!(after.error(truth).iter().all(|e| e.abs() < 0.008), "{:?}", after.error(truth));
+    assert!(after.nees(truth) < 11.3, "{}", after.nees(truth));
+    // As sharp as some 180 beams of 3 cm over three walls can be, and no sharper.
+    assert!((0.002..0.008).contains(&after.covariance.std(0)), "{}", after.covariance.std(0));
+    assert!(aligned.walls >= 3 && aligned.beams > 160 && aligned.returned == 181, "{aligned:?}");
+}
+
+#[test]
+fn finds_a_heading_that_is_half_a_radian_off() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
+    let belief = Belief::new(Pose::new(2.1, 1.5, Angle::from_degrees(68.0)), [0.2, 0.2, 0.25]);
+    let aligned = found(laid(belief, &ranges(truth, &room()), &room()));
+    assert!(corrected(belief, &aligned).error(truth).iter().all(|e| e.abs() < 0.01));
+}
+
+#[test]
+fn knows_nothing_along_a_corridor() {
+    let corridor = [wall((-50.0, 0.0), (50.0, 0.0)), wall((-50.0, 2.0), (50.0, 2.0))];
+    let truth: Place = Pose::new(0.0, 1.0, Angle::zero());
+    let belief = Belief::new(Pose::new(0.3, 1.05, Angle::from_degrees(1.0)), [0.4, 0.1, 0.03]);
+    let after = corrected(belief, &found(laid(belief, &ranges(truth, &corridor), &corridor)));
+    let error = after.error(truth);
+    assert!(error[1].abs() < 0.01 && error[2].abs() < 0.01, "{error:?}");
+    assert!((error[0] - 0.3).abs() < 0.01 && after.covariance.std(0) > 0.38, "{error:?}");
+}
+
+#[test]
+fn says_when_it_finds_nothing_or_too_little() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::zero());
+    let belief = Belief::new(truth, [0.05, 0.05, 0.02]);
+    let seen = ranges(truth, &room());
+    assert_eq!(laid(belief, &seen, &[]), Alignment::Nowhere);
+    assert_eq!(laid(belief, &[f64::INFINITY; BEAMS], &room()), Alignment::Nowhere);
+    assert_eq!(laid(belief, &[f64::NAN; BEAMS], &room()), Alignment::Nowhere);
+    // Three beams of four end on people.
+    let people: Vec<f64> = seen
+        .iter()
+        .enumerate()
+        .map(|(beam, range)| if beam % 4 == 0 { *range } else { 0.3 * range })
+        .collect();
+    assert!(matches!(laid(belief, &people, &room()), Alignment::Unconvincing(_)));
+    let mut memory = AlignerMemory::<f64, 8>::default();
+    let scan = Scan { first_bearing: Angle::zero(), bearing_step: 0.01, ranges: &seen };
+    let refused = aligner().align(&mut memory, &ekf(), &belief, &laser(), &scan, &room());
+    assert_eq!(refused, Err(ScanRefusal::TooManyBeams));
+}
+
+#[test]
+fn a_wall_that_is_not_well_known_says_less() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::zero());
+    let belief = Belief::new(truth, [0.1, 0.1, 0.05]);
+    let seen = ranges(truth, &room());
+    let vague: Vec<_> = room().into_iter().map(|wall| wall.known_to([0.04, 0.0, 1e-4])).collect();
+    let std = |walls: &[Wall<f64>]| corrected(belief, &found(laid(belief, &seen, walls))).covariance.std(1);
+    assert!(std(&vague) > 0.05 && std(&room()) < 0.01, "{} {}", std(&vague), std(&room()));
+}
+
+/// (Λ⁻¹ + Σ)⁻¹ by its definition: with both added, the gain of a blurred fix is that of a vaguer one.
+#[test]
+fn blurring_adds_variance() {
+    let information: Matrix<f64, 3, 3> =
+        Matrix([[400.0, 30.0, -10.0], [30.0, 250.0, 5.0], [-10.0, 5.0, 900.0]]);
+    let fix = PoseFix { pose: Pose::new(1.0, 2.0, Angle::zero()), information };
+    let more = [0.01, 0.02, 0.003];
+    // Λ' (Λ⁻¹ + Σ) = 1, so Λ' + Λ' Σ Λ = Λ.
+    let blurred = fix.blurred(more).information;
+    let product = &(&blurred * &Matrix::diagonal(more)) * &information;
+    for row in 0..3 {
+        for column in 0..3 {
+            let sum = blurred[(row, column)] + product[(row, column)];
+            assert!((sum - information[(row, column)]).abs() < 1e-9, "{row} {column}");
+        }
+    }
+}
+
+#[test]
+fn a_fix_solves_for_its_pose_and_leaves_open_what_it_does_not_know() {
+    let near: Place = Pose::new(1.0, 2.0, Angle::zero());
+    let information = Matrix([[4.0, 0.0, 2.0], [0.0, 0.0, 0.0], [2.0, 0.0, 9.0]]);
+    let fix =
+        PoseFix::from_information(near, information, [4.0 * 0.1 + 2.0 * 0.2, 0.0, 2.0 * 0.1 + 9.0 * 0.2])
+            .unwrap();
+    assert!((fix.pose.x - 1.1).abs() < 1e-12 && (fix.pose.heading.radians() - 0.2).abs() < 1e-12);
+    assert!((fix.pose.y - 2.0).abs() < 1e-12);
+    let negative = Matrix([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert!(PoseFix::from_information(near, negative, [0.0; 3]).is_err());
+    assert!(PoseFix::from_information(near, information, [f64::NAN, 0.0, 0.0]).is_err());
+}
