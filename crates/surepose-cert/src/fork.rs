@@ -29,12 +29,19 @@ thread_local! {
 
 /// Runs `program` once for each way through its undecided comparisons and hands each result to `visit`.
 ///
+/// False if there are more than `most` ways: then not all of them were visited.
+///
 /// Inside `program` an undecided comparison answers yes on one way and no on the other. Calls do not nest: an inner
 /// call explores with its own decisions, and the outer one then repeats it on each of its ways.
-pub fn explore<T>(mut program: impl FnMut() -> T, mut visit: impl FnMut(T)) {
+pub fn explore<T>(most: usize, mut program: impl FnMut() -> T, mut visit: impl FnMut(T)) -> bool {
     let outer = TAPE.take();
-    let mut choices = Vec::new();
-    loop {
+    let mut choices = Vec::with_capacity(DEPTH);
+    let mut ways = 0;
+    let complete = loop {
+        if ways == most {
+            break false;
+        }
+        ways += 1;
         TAPE.set(Some(Tape { choices, position: 0 }));
         let result = program();
         choices = TAPE.take().map(|tape| tape.choices).unwrap_or_default();
@@ -45,10 +52,11 @@ pub fn explore<T>(mut program: impl FnMut() -> T, mut visit: impl FnMut(T)) {
         }
         match choices.last_mut() {
             Some(last) => last.taken += 1,
-            None => break,
+            None => break true,
         }
-    }
+    };
     TAPE.set(outer);
+    complete
 }
 
 /// Which of `of` sides to take here, or nothing outside of [`explore`].
@@ -77,7 +85,7 @@ mod tests {
     #[test]
     fn every_way_is_taken_once() {
         let mut seen = Vec::new();
-        explore(|| (choose(2), choose(3)), |way| seen.push(way));
+        explore(64, || (choose(2), choose(3)), |way| seen.push(way));
         assert_eq!(seen.len(), 6);
         seen.sort_unstable();
         seen.dedup();
@@ -90,7 +98,7 @@ mod tests {
         let across = Interval::new(3.0, 3.3);
         assert!(Angle::wrapped(across).radians().width() > 6.0, "the hull is the whole circle");
         let mut pieces = Vec::new();
-        explore(|| Angle::wrapped(across).radians(), |piece| pieces.push(piece));
+        explore(64, || Angle::wrapped(across).radians(), |piece| pieces.push(piece));
         assert!(pieces.iter().all(|piece| piece.width() < 0.35), "{pieces:?}");
         for k in 0..=100 {
             let x = 3.0 + 0.003 * f64::from(k);
@@ -103,6 +111,6 @@ mod tests {
     fn outside_of_an_exploration_the_answer_is_maybe() {
         let x = Interval::new(-1.0, 1.0);
         assert_eq!(x.lt(Interval::of(0.0)), Verdict::Maybe);
-        explore(|| x.lt(Interval::of(0.0)), |verdict| assert_ne!(verdict, Verdict::Maybe));
+        explore(64, || x.lt(Interval::of(0.0)), |verdict| assert_ne!(verdict, Verdict::Maybe));
     }
 }

@@ -1,6 +1,8 @@
 //! Intervals as a scalar of the core: its law, limits and motion take them as they take floats.
 
-use surepose::Scalar;
+use core::f64::consts::{PI, TAU};
+
+use surepose::{Angle, Scalar};
 
 use crate::fork::choose;
 use crate::interval::Interval;
@@ -50,15 +52,14 @@ impl Scalar for Interval {
     }
     #[inline]
     fn round(self) -> Self {
-        // Both answers at a tie.
-        let (lo, hi) = ((self.lo - 0.5).ceil(), (self.hi + 0.5).floor());
-        let count = hi - lo + 1.0;
+        let all = self.nearest();
+        let count = all.hi - all.lo + 1.0;
         if (2.0..=4.0).contains(&count)
             && let Some(taken) = choose(count as u8)
         {
-            return Self::point(lo + f64::from(taken));
+            return Self::point(all.lo + f64::from(taken));
         }
-        Self { lo: lo.min(hi), hi: hi.max(lo) }
+        all
     }
     #[inline]
     fn sqrt(self) -> Self {
@@ -84,5 +85,31 @@ impl Scalar for Interval {
     #[inline]
     fn squared(self) -> Self {
         self.square()
+    }
+    #[inline]
+    fn wrapped_sum(self) -> Self {
+        // Floats in (−π, π] stay as they are: they are less than half a turn from 0, and half a turn rounds to none.
+        if self.lo > -PI && self.hi <= PI {
+            return self;
+        }
+        // Across the branch: each piece on its own way. −π comes as π with the piece that is one turn on.
+        let turns = (self * Self::of(1.0 / TAU)).nearest();
+        let count = turns.hi - turns.lo + 1.0;
+        if (2.0..=3.0).contains(&count)
+            && let Some(taken) = choose(count as u8)
+        {
+            let near = self - Self::of(TAU) * Self::point(turns.lo + f64::from(taken));
+            return near.clamp(Self::of(-PI), Self::of(PI));
+        }
+        Angle::wrapped(self).radians()
+    }
+}
+
+impl Interval {
+    /// The nearest integers, both at a tie.
+    #[inline]
+    fn nearest(self) -> Self {
+        let (lo, hi) = ((self.lo - 0.5).ceil(), (self.hi + 0.5).floor());
+        Self { lo: lo.min(hi), hi: hi.max(lo) }
     }
 }

@@ -149,6 +149,10 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
         self.chain_two(x, self.value.atan2(x.value), by_y, by_x)
     }
     #[inline]
+    fn wrapped_sum(self) -> Self {
+        Self { value: self.value.wrapped_sum(), ..self }
+    }
+    #[inline]
     fn sin_cos_sinc(self) -> (Self, Self, Self) {
         let (sin, cos, sinc) = self.value.sin_cos_sinc();
         (self.chain(sin, cos), self.chain(cos, -sin), self.chain(sinc, self.value.sinc_slope(cos, sinc)))

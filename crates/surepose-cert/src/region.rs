@@ -1,0 +1,127 @@
+//! A set of situations: where the goal truly is, and how the robot sees it.
+
+use core::f64::consts::{FRAC_PI_2, PI};
+
+use surepose::{Angle, Navigation, Scalar};
+
+use crate::interval::Interval;
+use crate::mind::Mind;
+use crate::noise::Noise;
+use crate::weight::PI_ENCLOSED;
+
+/// A box of situations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Region {
+    /// True distance ρ \[m].
+    pub(crate) rho: Interval,
+    /// Seen minus true distance \[m].
+    pub(crate) drift: Interval,
+    /// Seen bearing α̂ \[rad], within one quadrant.
+    pub(crate) alpha: Interval,
+    /// Seen direction of approach φ̂ \[rad], within one quadrant.
+    pub(crate) phi: Interval,
+}
+
+impl Region {
+    /// All situations at distances `rho`, quadrant by quadrant of both angles.
+    pub(crate) fn around(rho: Interval, noise: &Noise) -> impl Iterator<Item = Self> + use<> {
+        let drift = Interval::symmetric(noise.position);
+        let quadrant = |k: i32| {
+            // A seen angle is a float in (−π, π].
+            let at = |k: i32| (f64::from(k) * FRAC_PI_2).clamp((-PI).next_up(), PI);
+            Interval::new(at(k), at(k + 1))
+        };
+        (-2..2).flat_map(move |a| {
+            (-2..2).flat_map(move |p| {
+                (0..4).map(move |i| Self { rho, drift, alpha: quadrant(a).piece(i, 4), phi: quadrant(p) })
+            })
+        })
+    }
+
+    /// All angles at once: for what hardly depends on them.
+    pub(crate) fn anywhere(rho: Interval, drift: Interval) -> Self {
+        let angles = Interval::new((-PI).next_up(), PI);
+        Self { rho, drift, alpha: angles, phi: angles }
+    }
+
+    /// The distance as seen, which is not negative.
+    pub(crate) fn seen_rho(&self) -> Interval {
+        Scalar::max(self.rho + self.drift, Interval::point(0.0))
+    }
+
+    /// The goal as seen.
+    pub(crate) fn seen(&self) -> Navigation<Interval> {
+        Navigation {
+            rho: self.seen_rho(),
+            alpha: Angle::from_wrapped(self.alpha),
+            phi: Angle::from_wrapped(self.phi),
+        }
+    }
+
+    /// How far the direction of the goal as seen can be from the true one: half a chord of ε around the goal.
+    ///
+    /// With ρ̂ − ρ = D and the angle e between the two, D² + 4ρρ̂·sin²(e/2) ≤ ε².
+    pub(crate) fn turn(&self, noise: &Noise) -> f64 {
+        let seen = self.seen_rho();
+        let rest = Interval::point(noise.position).squared() - self.drift.squared();
+        let product = (self.rho * seen * Interval::point(4.0)).lo();
+        if product <= 0.0 {
+            return PI;
+        }
+        let half_sine = (rest / Interval::point(product)).hi().max(0.0).sqrt();
+        let farther = self.rho.lo().max(seen.lo());
+        let sine = noise.position / farther;
+        let up = 1.0 + 1e-12; // far above the rounding of these few operations
+        let by_chord = if half_sine < 1.0 { 2.0 * libm::asin(half_sine) * up } else { PI };
+        let by_tangent = if sine < 1.0 { libm::asin(sine) * up } else { PI };
+        by_chord.min(by_tangent)
+    }
+
+    /// What to add to the seen angles so that they are those of the driven end, continued to the side of `mind`:
+    /// multiples of π.
+    pub(crate) fn lift(&self, mind: Mind) -> (i8, i8) {
+        let opposite = |angle: Interval| {
+            if !mind.reverse {
+                0
+            } else if angle.mid() > 0.0 {
+                -1
+            } else {
+                1
+            }
+        };
+        let alpha = opposite(self.alpha);
+        let bearing = self.alpha.mid() + f64::from(alpha) * PI;
+        let beyond = bearing * f64::from(mind.side) < -FRAC_PI_2;
+        (if beyond { alpha + 2 * mind.side } else { alpha }, opposite(self.phi))
+    }
+
+    /// Two halves along the widest side, each side weighed by what it does to W.
+    pub(crate) fn halves(&self) -> (Self, Self) {
+        let per_rho = 1.0 / self.rho.lo().max(1e-9);
+        let widths = [
+            self.alpha.width(),
+            0.12 * self.phi.width(),
+            0.6 * self.rho.width() * per_rho,
+            0.5 * self.drift.width() * per_rho,
+        ];
+        let widest = (1..4).fold(0, |best, k| if widths[k] > widths[best] { k } else { best });
+        let (mut low, mut high) = (*self, *self);
+        match widest {
+            0 => (low.alpha, high.alpha) = self.alpha.halves(),
+            1 => (low.phi, high.phi) = self.phi.halves(),
+            2 => (low.rho, high.rho) = self.rho.halves(),
+            _ => (low.drift, high.drift) = self.drift.halves(),
+        }
+        (low, high)
+    }
+
+    /// The widest side, weighed.
+    pub(crate) fn size(&self) -> f64 {
+        self.alpha.width().max(0.12 * self.phi.width())
+    }
+}
+
+/// `turns` half turns.
+pub(crate) fn half_turns(count: i8) -> Interval {
+    PI_ENCLOSED() * Interval::point(f64::from(count))
+}

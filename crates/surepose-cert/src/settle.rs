@@ -1,0 +1,183 @@
+//! Near the goal: the heading comes to its bound, and the switch between the laws keeps its mind.
+
+use core::f64::consts::{FRAC_PI_2, TAU};
+
+use surepose::{Body, Dual, Integration, Point, Pose, Scalar, Twist};
+
+use crate::descent::{Descent, Outcome};
+use crate::interval::Interval;
+use crate::mind::Mind;
+use crate::region::Region;
+use crate::subject::{Subject, drive_over};
+
+/// What was shown of the neighbourhood of the goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settling {
+    /// Under the local law, V = ½θ_e² + ½(ρ cos α/ℓ)² falls at every tick in which |θ_e| is above this \[rad] and
+    /// that law stays in charge; nothing where this was not shown.
+    pub heading_bound: Option<f64>,
+    /// ℓ \[m].
+    pub length: f64,
+    /// Between where the local law takes over and where it hands back, seen from the robot, lies at least this \[m].
+    pub switch_gap: f64,
+    /// What noise and motion can do to the goal as seen, from one tick to the next \[m].
+    pub switch_noise: f64,
+}
+
+impl Settling {
+    /// Whether the switch cannot go back and forth on noise: no two ticks in succession both change the law.
+    pub fn switch_keeps_its_mind(&self) -> bool {
+        self.switch_gap > self.switch_noise
+    }
+}
+
+/// Bounds of the heading that are tried, above twice the heading noise \[rad].
+const HEADINGS: [f64; 2] = [0.12, 0.24];
+/// ℓ \[m]: long, so that the distance, which noise can raise by some millimetres, weighs little beside the heading.
+const LENGTH: f64 = 0.4;
+/// Regions looked at for each.
+const MOST: usize = 30_000;
+/// Regions narrower than this \[rad] are not cut again.
+const NARROWEST: f64 = 4e-3;
+
+pub(crate) fn settling<L: Subject>(
+    descent: &mut Descent<'_, L>,
+    capture: f64,
+    boxes: &mut usize,
+) -> Settling {
+    descent.minds = Mind::all().filter(|mind| mind.near && mind.side != 0).collect();
+    let (near, whole) = reach_of_local(descent, capture);
+    let above = HEADINGS.into_iter().map(|above| 2.0 * descent.noise.heading + above);
+    let heading_bound =
+        above.into_iter().find(|bound| whole && heading_falls(descent, near, *bound, LENGTH, boxes));
+    let (switch_gap, switch_noise) = crate::switch::gap(descent, near);
+    Settling { heading_bound, length: LENGTH, switch_gap, switch_noise }
+}
+
+/// The seen distances at which the local law can be in charge, in steps; and whether these are all.
+fn reach_of_local<L: Subject>(descent: &Descent<'_, L>, capture: f64) -> (Interval, bool) {
+    const RINGS: usize = 64;
+    let all = Interval::new(0.0, 4.0 * capture);
+    let beyond = Region::anywhere(Interval::new(all.hi(), 1e6), Interval::point(0.0));
+    let farthest = (0..RINGS)
+        .rev()
+        .map(|ring| all.piece(ring, RINGS))
+        .find(|rho| descent.local_possible(&Region::anywhere(*rho, Interval::point(0.0)), true));
+    let reach = farthest.map_or(0.0, Interval::hi);
+    (Interval::new(0.0, reach), !descent.local_possible(&beyond, true))
+}
+
+/// Shows that V falls wherever the local law is in charge and |θ_e| ≥ `bound`.
+fn heading_falls<L: Subject>(
+    descent: &Descent<'_, L>,
+    near: Interval,
+    bound: f64,
+    length: f64,
+    boxes: &mut usize,
+) -> bool {
+    let mut open: Vec<Region> = Region::around_seen(near).collect();
+    let mut looked = 0;
+    while let Some(region) = open.pop() {
+        looked += 1;
+        *boxes += 1;
+        if shown_in(descent, &region, bound, length) {
+            continue;
+        }
+        if looked > MOST || region.size() < NARROWEST {
+            return false;
+        }
+        let (low, high) = region.halves_near();
+        open.extend([low, high]);
+    }
+    true
+}
+
+fn shown_in<L: Subject>(descent: &Descent<'_, L>, region: &Region, bound: f64, length: f64) -> bool {
+    let mut outcomes = Vec::new();
+    for &mind in &descent.minds {
+        if !descent.outcomes(region, mind, &mut outcomes) {
+            return false;
+        }
+    }
+    outcomes.iter().filter(|outcome| outcome.mind.near).all(|outcome| {
+        let error = region.heading_error(outcome.mind);
+        let truth = error + Interval::symmetric(descent.noise.heading);
+        let parts = [Interval::new(bound, TAU), Interval::new(-TAU, -bound)];
+        parts.into_iter().filter_map(|part| truth.intersection(part)).all(|error| {
+            (1..=2).any(|k| rate(descent, region, outcome, error, length, 4_usize.pow(k) - 3) < 0.0)
+        })
+    })
+}
+
+/// Upper bound of V̇ during a tick that begins with the heading error `error`, cutting the noise along the robot.
+fn rate<L: Subject>(
+    descent: &Descent<'_, L>,
+    region: &Region,
+    outcome: &Outcome,
+    error: Interval,
+    length: f64,
+    pieces: usize,
+) -> f64 {
+    let twist = descent.noise.driven(&drive_over(&descent.drive), outcome.twist);
+    let (sin, cos) = region.alpha.sin_cos();
+    let noise = Interval::symmetric(descent.noise.position);
+    let (seen_ahead, aside) = (region.seen_rho() * cos, region.seen_rho() * sin + noise);
+    let time = Interval::new(0.0, descent.period);
+    let per_square = Interval::point(1.0) / Interval::point(length).squared();
+    let mut worst = f64::NEG_INFINITY;
+    for piece in 0..pieces {
+        let (ahead, ahead_rate) = seen_moving(seen_ahead + noise.piece(piece, pieces), aside, twist, time);
+        let turned = error + time * twist.omega;
+        worst = worst.max((turned * twist.omega + ahead * ahead_rate * per_square).hi());
+    }
+    worst
+}
+
+/// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.
+fn seen_moving(
+    ahead: Interval,
+    aside: Interval,
+    twist: Twist<Interval>,
+    time: Interval,
+) -> (Interval, Interval) {
+    type Moving = Dual<Interval, 1>;
+    let time = Moving::parameter(time, 0);
+    let twist = Twist::new(Moving::constant(twist.v), Moving::constant(twist.omega));
+    let start: Pose<Body, Body, Moving> = Pose::identity();
+    let moved = start.moved(twist.over(time), Integration::Arc);
+    let goal: Point<Body, Moving> = Point::new(Moving::constant(ahead), Moving::constant(aside));
+    let seen = moved.inverse() * goal;
+    (seen.x.value, seen.x.slope[0])
+}
+
+impl Region {
+    /// All ways of seeing the goal at distances `rho`, quadrant by quadrant of both angles.
+    fn around_seen(rho: Interval) -> impl Iterator<Item = Self> {
+        Self::around(rho, &crate::noise::Noise::default())
+    }
+
+    /// Two halves along the widest of the angles, or of the distance.
+    fn halves_near(&self) -> (Self, Self) {
+        let (mut low, mut high) = (*self, *self);
+        let (alpha, phi) = (self.alpha.width(), self.phi.width());
+        if self.rho.width() > 0.02 * alpha.max(phi) {
+            (low.rho, high.rho) = self.rho.halves();
+        } else if alpha > phi {
+            (low.alpha, high.alpha) = self.alpha.halves();
+        } else {
+            (low.phi, high.phi) = self.phi.halves();
+        }
+        (low, high)
+    }
+
+    /// θ_e as seen, continued to the side to which a robot of this mind turns, which is that of −θ_e.
+    fn heading_error(&self, mind: Mind) -> Interval {
+        let plain = self.phi - self.alpha;
+        let turns = (plain.mid() / TAU).round();
+        let error = plain - crate::region::half_turns(2) * Interval::point(turns);
+        if -error.mid() * f64::from(mind.side) < -FRAC_PI_2 {
+            return error - crate::region::half_turns(2 * mind.side);
+        }
+        error
+    }
+}

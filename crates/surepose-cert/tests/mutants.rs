@@ -1,0 +1,164 @@
+//! A law with a fault in it is refused, whatever the fault.
+
+mod common;
+
+use common::{hybrid, noise, request, shipped};
+use surepose::{Angle, Decision, Memory, Navigation, Scalar, Twist};
+use surepose_cert::{Shipped, Subject, certify};
+
+/// The faults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fault {
+    DrivesAway,
+    TurnsAway,
+    NeverDrives,
+    NeverTurns,
+    TurnsLeftOnly,
+    DrivesNoseFirstOnly,
+    DrivesWhateverTheBearing,
+    SineForCosine,
+    BearingMirrored,
+    BearingBiased,
+    BearingNotWrapped,
+    ApproachForBearing,
+    GoalBehind,
+    TailNotMirrored,
+    MemoryForgotten,
+    DirectionConfused,
+    SideConfused,
+    NoSpeedLimit,
+    LimitsTurnOnly,
+    LimitsDriveOnly,
+    DistanceNotSeen,
+    LocalDrivesAway,
+    LocalTurnsAway,
+    LocalNeverTurns,
+}
+
+struct Mutant {
+    law: Shipped,
+    fault: Fault,
+}
+
+impl Subject for Mutant {
+    fn decide<S: Scalar>(&self, seen: &Navigation<S>, before: Memory<S>) -> Decision<S> {
+        let (mut seen, mut before) = (*seen, before);
+        match self.fault {
+            Fault::BearingMirrored => seen.alpha = -seen.alpha,
+            Fault::BearingBiased => seen.alpha = seen.alpha.turned(S::of(0.6)),
+            Fault::ApproachForBearing => seen.alpha = seen.phi,
+            Fault::GoalBehind => seen.alpha = seen.alpha + Angle::half_turn(),
+            Fault::MemoryForgotten => before = Memory::fresh(),
+            Fault::DirectionConfused => before.reverse = !before.reverse,
+            Fault::SideConfused => before.side = -before.side,
+            Fault::DistanceNotSeen => seen.rho = S::of(0.0),
+            _ => {}
+        }
+        let decision = self.law.decide(&seen, before);
+        let Twist { v, omega } = decision.twist;
+        let (near, zero) = (decision.memory.near, S::of(0.0));
+        let local = |there: Twist<S>| Twist::select(near, there, decision.twist);
+        let (sin, cos) = seen.alpha.sin_cos();
+        let twist = match self.fault {
+            Fault::DrivesAway => Twist::new(-v, omega),
+            Fault::TurnsAway => Twist::new(v, -omega),
+            Fault::NeverDrives => Twist::new(zero, omega),
+            Fault::NeverTurns => Twist::new(v, zero),
+            Fault::TurnsLeftOnly => Twist::new(v, omega.abs()),
+            Fault::DrivesNoseFirstOnly => Twist::new(v.abs(), omega),
+            Fault::DrivesWhateverTheBearing => Twist::new(S::of(0.3), omega),
+            Fault::SineForCosine => Twist::new(seen.rho.min(S::of(0.3)) * sin, omega),
+            Fault::BearingNotWrapped => {
+                let turn = S::select(seen.alpha.radians().lt(zero), S::of(75.0), zero);
+                Twist::new(v, omega + turn)
+            }
+            Fault::TailNotMirrored => {
+                Twist::select(decision.memory.reverse, Twist::new(-v, omega), decision.twist)
+            }
+            Fault::LocalDrivesAway => local(Twist::new(-v, omega)),
+            Fault::LocalTurnsAway => local(Twist::new(v, -omega)),
+            Fault::LocalNeverTurns => local(Twist::new(v + zero * cos, zero)),
+            _ => decision.twist,
+        };
+        Decision { twist, ..decision }
+    }
+
+    fn grant<S: Scalar>(&self, wanted: Twist<S>) -> Twist<S> {
+        let granted = self.law.grant(wanted);
+        match self.fault {
+            Fault::NoSpeedLimit => wanted,
+            Fault::LimitsTurnOnly => Twist::new(wanted.v, granted.omega),
+            Fault::LimitsDriveOnly => Twist::new(granted.v, wanted.omega),
+            _ => granted,
+        }
+    }
+}
+
+const FAULTS: [Fault; 24] = [
+    Fault::DrivesAway,
+    Fault::TurnsAway,
+    Fault::NeverDrives,
+    Fault::NeverTurns,
+    Fault::TurnsLeftOnly,
+    Fault::DrivesNoseFirstOnly,
+    Fault::DrivesWhateverTheBearing,
+    Fault::SineForCosine,
+    Fault::BearingMirrored,
+    Fault::BearingBiased,
+    Fault::BearingNotWrapped,
+    Fault::ApproachForBearing,
+    Fault::GoalBehind,
+    Fault::TailNotMirrored,
+    Fault::MemoryForgotten,
+    Fault::DirectionConfused,
+    Fault::SideConfused,
+    Fault::NoSpeedLimit,
+    Fault::LimitsTurnOnly,
+    Fault::LimitsDriveOnly,
+    Fault::DistanceNotSeen,
+    Fault::LocalDrivesAway,
+    Fault::LocalTurnsAway,
+    Fault::LocalNeverTurns,
+];
+
+#[test]
+fn every_fault_is_refused() {
+    let law = hybrid(0.02);
+    let mut passed = Vec::new();
+    for fault in FAULTS {
+        let mutant = Mutant { law: shipped(law), fault };
+        let certificate = certify(&request(&mutant, law.gains.h, 0.02, noise(0.007, 0.25)));
+        println!(
+            "{fault:?}: {:?}, counterexample {}",
+            certificate.reason,
+            certificate.counterexample.is_some()
+        );
+        if certificate.certified {
+            passed.push(fault);
+        }
+    }
+    assert!(passed.is_empty(), "certified in spite of {passed:?}");
+}
+
+#[test]
+fn gains_that_are_wrong_are_refused() {
+    let good = hybrid(0.02);
+    let wrong = |change: fn(&mut surepose::HybridLaw<f64>)| {
+        let mut law = good;
+        change(&mut law);
+        law
+    };
+    for (name, law) in [
+        ("k_α·ΔT beyond 2", wrong(|law| law.gains.k_alpha *= 12.0)),
+        ("k_α negative", wrong(|law| law.gains.k_alpha *= -1.0)),
+        ("k_v negative", wrong(|law| law.gains.k_v *= -1.0)),
+        ("h of the wrong sign and size", wrong(|law| law.gains.h = -6.0)),
+        ("k_θ negative", wrong(|law| law.gains.k_theta *= -1.0)),
+        ("k_α hardly there", wrong(|law| law.gains.k_alpha *= 1e-3)),
+    ] {
+        let subject = shipped(law);
+        let certificate = certify(&request(&subject, good.gains.h, 0.02, noise(0.007, 0.25)));
+        println!("{name}: {:?}", certificate.reason);
+        assert!(!certificate.certified, "{name}");
+    }
+}
