@@ -10,7 +10,7 @@ use crate::annulus::{Annulus, Budget, from_outside};
 use crate::counterexample::Counterexample;
 use crate::descent::Descent;
 use crate::noise::Noise;
-use crate::settle::{Settling, settling};
+use crate::settle::{Settling, heading_bound, local_counterexample, settling};
 use crate::subject::Subject;
 use crate::weight::Weight;
 
@@ -140,8 +140,9 @@ impl<L: Subject> Request<'_, L> {
             if annulus.inner <= floor {
                 // The noise-free heading claim is part of every certificate.
                 let mut quiet = Descent { noise: Noise::default(), ..self.descent(weight) };
-                if settling(&mut quiet, floor, &mut refused.boxes).heading_bound.is_none() {
+                if heading_bound(&mut quiet, floor, &mut refused.boxes).is_none() {
                     refused.reason = Some(Reason::LocalLaw);
+                    refused.counterexample = local_counterexample(&mut quiet, floor);
                     return refused;
                 }
                 return self.certificate(weight, &annulus, refused.boxes);

@@ -84,6 +84,11 @@ impl<L: Subject> Descent<'_, L> {
             .any(|mind| self.step(region, mind.memory()).memory.near.possible())
     }
 
+    /// Whether the local law is in charge after this tick, whoever was before.
+    pub(crate) fn local_certain(&self, region: &Region) -> bool {
+        Mind::all().all(|mind| self.step(region, mind.memory()).memory.near.certain())
+    }
+
     /// Whether the local law can hand back in this tick.
     pub(crate) fn global_possible(&self, region: &Region) -> bool {
         Mind::all()

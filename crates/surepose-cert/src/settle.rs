@@ -1,13 +1,15 @@
 //! Near the goal: the heading comes to its bound, and the switch between the laws keeps its mind.
 
-use core::f64::consts::{FRAC_PI_2, TAU};
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use surepose::{Body, Dual, Integration, Point, Pose, Scalar, Twist};
+use surepose::{Body, Dual, Integration, Navigation, Point, Pose, Scalar, Twist};
 
+use crate::counterexample::{Counterexample, Dice};
 use crate::descent::{Descent, Outcome};
 use crate::interval::Interval;
 use crate::mind::Mind;
 use crate::region::Region;
+use crate::situation::Situation;
 use crate::subject::{Subject, drive_over};
 
 /// What was shown of the neighbourhood of the goal.
@@ -35,6 +37,10 @@ impl Settling {
 const HEADINGS: [f64; 2] = [0.12, 0.24];
 /// ℓ \[m]: long, so that the distance, which noise can raise by some millimetres, weighs little beside the heading.
 const LENGTH: f64 = 0.4;
+/// Situations in which a violation is looked for.
+const LOCAL_TRIES: usize = 20_000;
+/// Distances at which nobody but the local law may be in charge \[m].
+const ON_THE_GOAL: fn() -> Interval = || Interval::new(0.0, 1e-6);
 /// Regions looked at for each.
 const MOST: usize = 30_000;
 /// Regions narrower than this \[rad] are not cut again.
@@ -45,13 +51,65 @@ pub(crate) fn settling<L: Subject>(
     capture: f64,
     boxes: &mut usize,
 ) -> Settling {
-    descent.minds = Mind::all().filter(|mind| mind.near && mind.side != 0).collect();
-    let (near, whole) = reach_of_local(descent, capture);
-    let above = HEADINGS.into_iter().map(|above| 2.0 * descent.noise.heading + above);
-    let heading_bound =
-        above.into_iter().find(|bound| whole && heading_falls(descent, near, *bound, LENGTH, boxes));
+    let heading_bound = heading_bound(descent, capture, boxes);
+    let (near, _) = reach_of_local(descent, capture);
     let (switch_gap, switch_noise) = crate::switch::gap(descent, near);
     Settling { heading_bound, length: LENGTH, switch_gap, switch_noise }
+}
+
+/// The heading bound of [`Settling`], if one can be shown and on the goal itself the local law is in charge.
+pub(crate) fn heading_bound<L: Subject>(
+    descent: &mut Descent<'_, L>,
+    capture: f64,
+    boxes: &mut usize,
+) -> Option<f64> {
+    descent.minds = local_minds();
+    let (near, whole) = reach_of_local(descent, capture);
+    if !whole || !descent.local_certain(&Region::anywhere(ON_THE_GOAL(), Interval::point(0.0))) {
+        return None;
+    }
+    let above = HEADINGS.into_iter().map(|above| 2.0 * descent.noise.heading + above);
+    above.into_iter().find(|bound| heading_falls(descent, near, *bound, LENGTH, boxes))
+}
+
+/// A situation near the goal in which V does not fall without noise, if one is found.
+pub(crate) fn local_counterexample<L: Subject>(
+    descent: &mut Descent<'_, L>,
+    capture: f64,
+) -> Option<Counterexample> {
+    let minds = local_minds();
+    let (near, _) = reach_of_local(descent, capture);
+    let mut dice = Dice(0x10ca_11a5);
+    (0..LOCAL_TRIES).find_map(|k| {
+        let rho = near.hi() * dice.part();
+        // Where the goal is at the robot's side there is nothing to drive, and all depends on the turn.
+        let alpha = if k % 2 == 0 { FRAC_PI_2 * dice.either().signum() } else { PI * dice.either() };
+        let mind = minds[k % minds.len()];
+        let situation = Situation::polar(rho, alpha, PI * dice.either(), mind);
+        let consequence = situation.simulate(
+            descent.subject,
+            &descent.drive,
+            descent.period,
+            &descent.weight,
+            descent.limited,
+        );
+        let fall = local_weight(&consequence.before) - local_weight(&consequence.after);
+        let counts = consequence.before.heading_error().radians().abs() > HEADINGS[0];
+        let violates = if consequence.mind.near { counts && fall <= 1e-12 } else { rho < ON_THE_GOAL().hi() };
+        violates.then_some(Counterexample { situation, consequence, limited: descent.limited })
+    })
+}
+
+/// V of [`Settling`], to rounding.
+fn local_weight(goal: &Navigation<f64>) -> f64 {
+    let (_, cos) = goal.alpha.sin_cos();
+    let (heading, ahead) = (goal.heading_error().radians(), goal.rho * cos / LENGTH);
+    0.5 * (heading * heading + ahead * ahead)
+}
+
+/// The minds in which the local law is in charge.
+fn local_minds() -> Vec<Mind> {
+    Mind::all().filter(|mind| mind.near && mind.side != 0).collect()
 }
 
 /// The seen distances at which the local law can be in charge, in steps; and whether these are all.
