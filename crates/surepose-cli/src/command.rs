@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod config;
+mod map;
 mod replay;
 mod reproduce;
 mod run;
@@ -21,6 +22,8 @@ pub(crate) enum Command {
     Reproduce(reproduce::ReproduceCommand),
     /// Run many closed-loop trials at once
     Sweep(sweep::SweepCommand),
+    /// Make a wall map from a grid or a recording, or show one
+    Map(map::MapCommand),
     /// Check, show or explain the configuration
     Config(config::ConfigCommand),
     /// Run the estimator on a recording, judged against its reference
@@ -41,6 +44,7 @@ impl Command {
             Self::Run(command) => command.run(output),
             Self::Reproduce(command) => command.run(output),
             Self::Sweep(command) => command.run(output),
+            Self::Map(command) => command.run(output),
             Self::Config(command) => command.run(output),
             Self::Replay(command) => command.run(output),
         }

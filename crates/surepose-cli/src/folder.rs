@@ -14,6 +14,8 @@ pub(crate) struct Folder(PathBuf);
 impl Folder {
     /// The folder at `path`, made where it is absent.
     pub(crate) fn at(path: &Path) -> Result<Self, Failure> {
+        // The parent of a bare file name is the empty path: the folder that one is in.
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         std::fs::create_dir_all(path).map_err(|problem| failed(path, problem.into()))?;
         Ok(Self(path.to_owned()))
     }

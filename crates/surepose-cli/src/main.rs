@@ -42,6 +42,8 @@ Examples:
   surepose reproduce --out figures            the figures of the paper
   surepose sweep --runs 100000 --noise bench  many trials, against the least possible time
   surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
+  surepose replay carmen freiburg-101.log.gz  the same on walls, seen by a laser
+  surepose map from-grid room.yaml --out room.toml
   surepose config show > robot.toml           every parameter with its default, to edit
   surepose config check robot.toml            whether a configuration can be used
   surepose config explain capture_radius_m    what one parameter does

@@ -2,7 +2,9 @@
 
 mod drive;
 mod figures;
+mod walls;
 
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
 pub use figures::{fig3, fig6, fig7};
 pub use surepose_plot::{Picture, PlotError};
+pub use walls::wall_map;

@@ -68,6 +68,8 @@ pub struct Arrow {
 const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
 /// Width of the legend \[px].
 const LEGEND: f64 = 176.0;
+/// More walls than this are a building.
+const CROWDED: usize = 50;
 /// The longest side of a map \[px].
 const LONGEST: f64 = 560.0;
 
@@ -164,9 +166,12 @@ impl Map {
     fn plots(self, scale: f64, arrow_length: f64) -> Vec<Plot> {
         let scaled = |(x, y): (f64, f64)| (x * scale, y * scale);
         let mut plots = Vec::new();
+        // Where there are many walls, wide ones would grow together.
+        let stroke =
+            if self.walls.len() > CROWDED { Stroke::solid(Color::Grey) } else { Stroke::wide(Color::Grey) };
         for (i, wall) in self.walls.into_iter().enumerate() {
             let label = if i == 0 { "walls" } else { "" };
-            plots.push(line(label, wall.into_iter().map(scaled), Stroke::wide(Color::Grey)));
+            plots.push(line(label, wall.into_iter().map(scaled), stroke));
         }
         for outline in self.outlines {
             for (i, curve) in outline.curves.into_iter().enumerate() {

@@ -1,0 +1,109 @@
+//! `surepose map`: wall maps from occupancy grids and from recordings.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+use surepose_data::{carmen, map_server, wall_map};
+use surepose_lab::mapping::{MapReport, Mapped, from_grid, from_log};
+use surepose_lab::picture;
+use surepose_lab::replay::carmen::map_of;
+
+use crate::exit::Exit;
+use crate::failure::Failure;
+use crate::folder::Folder;
+use crate::output::{Output, object, table};
+
+/// Make a wall map, or show one.
+#[derive(Debug, Args)]
+pub(crate) struct MapCommand {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// The walls of an occupancy grid in the map_server form of ROS
+    #[command(after_help = "Example: surepose map from-grid turtlebot3_world.yaml --out walls.toml")]
+    FromGrid {
+        /// The grid's YAML file
+        grid: PathBuf,
+        /// The wall map to write, with a picture of the same name beside it
+        #[arg(long, value_name = "MAP.toml")]
+        out: PathBuf,
+    },
+    /// The walls that a recording's scans show at its reference poses
+    #[command(
+        after_help = "Example: surepose map from-log carmen freiburg-101-corrected.log.gz --out walls.toml"
+    )]
+    FromLog {
+        /// The format of the recording
+        format: Format,
+        /// The recording
+        path: PathBuf,
+        /// The wall map to write, with a picture of the same name beside it
+        #[arg(long, value_name = "MAP.toml")]
+        out: PathBuf,
+    },
+    /// How many walls a map has, and how long they are
+    #[command(after_help = "Example: surepose map show walls.toml --out pictures")]
+    Show {
+        /// The wall map
+        map: PathBuf,
+        /// A folder for a picture of it
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+}
+
+/// Formats whose recordings have reference poses for their scans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// CARMEN: poses corrected by SLAM
+    Carmen,
+}
+
+impl MapCommand {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        let report = match self.what {
+            What::FromGrid { grid, out } => write(&from_grid::walls_of(&map_server::read(&grid)?), &out)?,
+            What::FromLog { format: Format::Carmen, path, out } => {
+                write(&map_of(&carmen::read(&path)?, 1, &from_log::Settings::default()), &out)?
+            }
+            What::Show { map, out } => {
+                let walls = wall_map::read(&map)?;
+                if let Some(folder) = &out {
+                    Folder::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls))?;
+                }
+                MapReport::of(&walls)
+            }
+        };
+        let json = object(&report);
+        output.result(&json, || {
+            let mut table = table(&[]);
+            table.add_row(["walls".to_owned(), report.walls.to_string()]);
+            table.add_row(["length".to_owned(), format!("{:.1} m", report.length_m)]);
+            if let Some(residual) = report.residual_rms_m {
+                table.add_row(["residual (rms)".to_owned(), format!("{:.1} mm", 1e3 * residual)]);
+            }
+            if let Some(explained) = report.explained {
+                table.add_row(["points on a wall".to_owned(), format!("{:.1} %", 1e2 * explained)]);
+            }
+            table
+        });
+        Ok(Exit::Done)
+    }
+}
+
+/// Writes the map and its picture.
+fn write(mapped: &Mapped, out: &Path) -> Result<MapReport, Failure> {
+    let text = mapped.map.to_toml(out)?;
+    let folder = Folder::at(out.parent().unwrap_or(Path::new("")))?;
+    let file = out.file_name().map_or_else(|| "map.toml".into(), |name| name.to_string_lossy());
+    folder.text(&file, &text)?;
+    folder.picture(&name_of(out), &picture::wall_map(&mapped.map))?;
+    Ok(mapped.report)
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "map".to_owned(), |name| name.to_string_lossy().into_owned())
+}

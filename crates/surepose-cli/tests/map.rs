@@ -1,0 +1,67 @@
+//! `surepose map` and `surepose replay carmen`: keys, files, damage.
+
+#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+
+mod common;
+
+use common::{file, folder, surepose};
+
+/// A room of 4 × 3 m as an occupancy grid of 5 cm.
+fn room(folder: &std::path::Path) -> String {
+    let (width, height) = (100, 80);
+    let wall = |x: usize, y: usize| {
+        let (inside_x, inside_y) = ((10..=90).contains(&x), (10..=70).contains(&y));
+        inside_x && inside_y && (x == 10 || x == 90 || y == 10 || y == 70)
+    };
+    let mut image = format!("P5\n{width} {height}\n255\n").into_bytes();
+    image.extend((0..height).flat_map(|y| (0..width).map(move |x| if wall(x, y) { 0 } else { 254 })));
+    file(folder, "room.pgm", &image);
+    let text = "image: room.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n\
+                free_thresh: 0.196\n";
+    file(folder, "room.yaml", text.as_bytes())
+}
+
+#[test]
+fn the_walls_of_a_room_are_found_written_and_read_again() {
+    let folder = folder("map-room");
+    let grid = room(&folder);
+    let out = folder.join("walls.toml");
+    let out = out.to_str().expect("UTF-8");
+    let made = surepose(&["map", "from-grid", &grid, "--out", out, "--json"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let json = made.json();
+    assert!(json["walls"].as_u64().is_some_and(|walls| walls >= 4), "{json}");
+    assert!(json["length_m"].as_f64().is_some_and(|length| length > 13.0), "{json}");
+    assert!(json["residual_rms_m"].as_f64().is_some_and(|residual| residual < 0.05), "{json}");
+    assert!(folder.join("walls.svg").exists() && folder.join("walls.png").exists());
+
+    let shown = surepose(&["map", "show", out, "--json"]).json();
+    assert_eq!(shown["walls"], json["walls"]);
+    assert!(shown["residual_rms_m"].is_null(), "a map alone has no residual: {shown}");
+}
+
+#[test]
+fn damaged_maps_and_logs_exit_with_3() {
+    let folder = folder("map-damage");
+    let grid = room(&folder);
+    let cut = file(&folder, "cut.yaml", b"image: room.pgm\nresolution: -1\n");
+    let walls = file(&folder, "walls.toml", b"[[wall]]\nfrom = [0, 0]\nto = [nan, 1]\n");
+    let log = file(&folder, "damaged.log", b"FLASER 2 1.0\n");
+    let out = folder.join("out.toml");
+    let out = out.to_str().expect("UTF-8");
+    for arguments in [
+        &["map", "from-grid", &cut, "--out", out][..],
+        &["map", "from-grid", "no/such/grid.yaml", "--out", out],
+        &["map", "from-log", "carmen", &log, "--out", out],
+        &["map", "show", &walls],
+        &["replay", "carmen", &log],
+        &["replay", "carmen", "no/such.log"],
+    ] {
+        let run = surepose(arguments);
+        assert_eq!(run.code, 3, "{arguments:?}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{arguments:?}");
+    }
+    assert!(surepose(&["replay", "carmen", &log]).stderr.contains(&format!("{log}:1")));
+    assert_eq!(surepose(&["replay", "mrclam", ".", "--map", &walls]).code, 2);
+    assert_eq!(surepose(&["map", "from-grid", &grid]).code, 2, "a map needs a place to go");
+}
