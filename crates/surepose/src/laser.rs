@@ -42,6 +42,3 @@ pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
 pub use matching::{Fate, Matched, Matcher};
 pub use scan::{RangeFinder, Scan, ScanRefusal};
 pub use wall::{NotAWall, Wall};
-
-#[cfg(test)]
-mod tests;

@@ -5,9 +5,6 @@ use crate::scalar::Float;
 use super::beam::{Beam, BeamNoise};
 use super::join::{Candidate, Candidates, Piece, Pieces};
 
-/// The owner of beams that see no wall.
-pub(super) const NOBODY: u8 = u8::MAX;
-
 /// How far from a corner a beam must be to be sure of its wall, in standard deviations of its bearing.
 const MARGIN: f64 = 2.0;
 
@@ -19,35 +16,35 @@ const LINE_SHARE: f64 = 2.0;
 /// How many beams from the ends of two pieces their corner is looked for: growing takes in no more beyond it.
 const REACH: usize = 6;
 
-/// Writes into `owner` which wall each beam sees for certain.
+/// The pieces without the beams that are not certain to see their walls.
 ///
 /// `count` is the number of beams of the whole scan: the first and the last one have no neighbour to be mistaken for.
-pub(super) fn assign<S: Float>(
+pub(super) fn certain<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
     count: usize,
     walls: &Candidates<S>,
     pieces: &Pieces,
-    owner: &mut [u8],
-) {
-    owner.fill(NOBODY);
+) -> Pieces {
+    let mut result = Pieces::new();
     let is_end = |beam: &Beam<S>| beam.number == 0 || usize::from(beam.number) + 1 == count;
-    let mut begin = match pieces.first() {
+    let mut first = match pieces.first() {
         Some(piece) if is_end(&beams[piece.first]) => piece.first,
         Some(piece) => piece.first + 1,
-        None => return,
+        None => return result,
     };
     for (k, piece) in pieces.iter().enumerate() {
-        let (end, next_begin) = match pieces.get(k + 1) {
+        let (end, next_first) = match pieces.get(k + 1) {
             Some(next) => part(noise, beams, walls, piece, next),
             None if is_end(&beams[piece.last]) => (piece.last + 1, 0),
             None => (piece.last, 0),
         };
-        if let Some(own) = owner.get_mut(begin..end) {
-            own.fill(piece.wall as u8);
+        if first < end {
+            result.push(Piece { first, last: end - 1, wall: piece.wall });
         }
-        begin = next_begin;
+        first = next_first;
     }
+    result
 }
 
 /// Where `piece` ends for certain, and where `next` begins.

@@ -64,7 +64,8 @@ impl<S: Float> Evidence<S> {
         (line, spread)
     }
 
-    /// How much the step that [`Evidence::solve`] gives takes off the misfit, where the values are residuals.
+    /// How much the step that [`Evidence::solve`] gives takes off the misfit, where the values are residuals: its
+    /// squared length in standard deviations.
     #[inline]
     pub(super) fn gain_of(&self, step: RayLine<S>) -> S {
         step.a * self.c + step.b * self.s

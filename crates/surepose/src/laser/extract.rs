@@ -6,9 +6,9 @@ use crate::line::Line;
 use crate::scalar::Float;
 
 use super::beam::{Beam, BeamNoise, read};
-use super::boundary::{NOBODY, assign};
+use super::boundary::certain;
 use super::evidence::{Evidence, misfit_limit};
-use super::fit::fit;
+use super::fit::{NOBODY, fit};
 use super::join::{Candidate, adopt, join};
 use super::scan::{RangeFinder, Scan, ScanRefusal};
 use super::segment::{MOST_SEGMENTS, ROUGHEST, find};
@@ -127,15 +127,19 @@ impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
         let segments = find(&noise, beams);
         let (mut walls, mut pieces) = join(&segments);
         adopt(&noise, beams, &walls, &mut pieces);
-        assign(&noise, beams, scan.ranges.len(), &walls, &pieces, owner);
-        let evidences = fit(&noise, beams, owner, &mut walls);
+        let pieces = certain(&noise, beams, scan.ranges.len(), &walls, &pieces);
+        let evidences = fit(&noise, beams, &pieces, &mut walls, owner);
 
         let mut refused = RefusedLines::default();
         let mut number = [NOBODY; MOST_SEGMENTS];
         let mut kept = 0;
         for (wall, (candidate, evidence)) in walls.iter().zip(evidences.iter()).enumerate() {
-            let own = beams.iter().zip(owner.iter()).filter(|(_, o)| usize::from(**o) == wall);
-            match judge(&noise, own.map(|(beam, _)| beam), candidate, evidence) {
+            let on_wall = |i: &usize| usize::from(owner[*i]) == wall;
+            let own = pieces.iter().filter(|piece| piece.wall == wall);
+            let ends =
+                own.flat_map(|p| [(p.first..=p.last).find(on_wall), (p.first..=p.last).rfind(on_wall)]);
+            let ends = ends.flatten().map(|i| candidate.line.along(&beams[i]));
+            match judge(&noise, candidate, evidence, ends) {
                 Ok(line) => {
                     self.lines[kept] = line;
                     number[wall] = kept as u8;
@@ -161,20 +165,18 @@ enum Flaw {
 }
 
 /// The line in (r, ψ) with its covariance, if it is one to rely on.
-fn judge<'a, S: Float>(
+fn judge<S: Float>(
     noise: &BeamNoise<S>,
-    mut own: impl Iterator<Item = &'a Beam<S>>,
     candidate: &Candidate<S>,
     evidence: &Evidence<S>,
+    ends: impl Iterator<Item = S>,
 ) -> Result<SeenLine<S>, Flaw> {
     let count = S::of(f64::from(evidence.count));
-    let first = own.next().ok_or(Flaw::TooFewBeams)?;
-    let last = own.last().ok_or(Flaw::TooFewBeams)?;
-    let (from, to) = (candidate.line.along(first), candidate.line.along(last));
-    let extent = (from.min(to), from.max(to));
+    let around = |(low, high): (S, S), end: S| (low.min(end), high.max(end));
+    let extent = ends.fold((S::of(f64::INFINITY), S::of(f64::NEG_INFINITY)), around);
     let inverse_squared = candidate.line.a.squared() + candidate.line.b.squared();
     let distance = S::of(1.0) / inverse_squared.sqrt();
-    if count < fewest(noise, distance, extent) {
+    if evidence.count < 4 || count < fewest(noise, distance, extent) {
         return Err(Flaw::TooFewBeams);
     }
 

@@ -16,7 +16,7 @@ const AGREEING: u16 = 5;
 /// How many standard deviations a beam of the line may be off it.
 const GATE: f64 = 3.0;
 
-/// How many beams in a row may miss the line before it ends.
+/// How many beams in a row may miss the line, or not come back, before it ends.
 const MISSES: usize = 5;
 
 /// Which two beams of the window are tried as the ends of a line: wide pairs first.
@@ -25,6 +25,9 @@ const PAIRS: [(usize, usize); 6] =
 
 /// The line on which the most part of these beams agree, if there is one.
 pub(super) fn seed<S: Float>(noise: &BeamNoise<S>, window: &[Beam<S>]) -> Option<Evidence<S>> {
+    if window.first()?.number.abs_diff(window.last()?.number) as usize >= WINDOW + MISSES {
+        return None;
+    }
     // The pair is as noisy as the beam it is compared with: twice the variance.
     let gate = S::of(2.0 * GATE * GATE);
     PAIRS.iter().find_map(|&(i, j)| {
@@ -58,8 +61,15 @@ pub(super) fn grow<S: Float>(
     let mut joined_since = 0_usize;
     // The segment as it was before a gap that is not yet bridged, and how long the gap is.
     let mut before_gap: Option<(Segment<S>, usize)> = None;
+    let mut before = None;
     for i in way {
         let beam = &beams[i];
+        let end = if i > segment.last { segment.last } else { segment.first };
+        let apart = beam.number.abs_diff(before.unwrap_or(beams[end].number));
+        if usize::from(apart) > MISSES {
+            break;
+        }
+        before = Some(beam.number);
         let (u, slope) = line.at(beam);
         let variance = noise.variance(u, slope);
         let error = beam.inverse - u;
@@ -78,16 +88,16 @@ pub(super) fn grow<S: Float>(
             misses += 1;
             if misses >= 2 {
                 joined_since = 0;
-                let (before, gap) = before_gap.unwrap_or((*segment, 0));
-                before_gap = Some((before, gap.max(misses)));
+                let (shorter, gap) = before_gap.unwrap_or((*segment, 0));
+                before_gap = Some((shorter, gap.max(misses)));
             }
             if misses > MISSES {
                 break;
             }
         }
     }
-    if let Some((before, _)) = before_gap {
-        *segment = before;
+    if let Some((shorter, _)) = before_gap {
+        *segment = shorter;
     }
     segment.line = segment.evidence.solve().0;
 }

@@ -1,0 +1,42 @@
+//! The figures of localisation in the loop world: `localisation RUNS [BEAMS]`.
+
+use std::process::ExitCode;
+
+use surepose_lab::reproduce::{Configuration, LoopWorld, extraction, localisation};
+use surepose_sim::Clutter;
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<u64>().ok());
+    let runs = arguments.next().flatten().unwrap_or(20);
+    let beams = arguments.next().flatten().unwrap_or(181);
+    for (name, clutter) in [
+        ("clean", Clutter::default()),
+        ("20 % single", Clutter { fraction: 0.2, width: 1.0 }),
+        ("20 % in groups of 6", Clutter { fraction: 0.2, width: 6.0 }),
+    ] {
+        let Ok(world) = LoopWorld::new(beams as usize, clutter) else { return ExitCode::FAILURE };
+        println!("{name}, {beams} beams, {runs} runs");
+        for configuration in Configuration::ALL {
+            if let Some(a) = localisation(&world, configuration, runs) {
+                let (position, heading) = (a.position_rmse * 1e3, a.heading_rmse.to_degrees());
+                println!(
+                    "  {:<24} {position:8.3} mm {heading:7.4}° NEES {:.3}",
+                    configuration.name(),
+                    a.nees_mean
+                );
+            }
+        }
+        let e = extraction(&world, runs.min(50));
+        println!(
+            "  found {} of {}, line NEES {:.3} over {}, spurious {}, wrong {} of {}",
+            e.found,
+            e.visible,
+            e.line_nees_mean(),
+            e.lines,
+            e.spurious,
+            e.wrong,
+            e.matched
+        );
+    }
+    ExitCode::SUCCESS
+}

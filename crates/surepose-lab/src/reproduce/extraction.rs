@@ -1,0 +1,144 @@
+//! How well lines are extracted, judged by the truth of the loop world.
+
+use surepose::{
+    Body, Estimator, Fate, Gate, LineExtractor, Map, Matcher, Measurement, Pose, SeenLine, Stamp, Stamped,
+    Wall,
+};
+
+use super::localisation::{GATE_PROBABILITY, MOST_BEAMS};
+use super::loop_world::{LoopWorld, as_scan};
+use super::seeds::for_each;
+
+/// A visible wall has at least so many beams aimed at it, all in a row …
+const VISIBLE_BEAMS: usize = 9;
+/// … and they hit it over at least this length \[m].
+const VISIBLE_LENGTH: f64 = 0.5;
+/// A wall is found by a line whose (r, ψ) has a normalised error squared below this: one in 270 000 right lines has more.
+const FOUND: f64 = 25.0;
+
+/// What became of the walls that could be seen, and of the lines that were.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extraction {
+    /// Walls with at least 9 beams in a row over at least 0.5 m.
+    pub visible: u64,
+    /// Those of them that a line was found for.
+    pub found: u64,
+    /// Lines most beams of which are aimed at one wall.
+    pub lines: u64,
+    /// Lines of which that cannot be said.
+    pub spurious: u64,
+    /// Sum over the lines of the normalised error squared of (r, ψ): 2 a line, if the covariance is right.
+    pub line_nees_sum: f64,
+    /// Lines that were matched to a wall of the map.
+    pub matched: u64,
+    /// Those of them that were matched to another one than the one they see.
+    pub wrong: u64,
+}
+
+impl Extraction {
+    /// The mean of the lines' normalised errors squared.
+    pub fn line_nees_mean(&self) -> f64 {
+        self.line_nees_sum / self.lines as f64
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            visible: self.visible + other.visible,
+            found: self.found + other.found,
+            lines: self.lines + other.lines,
+            spurious: self.spurious + other.spurious,
+            line_nees_sum: self.line_nees_sum + other.line_nees_sum,
+            matched: self.matched + other.matched,
+            wrong: self.wrong + other.wrong,
+        }
+    }
+}
+
+/// Extracts and matches, with encoders, compass and laser, every scan of the runs with the seeds 0 to `runs` − 1.
+pub fn extraction(world: &LoopWorld, runs: u64) -> Extraction {
+    let results = for_each(runs, |seed| {
+        let mut run = world.run(seed);
+        let gate = Gate::new(GATE_PROBABILITY);
+        let start = Stamp::from_seconds(0.0);
+        let mut estimator = Estimator::<f64, 64>::new(world.ekf(), gate, 1.0, start, run.first_belief());
+        let mut extractor = Box::<LineExtractor<f64, MOST_BEAMS>>::default();
+        let mut sum = Extraction::default();
+        for tick in run {
+            let stamp = Stamp::from_seconds(tick.time);
+            let _ = estimator.roll(stamp, tick.rims);
+            estimator.measure(Stamped { stamp, value: Measurement::Compass(tick.compass) });
+            let laser = world.range_finder();
+            let Ok(seen) = extractor.extract(&laser, &as_scan(&tick.scan)) else { continue };
+            let belief = estimator.belief();
+            let mount = &laser.body_from_laser;
+            let matched =
+                Matcher::default().matched(estimator.ekf(), &belief, mount, seen.lines, world.map());
+            for sighting in matched.sightings() {
+                estimator.measure(Stamped { stamp, value: Measurement::Wall(*sighting) });
+            }
+
+            let aims = world.seen_walls(tick.truth, &tick.scan);
+            let mut votes = vec![vec![0_usize; world.map().len()]; seen.lines.len()];
+            for (beam, line) in seen.beams() {
+                if let Some(wall) = aims[beam] {
+                    votes[line][wall] += 1;
+                }
+            }
+            let mut found = vec![false; world.map().len()];
+            for ((line, votes), fate) in seen.lines.iter().zip(&votes).zip(matched.fates()) {
+                let most = votes.iter().enumerate().max_by_key(|(_, n)| **n);
+                let Some((wall, _)) = most.filter(|(_, n)| 2 * **n > usize::from(line.beams)) else {
+                    sum.spurious += 1;
+                    continue;
+                };
+                let nees = line_nees(line, &world.map()[wall], tick.truth);
+                sum.lines += 1;
+                sum.line_nees_sum += nees;
+                found[wall] |= nees < FOUND;
+                if let Fate::Wall { number, .. } = fate {
+                    sum.matched += 1;
+                    sum.wrong += u64::from(*number != wall);
+                }
+            }
+            for (wall, found) in found.iter().enumerate() {
+                if is_visible(&aims, wall, &tick.scan.ranges, tick.scan.bearing_step) {
+                    sum.visible += 1;
+                    sum.found += u64::from(*found);
+                }
+            }
+        }
+        sum
+    });
+    results.into_iter().fold(Extraction::default(), Extraction::and)
+}
+
+/// The normalised error squared of a line, χ² with 2 degrees of freedom; the laser is at the body's centre here.
+fn line_nees(line: &SeenLine<f64>, wall: &Wall<f64>, truth: Pose<Map, Body, f64>) -> f64 {
+    let right = truth.inverse() * *wall.line();
+    let side = if right.distance < 0.0 { -1.0 } else { 1.0 };
+    let turned = line.line.direction - right.direction;
+    let direction =
+        if side < 0.0 { (turned + surepose::Angle::half_turn()).radians() } else { turned.radians() };
+    let distance = line.line.distance - side * right.distance;
+    let (v, w, c) = (line.distance_variance, line.direction_variance, line.covariance);
+    (w * distance * distance - 2.0 * c * distance * direction + v * direction * direction) / (v * w - c * c)
+}
+
+/// Whether enough beams in a row are aimed at the wall, over enough of it.
+fn is_visible(aims: &[Option<usize>], wall: usize, ranges: &[f64], step: f64) -> bool {
+    let mut first = None;
+    for (i, aim) in aims.iter().enumerate() {
+        if *aim != Some(wall) {
+            first = None;
+            continue;
+        }
+        let begin = *first.get_or_insert(i);
+        let (a, b) = (ranges[begin], ranges[i]);
+        let angle = step * (i - begin) as f64;
+        let length_squared = a * a + b * b - 2.0 * a * b * angle.cos();
+        if i - begin + 1 >= VISIBLE_BEAMS && length_squared >= VISIBLE_LENGTH * VISIBLE_LENGTH {
+            return true;
+        }
+    }
+    false
+}

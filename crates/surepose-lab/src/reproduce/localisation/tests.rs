@@ -1,0 +1,76 @@
+use super::{Configuration, deviations, localisation};
+use crate::reproduce::{LoopWorld, extraction};
+use surepose_sim::{Clutter, Seed};
+
+fn world(beams: usize, clutter: Clutter) -> LoopWorld {
+    LoopWorld::new(beams, clutter).unwrap()
+}
+
+/// Errors forget themselves within about five ticks, so that 20 runs are some 2000 independent poses: their RMSE is
+/// known to 1.1 % and their mean NEES to 0.06. The bounds are the Cramér–Rao bound of this world, less four of these
+/// errors, and 1.05 times it.
+#[test]
+fn laser_and_compass_come_within_five_percent_of_the_bound() {
+    let accuracy = localisation(&world(181, Clutter::default()), Configuration::Both, 20).unwrap();
+    let (position, heading) = (accuracy.position_rmse * 1e3, accuracy.heading_rmse.to_degrees());
+    assert!(position > 1.67 * 0.956 && position <= 1.75, "{position} mm");
+    assert!(heading > 0.0604 * 0.956 && heading <= 0.0635, "{heading}°");
+    assert!((accuracy.nees_mean - 3.0).abs() < 0.25, "{}", accuracy.nees_mean);
+}
+
+#[test]
+fn laser_alone_and_twice_the_beams() {
+    let alone = localisation(&world(181, Clutter::default()), Configuration::Laser, 20).unwrap();
+    assert!(alone.position_rmse <= 1.80e-3, "{alone:?}");
+    assert!(alone.heading_rmse.to_degrees() <= 0.080, "{alone:?}");
+    let many = localisation(&world(361, Clutter::default()), Configuration::Both, 20).unwrap();
+    assert!(many.position_rmse <= 1.43e-3, "{many:?}");
+    assert!(many.heading_rmse.to_degrees() <= 0.051, "{many:?}");
+}
+
+/// Without a laser the position error grows all along a run: a run is not much more than one sample of it, and 500 runs
+/// give its RMSE to 3 %. The figures are the Cramér–Rao bounds of this world.
+#[test]
+fn dead_reckoning_and_compass_are_at_the_bound() {
+    let world = world(3, Clutter::default());
+    for (configuration, position, heading) in
+        [(Configuration::Odometry, 137.6, 4.02), (Configuration::Compass, 22.6, 0.0918)]
+    {
+        let accuracy = localisation(&world, configuration, 500).unwrap();
+        let (p, h) = (accuracy.position_rmse * 1e3, accuracy.heading_rmse.to_degrees());
+        assert!((p / position - 1.0).abs() < 0.1, "{configuration:?}: {p} mm");
+        assert!((h / heading - 1.0).abs() < 0.1, "{configuration:?}: {h}°");
+        assert!((accuracy.nees_mean - 3.0).abs() < 0.3, "{configuration:?}: {}", accuracy.nees_mean);
+    }
+}
+
+/// A fifth of the beams less is worth 12 % by itself.
+#[test]
+fn clutter_costs_less_than_a_third() {
+    for width in [1.0, 6.0] {
+        let world = world(181, Clutter { fraction: 0.2, width });
+        let accuracy = localisation(&world, Configuration::Both, 10).unwrap();
+        assert!(accuracy.position_rmse <= 1.3 * 1.706e-3, "{accuracy:?}");
+        assert!(accuracy.heading_rmse.to_degrees() <= 1.3 * 0.0607, "{accuracy:?}");
+    }
+}
+
+#[test]
+fn walls_are_found_and_matched_and_their_lines_know_their_errors() {
+    for beams in [181, 361] {
+        let result = extraction(&world(beams, Clutter::default()), 6);
+        assert!(result.found * 100 >= result.visible * 99, "{beams} beams: {result:?}");
+        assert!(result.wrong * 1000 <= result.matched, "{beams} beams: {result:?}");
+        let nees = result.line_nees_mean();
+        assert!((1.9..2.2).contains(&nees), "{beams} beams: {nees}");
+    }
+}
+
+#[test]
+fn a_run_is_the_same_every_time_and_another_for_another_seed() {
+    let world = world(181, Clutter::default());
+    let run = |seed| deviations(&world, Configuration::Both, Seed(seed));
+    assert_eq!(run(3).len(), 600);
+    assert_eq!(run(3), run(3));
+    assert_ne!(run(3), run(4));
+}
