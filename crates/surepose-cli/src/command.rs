@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod certify;
 mod config;
 mod map;
 mod replay;
@@ -22,6 +23,8 @@ pub(crate) enum Command {
     Reproduce(reproduce::ReproduceCommand),
     /// Run many closed-loop trials at once
     Sweep(sweep::SweepCommand),
+    /// Certify that the robot arrives, for these gains, period and noise
+    Certify(certify::CertifyCommand),
     /// Make a wall map from a grid or a recording, or show one
     Map(map::MapCommand),
     /// Check, show or explain the configuration
@@ -44,6 +47,7 @@ impl Command {
             Self::Run(command) => command.run(output),
             Self::Reproduce(command) => command.run(output),
             Self::Sweep(command) => command.run(output),
+            Self::Certify(command) => command.run(output),
             Self::Map(command) => command.run(output),
             Self::Config(command) => command.run(output),
             Self::Replay(command) => command.run(output),

@@ -40,6 +40,7 @@ Without a command, the robot drives: `surepose` is `surepose run`.
 Examples:
   surepose run --goal 2,2,90 --out out        drive the simulated robot; pictures and data into out/
   surepose reproduce --out figures            the figures of the paper
+  surepose certify                            whether the robot is sure to arrive
   surepose sweep --runs 100000 --noise bench  many trials, against the least possible time
   surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
   surepose replay carmen freiburg-101.log.gz  the same on walls, seen by a laser

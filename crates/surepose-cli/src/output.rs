@@ -60,3 +60,21 @@ pub(crate) fn align_numbers(table: &mut Table) {
         column.set_cell_alignment(CellAlignment::Right);
     }
 }
+
+/// A value as a person reads it: four digits, and counts by name.
+pub(crate) fn shown(value: &Value) -> String {
+    match value {
+        Value::Number(number) if !number.is_u64() => {
+            let number = number.as_f64().unwrap_or(f64::NAN);
+            format!("{:.*}", (3 - number.abs().max(1e-3).log10().floor() as i32).clamp(0, 6) as usize, number)
+        }
+        Value::Object(counts) if counts.is_empty() => "none".to_owned(),
+        Value::Object(counts) => {
+            let counted = counts.iter().filter(|(_, count)| count.as_u64() != Some(0));
+            let named: Vec<_> = counted.map(|(name, count)| format!("{count} {name}")).collect();
+            if named.is_empty() { "none".to_owned() } else { named.join(", ") }
+        }
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use serde_json::Value as Json;
 use surepose_data::wall_map;
 use surepose_lab::replay::{ReplayError, carmen, mrclam};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::output::{Output, object, table};
+use crate::output::{Output, object, shown, table};
 use crate::settings::ConfigArgs;
 
 /// Run the estimator on a recording and judge it against the recording's reference.
@@ -73,22 +72,5 @@ impl ReplayCommand {
             table
         });
         Ok(Exit::Done)
-    }
-}
-
-/// A value as a person reads it: four digits, and counts by name.
-fn shown(value: &Json) -> String {
-    match value {
-        Json::Number(number) if !number.is_u64() => {
-            let number = number.as_f64().unwrap_or(f64::NAN);
-            format!("{:.*}", (3 - number.abs().max(1e-3).log10().floor() as i32).clamp(0, 6) as usize, number)
-        }
-        Json::Object(counts) if counts.is_empty() => "none".to_owned(),
-        Json::Object(counts) => {
-            let counted = counts.iter().filter(|(_, count)| count.as_u64() != Some(0));
-            let named: Vec<_> = counted.map(|(name, count)| format!("{count} {name}")).collect();
-            if named.is_empty() { "none".to_owned() } else { named.join(", ") }
-        }
-        other => other.to_string(),
     }
 }
