@@ -177,3 +177,25 @@ fn an_interrupt_keeps_what_was_done_and_exits_with_130() {
     assert_eq!(json["outcome"], "stopped");
     assert!(out.join("summary.json").exists() && out.join("time_series.csv").exists());
 }
+
+#[test]
+fn the_four_sets_of_sensors_are_compared_under_the_contracts_keys() {
+    let out = folder("figure4");
+    let path = out.to_str().expect("UTF-8");
+    let run = surepose(&["reproduce", "fig4", "fig5", "--out", path, "--runs", "3", "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    for configuration in ["odometry", "odometry+compass", "odometry+laser", "odometry+laser+compass"] {
+        for key in
+            ["position_rmse_m", "heading_rmse_deg", "nees_mean", "max_deviation_x_m", "max_deviation_y_m"]
+        {
+            assert!(json["fig4"][configuration][key].is_number(), "{configuration} {key} in {json}");
+        }
+    }
+    assert_eq!(json["fig4"], json["fig5"]);
+    let rmse =
+        |configuration: &str| json["fig4"][configuration]["position_rmse_m"].as_f64().expect("a number");
+    assert!(rmse("odometry") > 3.0 * rmse("odometry+compass"), "{json}");
+    assert!(rmse("odometry+compass") > 3.0 * rmse("odometry+laser+compass"), "{json}");
+    assert!(out.join("fig4.png").exists() && out.join("fig5.svg").exists());
+}

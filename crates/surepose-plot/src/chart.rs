@@ -52,7 +52,7 @@ pub enum Mark {
 }
 
 /// Left, right, upper and lower margins of a panel's axes \[px].
-const MARGINS: [f64; 4] = [78.0, 184.0, 32.0, 24.0];
+const MARGINS: [f64; 4] = [78.0, 212.0, 32.0, 24.0];
 /// What the lowest panel needs below for the common axis \[px].
 const FOOT: f64 = 26.0;
 /// Size of a panel's axes \[px].
@@ -186,6 +186,8 @@ impl Panel {
             layout = layout.with_x_label(label);
         }
         if self.logarithmic {
+            // The decimals are wider than the library reckons with.
+            layout = layout.with_y_label_offset(-8.0, 0.0);
             layout = layout.with_log_y().with_y_tick_format(TickFormat::Custom(Arc::new(decimal)));
         }
         for (from, to) in &self.shaded {

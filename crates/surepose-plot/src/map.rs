@@ -67,7 +67,7 @@ pub struct Arrow {
 /// Left, right, upper and lower margins of a map's axes \[px].
 const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
 /// Width of the legend \[px].
-const LEGEND: f64 = 176.0;
+const LEGEND: f64 = 196.0;
 /// More walls than this are a building.
 const CROWDED: usize = 50;
 /// The longest side of a map \[px].

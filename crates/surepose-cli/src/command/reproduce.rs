@@ -1,5 +1,7 @@
 //! `surepose reproduce`: the paper's figures and their data.
 
+mod localisation;
+
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -14,6 +16,7 @@ use crate::folder::Folder;
 use crate::interrupt;
 use crate::output::{Output, table};
 use crate::settings::ConfigArgs;
+use localisation::Localisation;
 
 /// Reproduce the figures of the paper, as SVG and PNG, with their data.
 #[derive(Debug, Args)]
@@ -40,6 +43,10 @@ pub(crate) struct ReproduceCommand {
 enum Figure {
     /// The law alone, to three goals under bounded noise
     Fig3,
+    /// Where four sets of sensors believe the robot to be
+    Fig4,
+    /// How far off they are over time
+    Fig5,
     /// Two predefined paths, with the filter and without it
     Fig6,
     /// The whole robot to three goals
@@ -65,6 +72,8 @@ impl ReproduceCommand {
         figures.dedup();
 
         interrupt::listen();
+        // Fig. 4 and Fig. 5 show the same runs.
+        let mut localised: Option<Localisation> = None;
         let (mut json, mut good, mut rows) = (Map::new(), true, Vec::new());
         for figure in figures {
             if interrupt::asked() {
@@ -72,6 +81,8 @@ impl ReproduceCommand {
             }
             let (name, outcome) = match figure {
                 Figure::Fig3 => ("fig3", self.fig3(&folder)?),
+                Figure::Fig4 => ("fig4", self.localised(&mut localised)?.fig4(&folder)?),
+                Figure::Fig5 => ("fig5", self.localised(&mut localised)?.fig5(&folder)?),
                 Figure::Fig6 => ("fig6", self.fig6(&folder, &config)?),
                 Figure::Fig7 => ("fig7", self.fig7(&folder, &config)?),
             };
@@ -113,6 +124,13 @@ impl ReproduceCommand {
                 .map(|f| parked(f.goal, f.reached, f.final_position_error_m, f.final_heading_error_deg))
                 .collect(),
         })
+    }
+
+    fn localised<'a>(&self, kept: &'a mut Option<Localisation>) -> Result<&'a Localisation, Failure> {
+        match kept {
+            Some(localised) => Ok(localised),
+            None => Ok(kept.insert(Localisation::run(self.runs, self.seed)?)),
+        }
     }
 
     fn fig6(&self, folder: &Folder, config: &Config) -> Result<Outcome, Failure> {

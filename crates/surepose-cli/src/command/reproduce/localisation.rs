@@ -1,0 +1,122 @@
+//! `surepose reproduce fig4 fig5`: one experiment, two figures.
+
+use serde::Serialize;
+use serde_json::{Map, Value as Json, json};
+use surepose_lab::picture::{self, Localised};
+use surepose_lab::reproduce::{Accuracy, Configuration, LoopWorld, Moment, deviations, localisation};
+use surepose_sim::{Clutter, Seed};
+
+use super::Outcome;
+use crate::failure::Failure;
+use crate::folder::Folder;
+
+/// Beams of the laser.
+const BEAMS: usize = 181;
+
+/// The experiment: one run for the pictures, many for the figures.
+pub(super) struct Localisation {
+    runs: Vec<Localised>,
+    json: Map<String, Json>,
+    rows: Vec<[String; 2]>,
+}
+
+impl Localisation {
+    pub(super) fn run(count: u64, seed: u64) -> Result<Self, Failure> {
+        let world = LoopWorld::new(BEAMS, Clutter::default())
+            .map_err(|error| Failure::Usage { what: error.to_string(), help: "report this".to_owned() })?;
+        let mut result = Self { runs: Vec::new(), json: Map::new(), rows: Vec::new() };
+        for configuration in Configuration::ALL {
+            result.runs.push((configuration, deviations(&world, configuration, Seed(seed))));
+            if let Some(accuracy) = localisation(&world, configuration, count) {
+                result.json.insert(configuration.name().to_owned(), json!(Figures::of(accuracy)));
+                result.rows.push([configuration.name().to_owned(), shown(&accuracy)]);
+            }
+        }
+        Ok(result)
+    }
+
+    pub(super) fn fig4(&self, folder: &Folder) -> Result<Outcome, Failure> {
+        folder.picture("fig4", &picture::fig4(&self.runs))?;
+        self.data("fig4", folder)?;
+        Ok(self.outcome())
+    }
+
+    pub(super) fn fig5(&self, folder: &Folder) -> Result<Outcome, Failure> {
+        folder.picture("fig5", &picture::fig5(&self.runs))?;
+        self.data("fig5", folder)?;
+        Ok(self.outcome())
+    }
+
+    fn outcome(&self) -> Outcome {
+        Outcome { json: json!(self.json), good: true, rows: self.rows.clone() }
+    }
+
+    fn data(&self, figure: &str, folder: &Folder) -> Result<(), Failure> {
+        for (configuration, moments) in &self.runs {
+            let name = configuration.name().replace('+', "_");
+            folder.table(&format!("{figure}_{name}.csv"), moments.iter().map(Row::of))?;
+        }
+        Ok(())
+    }
+}
+
+/// The figures under the contract's keys.
+#[derive(Serialize)]
+struct Figures {
+    position_rmse_m: f64,
+    heading_rmse_deg: f64,
+    nees_mean: f64,
+    max_deviation_x_m: f64,
+    max_deviation_y_m: f64,
+}
+
+impl Figures {
+    fn of(accuracy: Accuracy) -> Self {
+        Self {
+            position_rmse_m: accuracy.position_rmse,
+            heading_rmse_deg: accuracy.heading_rmse.to_degrees(),
+            nees_mean: accuracy.nees_mean,
+            max_deviation_x_m: accuracy.max_deviation_x,
+            max_deviation_y_m: accuracy.max_deviation_y,
+        }
+    }
+}
+
+/// One moment of the run that is drawn.
+#[derive(Serialize)]
+struct Row {
+    time_s: f64,
+    x_m: f64,
+    y_m: f64,
+    heading_deg: f64,
+    estimated_x_m: f64,
+    estimated_y_m: f64,
+    estimated_heading_deg: f64,
+    deviation_x_m: f64,
+    deviation_y_m: f64,
+    deviation_heading_deg: f64,
+}
+
+impl Row {
+    fn of(moment: &Moment) -> Self {
+        let (truth, pose) = (moment.truth, moment.belief.pose);
+        let [x, y, heading] = moment.belief.error(truth);
+        Self {
+            time_s: moment.time,
+            x_m: truth.x,
+            y_m: truth.y,
+            heading_deg: truth.heading.degrees(),
+            estimated_x_m: pose.x,
+            estimated_y_m: pose.y,
+            estimated_heading_deg: pose.heading.degrees(),
+            deviation_x_m: x,
+            deviation_y_m: y,
+            deviation_heading_deg: heading.to_degrees(),
+        }
+    }
+}
+
+fn shown(accuracy: &Accuracy) -> String {
+    let (position, heading) = (1e3 * accuracy.position_rmse, accuracy.heading_rmse.to_degrees());
+    format!("{position:.2} mm, {heading:.4}° (rms), NEES {:.2}", accuracy.nees_mean)
+}
