@@ -12,7 +12,7 @@ const BUDGETS: [(&str, &[(&str, u64)]); 2] = [
         "surepose",
         &[("law", 450), ("predict", 500), ("compass", 220), ("wall", 420), ("cycle", 2355), ("step", 800)],
     ),
-    ("surepose-lab", &[("extract181", 75_000), ("extract361", 150_000), ("match181", 30_000)]),
+    ("surepose-sim", &[("extract181", 75_000), ("extract361", 150_000), ("match181", 30_000)]),
 ];
 
 /// Measures every work and fails where one is over its budget.

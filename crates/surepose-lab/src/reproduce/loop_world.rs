@@ -65,12 +65,6 @@ impl LoopWorld {
         Ekf { drive: self.drive, delta: DELTA, integration: Integration::Arc }
     }
 
-    /// Every scan of one run, and what is believed of the pose when it comes: for measuring what extraction costs.
-    pub fn scans(&self, seed: Seed) -> Vec<(surepose_sim::Scan, Belief<f64>)> {
-        let known = [0.002, 0.002, 0.002];
-        self.run(seed).map(|tick| (tick.scan, Belief::new(tick.truth, known))).collect()
-    }
-
     /// One run round the course.
     pub(super) fn run(&self, seed: Seed) -> Run<'_> {
         Run {
@@ -190,7 +184,7 @@ impl Iterator for Run<'_> {
 }
 
 /// The core's view of a simulated scan.
-pub fn as_scan(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
+pub(super) fn as_scan(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
     Scan {
         first_bearing: Angle::wrapped(scan.first_bearing),
         bearing_step: scan.bearing_step,
