@@ -8,7 +8,9 @@
 //! Every trial draws from its own stream of the seed: results do not depend on the number of threads.
 
 mod bench;
-mod course;
+mod crew;
+mod fleet;
+mod phases;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -19,13 +21,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use surepose::Law;
-use surepose_sim::Seed;
+use surepose_lanes::Element;
 
 pub use bench::{DRIVE, Noise, fitted_law, limits};
 pub use report::{Spread, SweepReport};
 pub use trial::Trial;
 
-use bench::Bench;
+use crew::Ends;
 
 /// A start pose, seen from the goal.
 pub type Start = surepose::Pose<surepose::Goal, surepose::Body, f64>;
@@ -48,13 +50,21 @@ impl Starts {
         }
     }
 
+    /// The start of trial `number`, if there is one.
+    fn nth(&self, seed: u64, number: usize) -> Option<Start> {
+        match self {
+            Self::Random(count) => (number < *count).then(|| bench::random_start(seed, number)),
+            Self::Given(starts) => starts.get(number).copied(),
+        }
+    }
+
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// The numbers that the loop is computed with. What the trials are judged by is always `f64`.
+/// The numbers that the loop is computed with, in SIMD lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// Four bytes: the microcontroller's.
@@ -96,9 +106,13 @@ impl Watch {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// Ends the sweep after the trials under way: what is done is kept.
+    /// Ends the sweep at once: the trials that are done are kept, those under way are not.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
+    }
+
+    fn count(&self) {
+        self.done.fetch_add(1, Ordering::Relaxed);
     }
 
     fn stopped(&self) -> bool {
@@ -106,54 +120,58 @@ impl Watch {
     }
 }
 
-/// Trials that a thread takes at a time: enough to make taking cheap, few enough to end together.
-const SHARE: usize = 64;
-
 impl Sweep {
     /// Runs every trial, or those up to where `watch` stops it. The trials come in the order of their starts.
     pub fn run(&self, watch: &Watch) -> SweepReport {
+        let (trials, wall) = self.drive(Ends::of_bench(self.period), watch);
+        let trials = self.on_threads(|share| {
+            trials
+                .iter()
+                .skip(share)
+                .step_by(self.threads.max(1))
+                .map(|(way, trial)| (*way, trial.bounded()))
+                .collect()
+        });
+        SweepReport::of(trials.into_iter().map(|(_, trial)| trial).collect(), wall, self.seed)
+    }
+
+    /// How many periods a second are driven if every trial goes on for `periods`, on the goal too.
+    pub fn pace(&self, periods: u64) -> f64 {
+        let ends = Ends { held: f64::INFINITY, most: periods };
+        let (trials, wall) = self.drive(ends, &Watch::default());
+        trials.iter().map(|(_, trial)| trial.steps).sum::<u64>() as f64 / wall
+    }
+
+    /// Drives every trial to its end; also, how long that took \[s].
+    fn drive(&self, ends: Ends, watch: &Watch) -> (Vec<(usize, Trial)>, f64) {
         let begin = Instant::now();
-        let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let next = AtomicUsize::new(0);
+        let trials = self.on_threads(|_| match self.precision {
+            Precision::F32 => self.crew::<f32>(ends, &next, watch),
+            Precision::F64 => self.crew::<f64>(ends, &next, watch),
+        });
+        (trials, begin.elapsed().as_secs_f64())
+    }
+
+    fn crew<T: Element>(&self, ends: Ends, next: &AtomicUsize, watch: &Watch) -> Vec<(usize, Trial)> {
+        crew::drive::<T>(self, ends, next, watch)
+    }
+
+    /// What `work` gives on each thread, put in the order of the starts.
+    fn on_threads(&self, work: impl Fn(usize) -> Vec<(usize, Trial)> + Sync) -> Vec<(usize, Trial)> {
+        let results = Mutex::new(Vec::new());
         std::thread::scope(|scope| {
-            for _ in 0..self.threads.max(1) {
-                scope.spawn(|| {
-                    let mine = match self.precision {
-                        Precision::F32 => self.share::<f32>(&next, watch),
-                        Precision::F64 => self.share::<f64>(&next, watch),
-                    };
+            for share in 0..self.threads.max(1) {
+                let (work, results) = (&work, &results);
+                scope.spawn(move || {
+                    let mine = work(share);
                     // A thread that panicked has poisoned nothing that matters: the trials are whole.
                     results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).extend(mine);
                 });
             }
         });
-        let wall = begin.elapsed().as_secs_f64();
         let mut trials = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        trials.sort_by_key(|(index, _)| *index);
-        SweepReport::of(trials.into_iter().map(|(_, trial)| trial).collect(), wall, self.seed)
-    }
-
-    /// Takes trials until none is left.
-    fn share<S: surepose::Float>(&self, next: &AtomicUsize, watch: &Watch) -> Vec<(usize, Trial)> {
-        let bench = Bench::<S>::new(self);
-        let mut mine = Vec::new();
-        loop {
-            let from = next.fetch_add(SHARE, Ordering::Relaxed);
-            let share = from..self.starts.len().min(from + SHARE);
-            if share.is_empty() {
-                return mine;
-            }
-            for index in share {
-                if watch.stopped() {
-                    return mine;
-                }
-                let mut stream = Seed(self.seed).stream(&format!("trial {index}"));
-                let start = match &self.starts {
-                    Starts::Random(_) => bench::random_start(&mut stream),
-                    Starts::Given(starts) => starts[index],
-                };
-                mine.push((index, trial::run(&bench, start, &mut stream)));
-                watch.done.fetch_add(1, Ordering::Relaxed);
-            }
-        }
+        trials.sort_by_key(|(way, _)| *way);
+        trials
     }
 }

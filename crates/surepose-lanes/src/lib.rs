@@ -52,4 +52,4 @@ pub use dispatch::{Work, instruction_set, on_widest, portably};
 pub use element::Element;
 pub use lanes::Lanes;
 pub use mask::LaneMask;
-pub use streams::Streams;
+pub use streams::{Streams, uniform};

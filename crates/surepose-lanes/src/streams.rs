@@ -66,6 +66,12 @@ pub(crate) fn draw([a, b, c, d]: &mut [u32; 4]) -> u32 {
     drawn
 }
 
+/// The number `number` of `seed`, uniform in [0, 1): any of them at once, without a generator's state.
+pub fn uniform(seed: u64, number: u64) -> f64 {
+    let hash = mixed((mixed(seed.wrapping_add(GOLDEN)) ^ number).wrapping_add(GOLDEN));
+    (hash >> 11) as f64 / (1_u64 << 53) as f64
+}
+
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// The output function of SplitMix64.

@@ -123,6 +123,14 @@ impl<S: Scalar> Drive<S> {
     }
 }
 
+impl Drive<f64> {
+    /// The same geometry, rounded to another format.
+    #[inline(always)]
+    pub fn cast<T: Scalar>(&self) -> Drive<T> {
+        Drive { wheel_radius: T::of(self.wheel_radius), track: T::of(self.track) }
+    }
+}
+
 /// A short drive along an arc: what one period of odometry measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion<S> {

@@ -80,6 +80,7 @@ impl<S: Scalar> Law<S> {
 
 impl Law<f64> {
     /// The same constants, rounded to another format.
+    #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> Law<T> {
         match self {
             Self::Hybrid(law) => Law::Hybrid(HybridLaw {

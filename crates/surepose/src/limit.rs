@@ -49,6 +49,14 @@ impl<S: Scalar> Limits<S> {
     }
 }
 
+impl Limits<f64> {
+    /// The same limits, rounded to another format.
+    #[inline(always)]
+    pub fn cast<T: Scalar>(&self) -> Limits<T> {
+        Limits { wheel_speed: T::of(self.wheel_speed), wheel_acceleration: T::of(self.wheel_acceleration) }
+    }
+}
+
 /// The factors s for which s·`target` is within `reach` of `from`, as (lowest, highest).
 #[inline(always)]
 fn factors<S: Scalar>(target: S, from: S, reach: S) -> (S, S) {

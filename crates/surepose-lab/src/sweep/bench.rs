@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Direction, Drive, Float, HybridLaw, Law, Limits, Wheels};
-use surepose_sim::Stream;
+use surepose::{Angle, Direction, Drive, HybridLaw, Law, Limits};
+use surepose_lanes::uniform;
 
-use super::{Start, Sweep};
+use super::Start;
 
 /// The robot's geometry.
 pub const DRIVE: Drive<f64> = Drive { wheel_radius: 0.05, track: 0.6 };
@@ -44,52 +44,21 @@ pub fn fitted_law(period: f64, direction: Direction) -> Law<f64> {
     Law::Hybrid(HybridLaw::fitted(&DRIVE, &limits(), period, direction))
 }
 
-/// A start pose of the bench trial.
-pub(super) fn random_start(stream: &mut Stream) -> Start {
-    let (x, y) = (stream.uniform(-REACH, REACH), stream.uniform(-REACH, REACH));
-    Start::new(x, y, Angle::wrapped(stream.uniform(-PI, PI)))
+/// How far from the goal counts as there \[m], and how far turned \[rad].
+pub(super) const POSITION_TOLERANCE: f64 = 0.01;
+pub(super) const HEADING_TOLERANCE: f64 = PI / 180.0;
+/// How long the pose must be held \[s].
+pub(super) const HOLD: f64 = 1.0;
+/// When a trial is given up \[s].
+pub(super) const TIMEOUT: f64 = 120.0;
+
+/// Whether a trial that begins so begins on the goal.
+pub(super) fn is_inside(start: &Start) -> bool {
+    start.x.hypot(start.y) <= POSITION_TOLERANCE && start.heading.radians().abs() <= HEADING_TOLERANCE
 }
 
-/// The constants of a trial in the loop's own numbers.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bench<S> {
-    pub(super) law: Law<S>,
-    pub(super) drive: Drive<S>,
-    pub(super) limits: Limits<S>,
-    pub(super) period: S,
-    pub(super) noise: Noise,
-}
-
-/// One tick's noise: what the estimate is off by, and each wheel's speed over what was asked.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Disturbance<S> {
-    pub(super) x: S,
-    pub(super) y: S,
-    pub(super) heading: S,
-    pub(super) wheels: Wheels<S>,
-}
-
-impl<S: Float> Bench<S> {
-    pub(super) fn new(sweep: &Sweep) -> Self {
-        Self {
-            law: sweep.law.cast(),
-            drive: Drive { wheel_radius: S::of(DRIVE.wheel_radius), track: S::of(DRIVE.track) },
-            limits: Limits { wheel_speed: S::of(WHEEL_SPEED), wheel_acceleration: S::of(f64::INFINITY) },
-            period: S::of(sweep.period),
-            noise: sweep.noise,
-        }
-    }
-
-    /// The next tick's noise. Without noise nothing is drawn.
-    pub(super) fn disturbance(&self, stream: &mut Stream) -> Disturbance<S> {
-        let mut draw = |std: f64| if std > 0.0 { S::of(std * stream.normal()) } else { S::of(0.0) };
-        let Noise { position, heading, wheels } = self.noise;
-        let one = S::of(1.0);
-        Disturbance {
-            x: draw(position),
-            y: draw(position),
-            heading: draw(heading),
-            wheels: Wheels::new(one + draw(wheels), one + draw(wheels)),
-        }
-    }
+/// The start pose of random trial `number`.
+pub(super) fn random_start(seed: u64, number: usize) -> Start {
+    let draw = |which: u64, reach: f64| (2.0 * uniform(seed, 3 * number as u64 + which) - 1.0) * reach;
+    Start::new(draw(0, REACH), draw(1, REACH), Angle::wrapped(draw(2, PI)))
 }

@@ -42,7 +42,7 @@ pub struct SweepReport {
     pub success_rate: Option<f64>,
     /// Periods that were driven in all of them.
     pub steps: u64,
-    /// How long that took \[s].
+    /// How long that took \[s]; the bounds that the times are compared with are worked out after it.
     pub wall_s: f64,
     /// Periods per second of wall time.
     pub steps_per_s: f64,

@@ -54,6 +54,7 @@ impl<S: Scalar> Gains<S> {
 
 impl Gains<f64> {
     /// The same gains, rounded to another format.
+    #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> Gains<T> {
         Gains {
             k_v: T::of(self.k_v),
@@ -91,6 +92,7 @@ impl<S: Scalar> Actuation<S> {
 
 impl Actuation<f64> {
     /// The same robot, rounded to another format.
+    #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> Actuation<T> {
         Actuation {
             speed: T::of(self.speed),

@@ -1,0 +1,137 @@
+//! Keeps the lanes of a fleet filled: a trial that ends makes room for the next.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use surepose_lanes::Element;
+
+use super::bench::{HOLD, TIMEOUT};
+use super::fleet::{Fleet, LANES};
+use super::trial::Trial;
+use super::{Start, Sweep, Watch, phases};
+
+/// When a trial ends, in periods.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends {
+    /// Instants in a row inside the tolerance that are success.
+    pub(super) held: f64,
+    /// Periods after which the trial is given up.
+    pub(super) most: u64,
+}
+
+impl Ends {
+    /// The bench's.
+    pub(super) fn of_bench(period: f64) -> Self {
+        Self { held: (HOLD / period - 1e-9).ceil() + 1.0, most: (TIMEOUT / period).round() as u64 }
+    }
+}
+
+/// The trial that a lane is driving.
+#[derive(Clone, Copy, Debug)]
+struct Under {
+    way: usize,
+    start: Start,
+    /// The period at which it began, of the fleet's.
+    began: u64,
+}
+
+/// Takes trials from `next` until none is left, and gives each with its place among the starts.
+pub(super) fn drive<T: Element>(
+    sweep: &Sweep,
+    ends: Ends,
+    next: &AtomicUsize,
+    watch: &Watch,
+) -> Vec<(usize, Trial)> {
+    let mut crew = Crew {
+        sweep,
+        ends,
+        next,
+        fleet: Box::new(Fleet::<T>::default()),
+        under: [None; LANES],
+        active: 0,
+        now: 0,
+        deadline: u64::MAX,
+    };
+    for lane in 0..LANES {
+        crew.take(lane);
+    }
+    let mut done = Vec::new();
+    while crew.active > 0 && !watch.stopped() {
+        crew.step(&mut done, watch);
+    }
+    done
+}
+
+struct Crew<'a, T: Element> {
+    sweep: &'a Sweep,
+    ends: Ends,
+    next: &'a AtomicUsize,
+    fleet: Box<Fleet<T>>,
+    under: [Option<Under>; LANES],
+    active: usize,
+    now: u64,
+    /// No trial's time is up before this.
+    deadline: u64,
+}
+
+impl<T: Element> Crew<'_, T> {
+    /// Lane `lane` takes the next trial, or rests if there is none.
+    fn take(&mut self, lane: usize) {
+        let way = self.next.fetch_add(1, Ordering::Relaxed);
+        let Some(start) = self.sweep.starts.nth(self.sweep.seed, way) else {
+            self.under[lane] = None;
+            self.fleet.rest(lane);
+            return;
+        };
+        self.under[lane] = Some(Under { way, start, began: self.now });
+        self.fleet.begin(lane, &start, self.sweep.seed, way as u64);
+        self.active += 1;
+        self.deadline = self.deadline.min(self.now + self.ends.most);
+    }
+
+    /// One period of all trials.
+    fn step(&mut self, done: &mut Vec<(usize, Trial)>, watch: &Watch) {
+        phases::step(&mut self.fleet, &self.sweep.law, &self.sweep.noise, self.sweep.period);
+        self.now += 1;
+        // Nearly always no trial ends: one look at all lanes says so.
+        let held = T::of(self.ends.held);
+        let any = self.fleet.score.held.0.iter().fold(T::default(), |most, lane| most.max(*lane)) >= held;
+        if any || self.now >= self.deadline {
+            self.deadline = u64::MAX;
+            for lane in 0..LANES {
+                self.end(lane, done, watch);
+            }
+        }
+    }
+
+    /// Ends the trial of `lane` if it is to end, and takes another.
+    fn end(&mut self, lane: usize, done: &mut Vec<(usize, Trial)>, watch: &Watch) {
+        let Some(Under { way, start, began }) = self.under[lane] else { return };
+        let steps = self.now - began;
+        let success = self.fleet.score.held.0[lane].to_f64() >= self.ends.held;
+        if !success && steps < self.ends.most {
+            self.deadline = self.deadline.min(began + self.ends.most);
+            return;
+        }
+        let score = &self.fleet.score;
+        let reached = |value: T| success.then(|| value.to_f64());
+        let (distance, turn) = self.fleet.error(lane);
+        let entered = steps as f64 - (self.ends.held - 1.0);
+        let trial = Trial {
+            start_x_m: start.x,
+            start_y_m: start.y,
+            start_heading_deg: start.heading.degrees(),
+            success,
+            steps,
+            time_s: success.then_some(entered * self.sweep.period),
+            optimal_time_s: 0.0,
+            path_m: reached(score.path_entered.0[lane]),
+            cusps: reached(score.cusps_entered.0[lane]),
+            final_position_error_m: distance,
+            final_heading_error_deg: turn.degrees().abs(),
+        };
+        done.push((way, trial));
+        watch.count();
+        self.active -= 1;
+        self.take(lane);
+    }
+}

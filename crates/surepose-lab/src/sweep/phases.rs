@@ -1,0 +1,248 @@
+//! One period of every trial of a fleet, in five short loops.
+//!
+//! Each loop is compiled into vector instructions. They are short so that the processor can work on many turns of a
+//! loop at once: a trial's period is one long chain of operations that wait for each other.
+
+use surepose::{
+    Angle, Body, Goal, HybridLaw, Integration, Law, Map, Mask, Memory, Motion, Navigation, Pose, Scalar,
+    Twist, Wheels,
+};
+use surepose_lanes::{Element, Lanes, Work, on_widest};
+
+use super::bench::{DRIVE, HEADING_TOLERANCE, Noise, POSITION_TOLERANCE, limits};
+use super::fleet::{Fleet, Numbers, VECTORS};
+
+/// A reversal counts once the robot has travelled so far in its new direction \[m]: half the position tolerance, so that a
+/// cusp of the path counts, and trembling on the spot does not.
+pub(super) const CUSP: f64 = 0.005;
+
+type Robots<T> = Lanes<T, VECTORS>;
+
+/// Carries every trial one `period` \[s] forward.
+pub(super) fn step<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>, noise: &Noise, period: f64) {
+    let noise = (*noise != Noise::NONE).then_some(noise);
+    if noise.is_some() {
+        on_widest(Draw(fleet));
+    }
+    on_widest(Look(fleet, noise));
+    on_widest(Decide(fleet, law));
+    on_widest(Drive(fleet, noise, period));
+    on_widest(Judge(fleet));
+}
+
+/// Draws this period's noise.
+struct Draw<'a, T: Element>(&'a mut Fleet<T>);
+
+impl<T: Element> Work for Draw<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let fleet = self.0;
+        fleet.streams.normals(&mut fleet.drawn.0);
+        for (deviates, drawn) in fleet.deviates.iter_mut().zip(fleet.drawn.0.as_flattened()) {
+            for (deviate, drawn) in deviates.0.iter_mut().zip(drawn) {
+                *deviate = T::from_single(*drawn);
+            }
+        }
+    }
+}
+
+/// Sees the goal from the estimated pose.
+struct Look<'a, T: Element>(&'a mut Fleet<T>, Option<&'a Noise>);
+
+impl<T: Element> Work for Look<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(fleet, noise) = self;
+        if let Some(noise) = noise {
+            let (position, heading) = (Robots::<T>::of(noise.position), Robots::<T>::of(noise.heading));
+            for k in Numbers::<T>::rows::<VECTORS>() {
+                let at = fleet.pose(k);
+                let (x, y, turn) =
+                    (fleet.deviates[0].get(k), fleet.deviates[1].get(k), fleet.deviates[2].get(k));
+                let estimate =
+                    Pose::new(at.x + x * position, at.y + y * position, at.heading.turned(turn * heading));
+                fleet.see(k, estimate);
+            }
+        } else {
+            for k in Numbers::<T>::rows::<VECTORS>() {
+                fleet.see(k, fleet.pose(k));
+            }
+        }
+    }
+}
+
+impl<T: Element> Fleet<T> {
+    #[inline(always)]
+    fn pose(&self, k: usize) -> Pose<Map, Body, Robots<T>> {
+        Pose::new(self.x.get(k), self.y.get(k), Angle::from_wrapped(self.heading.get(k)))
+    }
+
+    #[inline(always)]
+    fn see(&mut self, k: usize, estimate: Pose<Map, Body, Robots<T>>) {
+        let goal: Pose<Map, Goal, Robots<T>> = Pose::identity();
+        let navigation = Navigation::of(estimate, goal);
+        self.rho.set(k, navigation.rho);
+        self.alpha.set(k, navigation.alpha.radians());
+        self.phi.set(k, navigation.phi.radians());
+    }
+
+    #[inline(always)]
+    fn wanted(&self, k: usize) -> Twist<Robots<T>> {
+        Twist::new(self.v.get(k), self.omega.get(k))
+    }
+
+    #[inline(always)]
+    fn drive(&mut self, k: usize, motion: Motion<Robots<T>>) {
+        let pose = self.pose(k).moved(motion, Integration::Arc);
+        self.x.set(k, pose.x);
+        self.y.set(k, pose.y);
+        self.heading.set(k, pose.heading.radians());
+        self.length.set(k, motion.length);
+    }
+}
+
+/// Asks the law.
+struct Decide<'a, T: Element>(&'a mut Fleet<T>, &'a Law<f64>);
+
+impl<T: Element> Work for Decide<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(fleet, law) = self;
+        // Which law it is, and which way it goes, is the same for all: a loop for each keeps branches out of it.
+        match law.cast::<Robots<T>>() {
+            Law::Paper(law) => decide(fleet, &Law::Paper(law)),
+            Law::Hybrid(law) => match law.direction {
+                surepose::Direction::Auto => {
+                    decide(fleet, &Law::Hybrid(HybridLaw { direction: surepose::Direction::Auto, ..law }));
+                }
+                surepose::Direction::Forward => {
+                    decide(fleet, &Law::Hybrid(HybridLaw { direction: surepose::Direction::Forward, ..law }));
+                }
+                surepose::Direction::Reverse => {
+                    decide(fleet, &Law::Hybrid(HybridLaw { direction: surepose::Direction::Reverse, ..law }));
+                }
+            },
+        }
+    }
+}
+
+#[inline(always)]
+fn decide<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>) {
+    for k in Numbers::<T>::rows::<VECTORS>() {
+        let navigation = Navigation {
+            rho: fleet.rho.get(k),
+            alpha: Angle::from_wrapped(fleet.alpha.get(k)),
+            phi: Angle::from_wrapped(fleet.phi.get(k)),
+        };
+        let memory =
+            Memory { near: fleet.near.mask(k), reverse: fleet.reverse.mask(k), side: fleet.side.get(k) };
+        let decision = law.decide(&navigation, memory);
+        fleet.near.set_mask(k, decision.memory.near);
+        fleet.reverse.set_mask(k, decision.memory.reverse);
+        fleet.side.set(k, decision.memory.side);
+        fleet.v.set(k, decision.twist.v);
+        fleet.omega.set(k, decision.twist.omega);
+    }
+}
+
+/// Turns the wheels, within their limits and as inexactly as they do, and moves.
+struct Drive<'a, T: Element>(&'a mut Fleet<T>, Option<&'a Noise>, f64);
+
+impl<T: Element> Work for Drive<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(fleet, noise, period) = self;
+        let (drive, limits, period) = (DRIVE.cast(), limits().cast(), Robots::<T>::of(period));
+        if let Some(noise) = noise {
+            let (one, std) = (Robots::<T>::of(1.0), Robots::<T>::of(noise.wheels));
+            for k in Numbers::<T>::rows::<VECTORS>() {
+                let right = one + fleet.deviates[3].get(k) * std;
+                let left = one + fleet.deviates[4].get(k) * std;
+                let rims = drive.rims_from_twist(limits.within_speed(&drive, fleet.wanted(k)));
+                let turning = Wheels::new(rims.right * right, rims.left * left);
+                fleet.drive(k, drive.twist_from_rims(turning).over(period));
+            }
+        } else {
+            for k in Numbers::<T>::rows::<VECTORS>() {
+                let granted = limits.within_speed(&drive, fleet.wanted(k));
+                fleet.drive(k, granted.over(period));
+            }
+        }
+    }
+}
+
+/// Notes how far every robot drove, and whether it is inside the tolerance.
+struct Judge<'a, T: Element>(&'a mut Fleet<T>);
+
+impl<T: Element> Work for Judge<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let fleet = self.0;
+        let score = &mut fleet.score;
+        let (zero, one) = (Robots::<T>::of(0.0), Robots::<T>::of(1.0));
+        let half = Robots::<T>::of(0.5 * CUSP);
+        for k in Numbers::<T>::rows::<VECTORS>() {
+            let (x, y, heading) = (fleet.x.get(k), fleet.y.get(k), fleet.heading.get(k));
+            let (length, held, pushed) = (fleet.length.get(k), score.held.get(k), score.pushed.get(k));
+            let (path_entered, cusps_entered) = (score.path_entered.get(k), score.cusps_entered.get(k));
+            let path = score.path.get(k) + length.abs();
+
+            // The travel has play: only what goes beyond it pushes, and a push the other way is a reversal.
+            let play = score.play.get(k) + length;
+            let pushes = Robots::select(play.abs().gt(half), play.sign(), pushed);
+            let cusps = score.cusps.get(k) + Robots::select((pushes * pushed).lt(zero), one, zero);
+
+            let close = !Robots::of(POSITION_TOLERANCE * POSITION_TOLERANCE).lt(x.squared() + y.squared());
+            let inside = close.and(!Robots::of(HEADING_TOLERANCE).lt(heading.abs()));
+            let holding = inside.and(held.gt(zero));
+
+            score.path.set(k, path);
+            score.play.set(k, play.clamp(-half, half));
+            score.pushed.set(k, pushes);
+            score.cusps.set(k, cusps);
+            score.held.set(k, Robots::select(inside, held + one, zero));
+            score.path_entered.set(k, Robots::select(holding, path_entered, path));
+            score.cusps_entered.set(k, Robots::select(holding, cusps_entered, cusps));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Fleet, Judge, on_widest};
+
+    /// Cusps of a robot that drives `lengths`, in a lane in the middle.
+    fn cusps(lengths: &[f64]) -> f64 {
+        let mut fleet = Fleet::<f64>::default();
+        for length in lengths {
+            fleet.length.0[77] = *length;
+            on_widest(Judge(&mut fleet));
+        }
+        assert!(fleet.score.cusps.0[76].abs() < 0.5, "the neighbour stands still");
+        fleet.score.cusps.0[77]
+    }
+
+    #[test]
+    fn a_cusp_is_a_reversal_that_is_driven() {
+        let close = |a: f64, b: f64| (a - b).abs() < 0.5;
+        assert!(close(cusps(&[0.1; 20]), 0.0));
+        assert!(close(cusps(&[0.1, 0.1, -0.1, -0.1]), 1.0));
+        assert!(close(cusps(&[0.1, -0.1, 0.1, -0.1]), 3.0));
+        // Trembling is none, however long; neither is the start's.
+        assert!(close(cusps(&[0.002, -0.002].repeat(100)), 0.0));
+        assert!(close(cusps(&[-0.1, 0.003, -0.003, -0.1]), 0.0));
+        // Small steps add up.
+        let (there, back) = ([0.001; 50], [-0.001; 50]);
+        assert!(close(cusps(&[there, back].concat()), 1.0));
+    }
+}
