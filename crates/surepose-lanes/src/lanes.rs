@@ -104,6 +104,13 @@ impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
         self.zip(x, T::atan2)
     }
     #[inline(always)]
+    fn sin_cos_sinc(self) -> (Self, Self, Self) {
+        let (sin, cos) = self.sin_cos();
+        // Down to the smallest angles sin x/x rounds to what it should: only 0/0 needs help.
+        let sinc = from_fn(|k| if self.0[k] == T::default() { T::of(1.0) } else { sin.0[k] / self.0[k] });
+        (sin, cos, Self(sinc))
+    }
+    #[inline(always)]
     fn sinc(self) -> Self {
         self.map(T::small_sinc)
     }

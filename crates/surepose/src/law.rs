@@ -2,6 +2,7 @@
 
 mod arrival;
 mod commitment;
+mod facing;
 mod follow;
 mod gains;
 mod global;
@@ -14,6 +15,7 @@ use crate::scalar::{Mask, Scalar};
 
 pub use arrival::{Arrival, Phase, Tolerance};
 pub use commitment::{Direction, Memory};
+pub use facing::Facing;
 pub use follow::{FollowLaw, Following, Offset};
 pub use gains::{Actuation, Gains};
 pub use global::GlobalLaw;
@@ -47,13 +49,28 @@ impl<S: Scalar> Law<S> {
     /// Finite for every input: a goal whose place is not a number is answered with rest, and so is one beyond 10⁹ m.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
+        self.steer(&self.face(navigation, &memory), memory)
+    }
+
+    /// The first half of [`Law::decide`]: which end goes first, and what it sees.
+    #[inline(always)]
+    pub fn face(&self, navigation: &Navigation<S>, memory: &Memory<S>) -> Facing<S> {
+        match self {
+            Self::Hybrid(law) => law.face(navigation, memory),
+            Self::Paper(law) => law.face(navigation),
+        }
+    }
+
+    /// The second half of [`Law::decide`].
+    #[inline(always)]
+    pub fn steer(&self, facing: &Facing<S>, memory: Memory<S>) -> Decision<S> {
         let Decision { twist, memory } = match self {
-            Self::Hybrid(law) => law.decide(navigation, memory),
-            Self::Paper(law) => law.decide(navigation, memory),
+            Self::Hybrid(law) => law.steer(facing, memory),
+            Self::Paper(law) => law.steer(facing, memory),
         };
         let far = S::of(1e9);
         let seen =
-            navigation.rho.lt(far).and(twist.v.abs().lt(S::of(1e30))).and(twist.omega.abs().lt(S::of(1e30)));
+            facing.goal.rho.lt(far).and(twist.v.abs().lt(S::of(1e30))).and(twist.omega.abs().lt(S::of(1e30)));
         Decision { twist: Twist::select(seen, twist, Twist::rest()), memory }
     }
 

@@ -93,8 +93,7 @@ impl<T: Element> Crew<'_, T> {
         phases::step(&mut self.fleet, &self.sweep.law, &self.sweep.noise, self.sweep.period);
         self.now += 1;
         // Nearly always no trial ends: one look at all lanes says so.
-        let held = T::of(self.ends.held);
-        let any = self.fleet.score.held.0.iter().fold(T::default(), |most, lane| most.max(*lane)) >= held;
+        let any = phases::any_held(&self.fleet, T::of(self.ends.held));
         if any || self.now >= self.deadline {
             self.deadline = u64::MAX;
             for lane in 0..LANES {

@@ -30,6 +30,10 @@ pub(super) struct Fleet<T: Element> {
     pub(super) rho: Numbers<T>,
     pub(super) alpha: Numbers<T>,
     pub(super) phi: Numbers<T>,
+    /// What the end that goes first sees of α.
+    pub(super) sin: Numbers<T>,
+    pub(super) cos: Numbers<T>,
+    pub(super) sinc: Numbers<T>,
     /// The twist that is wanted this period.
     pub(super) v: Numbers<T>,
     pub(super) omega: Numbers<T>,

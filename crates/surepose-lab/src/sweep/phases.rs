@@ -1,11 +1,11 @@
-//! One period of every trial of a fleet, in five short loops.
+//! One period of every trial of a fleet, in six short loops.
 //!
 //! Each loop is compiled into vector instructions. They are short so that the processor can work on many turns of a
 //! loop at once: a trial's period is one long chain of operations that wait for each other.
 
 use surepose::{
-    Angle, Body, Goal, HybridLaw, Integration, Law, Map, Mask, Memory, Motion, Navigation, Pose, Scalar,
-    Twist, Wheels,
+    Angle, Body, Direction, Facing, Goal, HybridLaw, Integration, Law, Map, Mask, Memory, Motion, Navigation,
+    Pose, Scalar, Twist, Wheels,
 };
 use surepose_lanes::{Element, Lanes, Work, on_widest};
 
@@ -25,9 +25,31 @@ pub(super) fn step<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>, noise: &Noi
         on_widest(Draw(fleet));
     }
     on_widest(Look(fleet, noise));
-    on_widest(Decide(fleet, law));
+    on_widest(Ask(fleet, law, Face));
+    on_widest(Ask(fleet, law, Steer));
     on_widest(Drive(fleet, noise, period));
     on_widest(Judge(fleet));
+}
+
+/// Whether any trial has been `held` for so long.
+pub(super) fn any_held<T: Element>(fleet: &Fleet<T>, held: T) -> bool {
+    on_widest(Anyone(&fleet.score.held, held))
+}
+
+/// Whether any number is as large as another.
+struct Anyone<'a, T: Element>(&'a Numbers<T>, T);
+
+impl<T: Element> Work for Anyone<'_, T> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let mut any = false;
+        for number in &self.0.0 {
+            any |= *number >= self.1;
+        }
+        any
+    }
 }
 
 /// Draws this period's noise.
@@ -91,6 +113,17 @@ impl<T: Element> Fleet<T> {
     }
 
     #[inline(always)]
+    fn goal(&self, k: usize) -> Navigation<Robots<T>> {
+        let (alpha, phi) = (self.alpha.get(k), self.phi.get(k));
+        Navigation { rho: self.rho.get(k), alpha: Angle::from_wrapped(alpha), phi: Angle::from_wrapped(phi) }
+    }
+
+    #[inline(always)]
+    fn memory(&self, k: usize) -> Memory<Robots<T>> {
+        Memory { near: self.near.mask(k), reverse: self.reverse.mask(k), side: self.side.get(k) }
+    }
+
+    #[inline(always)]
     fn wanted(&self, k: usize) -> Twist<Robots<T>> {
         Twist::new(self.v.get(k), self.omega.get(k))
     }
@@ -105,49 +138,79 @@ impl<T: Element> Fleet<T> {
     }
 }
 
-/// Asks the law.
-struct Decide<'a, T: Element>(&'a mut Fleet<T>, &'a Law<f64>);
+/// Which half of the law's decision a loop makes.
+trait Half {
+    /// Makes it for the robots of row `k`.
+    fn robots<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>, k: usize);
+}
 
-impl<T: Element> Work for Decide<'_, T> {
+/// Decides which end goes first.
+struct Face;
+
+impl Half for Face {
+    #[inline(always)]
+    fn robots<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>, k: usize) {
+        let facing = law.face(&fleet.goal(k), &fleet.memory(k));
+        fleet.alpha.set(k, facing.goal.alpha.radians());
+        fleet.phi.set(k, facing.goal.phi.radians());
+        fleet.sin.set(k, facing.sin);
+        fleet.cos.set(k, facing.cos);
+        fleet.sinc.set(k, facing.sinc);
+        fleet.reverse.set_mask(k, facing.reverse);
+    }
+}
+
+/// Decides how that end moves.
+struct Steer;
+
+impl Half for Steer {
+    #[inline(always)]
+    fn robots<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>, k: usize) {
+        let facing = Facing {
+            goal: fleet.goal(k),
+            sin: fleet.sin.get(k),
+            cos: fleet.cos.get(k),
+            sinc: fleet.sinc.get(k),
+            reverse: fleet.reverse.mask(k),
+        };
+        let decision = law.steer(&facing, fleet.memory(k));
+        fleet.near.set_mask(k, decision.memory.near);
+        fleet.side.set(k, decision.memory.side);
+        fleet.v.set(k, decision.twist.v);
+        fleet.omega.set(k, decision.twist.omega);
+    }
+}
+
+/// Asks the law for one half of its decision.
+struct Ask<'a, T: Element, H>(&'a mut Fleet<T>, &'a Law<f64>, H);
+
+impl<T: Element, H: Half> Work for Ask<'_, T, H> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self(fleet, law) = self;
+        let Self(fleet, law, _) = self;
         // Which law it is, and which way it goes, is the same for all: a loop for each keeps branches out of it.
         match law.cast::<Robots<T>>() {
-            Law::Paper(law) => decide(fleet, &Law::Paper(law)),
+            Law::Paper(law) => all::<T, H>(fleet, &Law::Paper(law)),
             Law::Hybrid(law) => match law.direction {
-                surepose::Direction::Auto => {
-                    decide(fleet, &Law::Hybrid(HybridLaw { direction: surepose::Direction::Auto, ..law }));
-                }
-                surepose::Direction::Forward => {
-                    decide(fleet, &Law::Hybrid(HybridLaw { direction: surepose::Direction::Forward, ..law }));
-                }
-                surepose::Direction::Reverse => {
-                    decide(fleet, &Law::Hybrid(HybridLaw { direction: surepose::Direction::Reverse, ..law }));
-                }
+                Direction::Auto => all::<T, H>(fleet, &going(law, Direction::Auto)),
+                Direction::Forward => all::<T, H>(fleet, &going(law, Direction::Forward)),
+                Direction::Reverse => all::<T, H>(fleet, &going(law, Direction::Reverse)),
             },
         }
     }
 }
 
 #[inline(always)]
-fn decide<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>) {
+fn going<S: Scalar>(law: HybridLaw<S>, direction: Direction) -> Law<S> {
+    Law::Hybrid(HybridLaw { direction, ..law })
+}
+
+#[inline(always)]
+fn all<T: Element, H: Half>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>) {
     for k in Numbers::<T>::rows::<VECTORS>() {
-        let navigation = Navigation {
-            rho: fleet.rho.get(k),
-            alpha: Angle::from_wrapped(fleet.alpha.get(k)),
-            phi: Angle::from_wrapped(fleet.phi.get(k)),
-        };
-        let memory =
-            Memory { near: fleet.near.mask(k), reverse: fleet.reverse.mask(k), side: fleet.side.get(k) };
-        let decision = law.decide(&navigation, memory);
-        fleet.near.set_mask(k, decision.memory.near);
-        fleet.reverse.set_mask(k, decision.memory.reverse);
-        fleet.side.set(k, decision.memory.side);
-        fleet.v.set(k, decision.twist.v);
-        fleet.omega.set(k, decision.twist.omega);
+        H::robots(fleet, law, k);
     }
 }
 

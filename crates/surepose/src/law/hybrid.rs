@@ -7,6 +7,7 @@ use crate::scalar::{Mask, Scalar};
 
 use super::Decision;
 use super::commitment::{self, Direction, Memory};
+use super::facing::Facing;
 use super::gains::{Actuation, Gains};
 use super::global::GlobalLaw;
 use super::local::LocalLaw;
@@ -84,15 +85,26 @@ impl<S: Scalar> HybridLaw<S> {
     /// The twist for the goal as seen now, and the memory for the next tick.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
-        let reverse = commitment::reverse(self.direction, navigation, self.gains.h, &memory);
-        let ahead = Navigation::select(reverse, navigation.reversed(), *navigation);
-        let seen = Seen::of(&ahead, self.capture_radius);
+        self.steer(&self.face(navigation, &memory), memory)
+    }
+
+    /// Which end goes first, and what it sees.
+    #[inline(always)]
+    pub fn face(&self, navigation: &Navigation<S>, memory: &Memory<S>) -> Facing<S> {
+        Facing::of(navigation, commitment::reverse(self.direction, navigation, self.gains.h, memory))
+    }
+
+    /// The twist that this end wants, and the memory for the next tick.
+    #[inline(always)]
+    pub fn steer(&self, facing: &Facing<S>, memory: Memory<S>) -> Decision<S> {
+        let (ahead, reverse) = (&facing.goal, facing.reverse);
+        let seen = Seen::of(facing, self.capture_radius);
 
         let near = seen.near(memory.near);
         let error = S::select(near, -ahead.heading_error().radians(), ahead.alpha.radians());
         let (error, side) = commitment::to_side(error, memory.side);
 
-        let twist = Twist::select(near, self.near(&seen, -error), self.far(&seen, &ahead, error));
+        let twist = Twist::select(near, self.near(&seen, -error), self.far(&seen, ahead, error));
         let backwards = Twist::new(-twist.v, twist.omega);
         Decision { twist: Twist::select(reverse, backwards, twist), memory: Memory { near, reverse, side } }
     }
@@ -155,14 +167,14 @@ struct Seen<S> {
 
 impl<S: Scalar> Seen<S> {
     #[inline(always)]
-    fn of(navigation: &Navigation<S>, capture_radius: S) -> Self {
-        let (sin, cos, sinc) = navigation.alpha.radians().sin_cos_sinc();
+    fn of(facing: &Facing<S>, capture_radius: S) -> Self {
+        let Facing { goal, sin, cos, sinc, .. } = *facing;
         let per_radius = S::of(1.0) / capture_radius;
-        let radii = navigation.rho * per_radius;
+        let radii = goal.rho * per_radius;
         Self {
             cos,
             sinc,
-            ahead: navigation.rho * cos,
+            ahead: goal.rho * cos,
             aside_radii: radii * sin,
             radii_squared: radii.squared(),
             per_radius,

@@ -6,6 +6,7 @@ use crate::scalar::{Mask, Scalar};
 
 use super::Decision;
 use super::commitment::Memory;
+use super::facing::Facing;
 use super::gains::Gains;
 use super::global::GlobalLaw;
 use super::local::LocalLaw;
@@ -27,11 +28,13 @@ pub struct PaperLaw<S> {
 
 impl<S: Scalar> PaperLaw<S> {
     /// The global law of these gains.
+    #[inline(always)]
     pub fn global(&self) -> GlobalLaw<S> {
         GlobalLaw { k_v: self.gains.k_v, k_alpha: self.gains.k_alpha, h: self.gains.h }
     }
 
     /// The local law of these gains.
+    #[inline(always)]
     pub fn local(&self) -> LocalLaw<S> {
         LocalLaw { k_v: self.gains.k_v, k_theta: self.gains.k_theta }
     }
@@ -39,9 +42,24 @@ impl<S: Scalar> PaperLaw<S> {
     /// The twist for the goal as seen now. Of the memory only `near` is set, for those who plot the switch.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
-        let error = navigation.heading_error().radians().abs();
-        let near = navigation.rho.lt(self.capture_radius).and(error.lt(self.capture_heading));
-        let twist = Twist::select(near, self.local().twist(navigation), self.global().twist(navigation));
-        Decision { twist, memory: Memory { near, ..memory } }
+        self.steer(&self.face(navigation), memory)
+    }
+
+    /// What the nose sees: it always goes first.
+    #[inline(always)]
+    pub fn face(&self, navigation: &Navigation<S>) -> Facing<S> {
+        Facing::of(navigation, S::Mask::splat(false))
+    }
+
+    /// The twist for what the nose sees.
+    #[inline(always)]
+    pub fn steer(&self, facing: &Facing<S>, memory: Memory<S>) -> Decision<S> {
+        let Facing { goal, cos, sinc, .. } = *facing;
+        let error = goal.heading_error().radians();
+        let near = goal.rho.lt(self.capture_radius).and(error.abs().lt(self.capture_heading));
+        let local = self.local().twist_toward(goal.rho * cos, error);
+        let global =
+            self.global().twist_driven(goal.rho, goal.alpha.radians(), goal.phi.radians(), cos, sinc);
+        Decision { twist: Twist::select(near, local, global), memory: Memory { near, ..memory } }
     }
 }

@@ -1,0 +1,29 @@
+//! The goal as the end of the robot sees it that goes first: what a law steers by.
+
+use crate::navigation::Navigation;
+use crate::scalar::Scalar;
+
+/// The goal, with the robot turned round in thought where its tail goes first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facing<S: Scalar> {
+    /// The goal ahead of the end that goes first.
+    pub goal: Navigation<S>,
+    /// sin α of that goal.
+    pub sin: S,
+    /// cos α.
+    pub cos: S,
+    /// sin α/α.
+    pub sinc: S,
+    /// The tail goes first.
+    pub reverse: S::Mask,
+}
+
+impl<S: Scalar> Facing<S> {
+    /// The goal of `navigation`, tail first where `reverse`.
+    #[inline(always)]
+    pub fn of(navigation: &Navigation<S>, reverse: S::Mask) -> Self {
+        let goal = Navigation::select(reverse, navigation.reversed(), *navigation);
+        let (sin, cos, sinc) = goal.alpha.radians().sin_cos_sinc();
+        Self { goal, sin, cos, sinc, reverse }
+    }
+}
