@@ -82,7 +82,7 @@ pub struct Moment {
     pub belief: Belief<f64>,
 }
 
-/// The whole pipeline in the loop world, for the seeds 0 to `runs` − 1; `None` without a run.
+/// The whole pipeline in the loop world, for the seeds 1 to `runs`; `None` without a run.
 pub fn localisation(world: &LoopWorld, configuration: Configuration, runs: u64) -> Option<Accuracy> {
     let sums = for_each(runs, |seed| {
         let mut sum = Sum::default();

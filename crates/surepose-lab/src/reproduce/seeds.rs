@@ -5,7 +5,7 @@ use std::thread;
 
 use surepose_sim::Seed;
 
-/// What `experiment` gives for each of the seeds 0 to `count` − 1, in their order.
+/// What `experiment` gives for each of the seeds 1 to `count`, in their order: `run` counts seeds from 1 too.
 ///
 /// The order is that of the seeds, whatever the processors did: sums over it have the same bits every time.
 pub(super) fn for_each<T: Send>(count: u64, experiment: impl Fn(Seed) -> T + Sync) -> Vec<T> {
@@ -15,7 +15,7 @@ pub(super) fn for_each<T: Send>(count: u64, experiment: impl Fn(Seed) -> T + Syn
     let share = count.div_ceil(workers).max(1);
     thread::scope(|scope| {
         for (worker, slots) in results.chunks_mut(share as usize).enumerate() {
-            let first = worker as u64 * share;
+            let first = worker as u64 * share + 1;
             scope.spawn(move || {
                 for (seed, slot) in (first..).zip(slots) {
                     *slot = Some(experiment(Seed(seed)));
@@ -34,7 +34,7 @@ mod tests {
     fn every_seed_is_tried_once_and_in_order() {
         for count in [0, 1, 2, 7, 64] {
             let seeds: Vec<u64> = for_each(count, |seed| seed.0);
-            assert_eq!(seeds, (0..count).collect::<Vec<_>>());
+            assert_eq!(seeds, (1..=count).collect::<Vec<_>>());
         }
     }
 }
