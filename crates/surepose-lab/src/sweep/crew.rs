@@ -93,11 +93,16 @@ impl<T: Element> Crew<'_, T> {
         phases::step(&mut self.fleet, &self.sweep.law, &self.sweep.noise, self.sweep.period);
         self.now += 1;
         // Nearly always no trial ends: one look at all lanes says so.
-        let any = phases::any_held(&self.fleet, T::of(self.ends.held));
-        if any || self.now >= self.deadline {
+        let held = T::of(self.ends.held);
+        let due = self.now >= self.deadline;
+        if due {
             self.deadline = u64::MAX;
+        }
+        if due || phases::any_held(&self.fleet, held) {
             for lane in 0..LANES {
-                self.end(lane, done, watch);
+                if due || self.fleet.score.held.0[lane] >= held {
+                    self.end(lane, done, watch);
+                }
             }
         }
     }
