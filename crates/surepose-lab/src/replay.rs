@@ -10,6 +10,8 @@ mod odometry;
 mod reference;
 mod report;
 mod score;
+pub mod ticks;
+pub mod wean;
 
 pub(crate) use follower::mounted;
 pub use follower::{FollowerSettings, walls_of};

@@ -178,6 +178,10 @@ fn a_fix_solves_for_its_pose_and_leaves_open_what_it_does_not_know() {
             .unwrap();
     assert!((fix.pose.x - 1.1).abs() < 1e-12 && (fix.pose.heading.radians() - 0.2).abs() < 1e-12);
     assert!((fix.pose.y - 2.0).abs() < 1e-12);
+    // What rounding leaves of walls along an axis is not information.
+    let rounding = Matrix([[1e-30, 1e-13, 0.0], [1e-13, 100.0, 0.0], [0.0, 0.0, 100.0]]);
+    let fix = PoseFix::from_information(near, rounding, [1e-14, 10.0, 0.0]).unwrap();
+    assert!((fix.pose.x - 1.0).abs() < 1e-9 && (fix.pose.y - 2.1).abs() < 1e-9, "{fix:?}");
     let negative = Matrix([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     assert!(PoseFix::from_information(near, negative, [0.0; 3]).is_err());
     assert!(PoseFix::from_information(near, information, [f64::NAN, 0.0, 0.0]).is_err());

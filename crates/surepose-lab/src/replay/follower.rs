@@ -41,10 +41,15 @@ impl FollowerSettings {
     /// of 0.45 m and of 32°), and the laser puts the pose right to centimetres anyway. For the same reason the gate is
     /// wide.
     pub fn preset(name: &'static str) -> Config {
+        Self::scattering(name, 0.03)
+    }
+
+    /// The same for odometry whose rims scatter by this variance over a metre, and over a radian \[m²].
+    pub(super) fn scattering(name: &'static str, rim_variance: f64) -> Config {
         let values = [
             (&param::TRACK, 1.2),
-            (&param::RIM_VARIANCE_PER_METRE, 0.03),
-            (&param::RIM_VARIANCE_PER_RADIAN, 0.03),
+            (&param::RIM_VARIANCE_PER_METRE, rim_variance),
+            (&param::RIM_VARIANCE_PER_RADIAN, rim_variance),
             (&param::LASER_RANGE_STD, 0.03),
             (&param::LASER_BEARING_STD, 0.3),
             (&param::GATE_PROBABILITY, 0.999_999),
@@ -110,6 +115,28 @@ impl Seen {
     }
 }
 
+/// How much of what came back to the laser lies on walls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shares {
+    sum: f64,
+    scans: f64,
+}
+
+impl Shares {
+    /// Adds a scan; one that lies on no wall adds nothing to the sum.
+    pub(super) fn add(&mut self, seen: &Seen) {
+        self.scans += 1.0;
+        if let Seen::Tried(_, aligned) = seen {
+            self.sum += f64::from(aligned.beams) / f64::from(aligned.returned.max(1));
+        }
+    }
+
+    /// The mean over scans.
+    pub(super) fn mean(self) -> Option<f64> {
+        (self.scans > 0.0).then(|| self.sum / self.scans)
+    }
+}
+
 impl Follower {
     /// Starts at `pose` at `stamp`.
     pub(super) fn new(
@@ -126,6 +153,11 @@ impl Follower {
         // The history is as long as its memory: some replays count records, where others count seconds.
         let estimator = Estimator::new(ekf, gate, f64::INFINITY, stamp, belief);
         Self { estimator, settings, walls, memory: Box::default() }
+    }
+
+    /// Takes other walls for the map.
+    pub(super) fn know(&mut self, walls: Vec<Wall<f64>>) {
+        self.walls = walls;
     }
 
     /// Rolls on by `motion` until `stamp`.

@@ -40,6 +40,9 @@ pub struct ReplayReport {
     /// Heading error of the recorded odometry alone \[°].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dead_reckoning_heading_rmse_deg: Option<f64>,
+    /// Part of the beams that came back which lie on walls of the map, mean over scans.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beams_on_walls: Option<f64>,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
     /// Measurements that the filter refused, by reason.
@@ -87,6 +90,9 @@ pub enum ReplayError {
     /// Nothing says where the robot starts.
     #[error("no reference pose at the time of any odometry record, so there is nowhere to start")]
     NoStart,
+    /// The recording has no reference, and nobody said where it starts.
+    #[error("the recording does not say where the robot starts")]
+    StartUnknown,
 }
 
 #[cfg(test)]

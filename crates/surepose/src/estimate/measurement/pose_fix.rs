@@ -21,8 +21,13 @@ pub struct PoseFix<S> {
     pub information: Matrix<S, 3, 3>,
 }
 
-/// Variance of a direction of which nothing is known: beyond what any pose is uncertain by.
-const NOTHING: f64 = 1e12;
+/// Information that stands for none where a division needs one: a variance of 1e12.
+const NOTHING: f64 = 1e-12;
+
+/// Least information that is any \[1/m², 1/rad²]: a direction known worse than to a kilometre is not known.
+///
+/// Walls that run along an axis leave 1e-30 of it, by rounding; a step of rounding over that would leave the map.
+const LEAST: f64 = 1e-6;
 
 impl<S: Scalar> PoseFix<S> {
     /// ν = Lᵀ(z − x̂), where the information is L D Lᵀ: rows with the independent variances 1/D.
@@ -45,7 +50,7 @@ impl<S: Scalar> PoseFix<S> {
                 jacobian[row][k] = lower[k][row];
                 residual[row] = residual[row] + lower[k][row] * offset[k];
             }
-            variance[row] = one / diagonal[row].max(S::of(1.0 / NOTHING));
+            variance[row] = one / diagonal[row].max(S::of(NOTHING));
         }
         Innovation { residual, jacobian, variance }
     }
@@ -105,14 +110,14 @@ impl<S: Float> PoseFix<S> {
 
 /// L (unit lower triangular) and D of a symmetric positive semi-definite matrix L D Lᵀ.
 ///
-/// A pivot that is rounding only, and one below zero, is nothing: 0, and with it its column.
+/// A pivot that is rounding only, or less than [`LEAST`], is nothing: 0, and with it its column.
 fn factors<S: Scalar>(matrix: &Matrix<S, 3, 3>) -> ([[S; 3]; 3], [S; 3]) {
     let zero = S::of(0.0);
     let mut rest = matrix.0;
     let mut lower = [[zero; 3]; 3];
     let mut diagonal = [zero; 3];
     for j in 0..3 {
-        let rounding = matrix.0[j][j].abs() * S::of(1e-6);
+        let rounding = (matrix.0[j][j].abs() * S::of(1e-6)).max(S::of(LEAST));
         let pivot = S::select(rest[j][j].gt(rounding), rest[j][j], zero);
         diagonal[j] = pivot;
         for i in j + 1..3 {
