@@ -1,30 +1,38 @@
 //! `surepose replay`: the estimator on a recording, judged against its reference.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use surepose_data::wall_map;
-use surepose_lab::replay::{ReplayError, carmen, mrclam};
+use surepose::{Angle, Pose};
+use surepose_data::wall_map::{self, WallMap};
+use surepose_data::{DataError, map_server};
+use surepose_lab::mapping::from_grid;
+use surepose_lab::replay::{FollowerSettings, ReplayError, carmen, mrclam, ticks, wean};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::output::{Output, object, shown, table};
-use crate::settings::ConfigArgs;
+use crate::settings::{ConfigArgs, PoseArg};
 
 /// Run the estimator on a recording and judge it against the recording's reference.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose replay mrclam MRCLAM_Dataset7 --robot 3
   surepose replay carmen freiburg-101-corrected.log.gz
+  surepose replay wean robotdata1.log.gz --map wean.dat.gz --start 40,41.4,-96
+  surepose replay ticks exp1.dat.gz
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json")]
 pub(crate) struct ReplayCommand {
     /// The format of the recording
     format: Format,
     /// The recording: a file, or a folder where the format has several
     path: PathBuf,
-    /// A wall map; without one, `carmen` makes its own from every second scan and is judged on the others
+    /// A wall map, or the occupancy grid to make it from (`.yaml`, or Wean Hall's own); without one, `carmen` makes its own from every second scan and is judged on the others
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
+    /// Where the robot starts, where the recording does not tell: metres, metres, degrees
+    #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
+    start: Option<PoseArg>,
     /// Which robot, where the recording has several
     #[arg(long, default_value_t = 1)]
     robot: u32,
@@ -38,16 +46,15 @@ enum Format {
     Mrclam,
     /// CARMEN: odometry, laser, poses corrected by SLAM
     Carmen,
+    /// Wheel ticks and laser, without a map: the walls are made on the way
+    Ticks,
+    /// CMU Wean Hall: odometry and laser on a given map
+    Wean,
 }
 
 impl ReplayCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
-        if self.map.is_some() && self.format == Format::Mrclam {
-            return Err(Failure::Usage {
-                what: "mrclam has landmarks, and no use for a wall map".to_owned(),
-                help: "leave out --map".to_owned(),
-            });
-        }
+        self.check()?;
         let report = match self.format {
             Format::Mrclam => {
                 let config = self.config.over(mrclam::Settings::preset())?;
@@ -55,13 +62,26 @@ impl ReplayCommand {
             }
             Format::Carmen => {
                 let config = self.config.over(carmen::Settings::preset())?;
-                let map = self.map.as_deref().map(wall_map::read).transpose()?;
+                let map = self.map.as_deref().map(walls_in).transpose()?;
                 carmen::replay(&self.path, map.as_ref(), &carmen::Settings::of(&config))
+            }
+            Format::Ticks => {
+                let config = self.config.over(ticks::preset())?;
+                ticks::replay(&self.path, &FollowerSettings::of(&config)).map(|explored| explored.report)
+            }
+            Format::Wean => {
+                let config = self.config.over(wean::preset())?;
+                let map = self.map.as_deref().map(walls_in).transpose()?.unwrap_or_default();
+                let start = self.start.map(|at| Pose::new(at.x, at.y, Angle::from_degrees(at.heading_deg)));
+                wean::replay(&self.path, &map, start, &wean::settings(&config))
             }
         };
         let report = report.map_err(|error| match error {
             ReplayError::Data(error) => Failure::Data(error),
             ReplayError::NoStart => Failure::Recording { path: self.path.clone(), what: error.to_string() },
+            ReplayError::StartUnknown => {
+                Failure::Usage { what: error.to_string(), help: "give --start X,Y,DEG".to_owned() }
+            }
         })?;
         let json = object(&report);
         output.result(&json, || {
@@ -73,4 +93,36 @@ impl ReplayCommand {
         });
         Ok(Exit::Done)
     }
+
+    /// Refuses options that the format has no use for, and asks for those that it needs.
+    fn check(&self) -> Result<(), Failure> {
+        let usage =
+            |what: &str, help: &str| Err(Failure::Usage { what: what.to_owned(), help: help.to_owned() });
+        match self.format {
+            Format::Mrclam if self.map.is_some() => {
+                usage("mrclam has landmarks, and no use for a wall map", "leave out --map")
+            }
+            Format::Ticks if self.map.is_some() => {
+                usage("ticks makes its own map, from where the robot starts", "leave out --map")
+            }
+            Format::Wean if self.map.is_none() => {
+                usage("wean has no map of its own", "give --map wean.dat.gz, or a wall map made from it")
+            }
+            Format::Mrclam | Format::Carmen | Format::Ticks if self.start.is_some() => {
+                usage("only wean needs to be told where the robot starts", "leave out --start")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The walls of a map file: a wall map as it is, an occupancy grid turned into walls.
+fn walls_in(path: &Path) -> Result<WallMap, DataError> {
+    let is = |extension: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    if is("toml") {
+        return wall_map::read(path);
+    }
+    let grid =
+        if is("yaml") || is("yml") { map_server::read(path)? } else { surepose_data::wean::read_grid(path)? };
+    Ok(from_grid::walls_of(&grid).map)
 }

@@ -17,7 +17,7 @@ use super::report::{ReplayError, ReplayReport};
 use crate::mapping::{Mapped, from_log};
 
 /// A scan becomes part of the map where the robot has come this far \[m] or turned this far \[rad] since the last one.
-const NEW_VIEW: (f64, f64) = (0.5, 0.6);
+const NEW_VIEW: (f64, f64) = (0.3, 0.4);
 
 /// The configuration that fits the format better than the defaults, before the user's own values.
 pub fn preset() -> Config {
