@@ -28,6 +28,7 @@ mod boundary;
 mod evidence;
 mod extract;
 mod fit;
+mod glance;
 mod grow;
 mod join;
 mod list;
@@ -39,6 +40,7 @@ mod wall;
 
 pub use align::{Aligned, Aligner, AlignerMemory, Alignment};
 pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
+pub use glance::{Agreement, Glance};
 pub use matching::{Fate, Matched, Matcher};
 pub use scan::{RangeFinder, Scan, ScanRefusal};
 pub use wall::{NotAWall, Wall};

@@ -12,6 +12,8 @@
 //! | [`navigation`](Navigation) | the goal as the robot sees it: Eq. (3)–(6) |
 //! | `law` | how should I move: Eq. (19)–(29), hysteresis, arrival |
 //! | [`limit`](Limits) | what the wheels can do |
+//! | `relocate` | where am I, if I know nothing: several hypotheses until one is left |
+//! | `supervisor` | how far that can be trusted: beside the loop |
 //! | [`closed_loop`] | all of it, one tick |
 //!
 //! # Frames and units
@@ -45,7 +47,9 @@ pub mod param;
 mod path;
 mod pid;
 mod pose;
+mod relocate;
 mod scalar;
+mod supervisor;
 
 pub use angle::Angle;
 pub use covariance::{Covariance, NotACovariance, Observation};
@@ -61,4 +65,6 @@ pub use navigation::{Navigation, NavigationNoise};
 pub use path::{Leg, NotAPath, Path, Place};
 pub use pid::{Pid, PidState};
 pub use pose::{Point, Pose};
+pub use relocate::{Certainty, Finding, Hypothesis, MOST_PAIRS, MOST_STRETCHES, Relocaliser};
 pub use scalar::{Dual, Float, Mask, Scalar};
+pub use supervisor::{Health, Reason, Supervisor, Verdict, Vigilance};

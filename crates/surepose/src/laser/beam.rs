@@ -49,9 +49,7 @@ pub(super) fn read<S: Float>(laser: &RangeFinder<S>, scan: &Scan<'_, S>, beams: 
         if number % 64 == 0 {
             (sin, cos) = (scan.first_bearing.radians() + scan.bearing_step * S::of(number as f64)).sin_cos();
         }
-        // A NaN compares false on both sides.
-        let back = range > laser.nearest && range <= laser.farthest && range.is_finite();
-        if let (true, Some(slot)) = (back, beams.get_mut(count)) {
+        if let (true, Some(slot)) = (laser.came_back(range), beams.get_mut(count)) {
             *slot = Beam { cos, sin, range, inverse: S::of(1.0) / range, number: number as u16 };
             count += 1;
         }

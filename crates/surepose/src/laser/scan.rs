@@ -70,6 +70,13 @@ impl core::fmt::Display for ScanRefusal {
 impl core::error::Error for ScanRefusal {}
 
 impl<S: Float> RangeFinder<S> {
+    /// Whether a beam with this range came back from something.
+    #[inline]
+    pub(super) fn came_back(&self, range: S) -> bool {
+        // A NaN compares false on both sides.
+        range > self.nearest && range <= self.farthest && range.is_finite()
+    }
+
     pub(super) fn check(&self) -> Result<(), ScanRefusal> {
         let zero = S::of(0.0);
         let mount = self.body_from_laser;

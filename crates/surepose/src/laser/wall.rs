@@ -60,7 +60,7 @@ impl<S: Float> Wall<S> {
 
     /// How far from `point` the wall is at its nearest \[m].
     #[inline]
-    pub(super) fn distance(&self, point: Point<Map, S>) -> S {
+    pub(crate) fn distance(&self, point: Point<Map, S>) -> S {
         (self.line.distance_from(point).squared() + self.beyond(point).squared()).sqrt()
     }
 
@@ -84,7 +84,7 @@ impl<S: Float> Wall<S> {
     }
 
     /// How much of the stretch between two points lies beside the wall, its ends drawn out by `margin`: 0 to 1.
-    pub(super) fn covers(&self, ends: [Point<Map, S>; 2], margin: S) -> S {
+    pub(crate) fn covers(&self, ends: [Point<Map, S>; 2], margin: S) -> S {
         let [a, b] = ends.map(|end| along(&self.line, end));
         let (low, high) = (a.min(b), a.max(b));
         let common = high.min(self.extent.1 + margin) - low.max(self.extent.0 - margin);

@@ -79,9 +79,7 @@ impl<S: Float> MapBeam<S> {
 pub(super) fn read<S: Float>(laser: &RangeFinder<S>, scan: &Scan<'_, S>, beams: &mut [MapBeam<S>]) -> usize {
     let mut count = 0;
     for (number, range) in scan.ranges.iter().copied().enumerate() {
-        // A NaN compares false on both sides.
-        let back = range > laser.nearest && range <= laser.farthest && range.is_finite();
-        if let (true, Some(slot)) = (back, beams.get_mut(count)) {
+        if let (true, Some(slot)) = (laser.came_back(range), beams.get_mut(count)) {
             let bearing = scan.first_bearing.radians() + scan.bearing_step * S::of(number as f64);
             let (sin, cos) = bearing.sin_cos();
             *slot = MapBeam { cos, sin, range, ..MapBeam::default() };

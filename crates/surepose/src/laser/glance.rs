@@ -1,0 +1,301 @@
+//! Does the map explain the scan, if the robot stands here? Beam by beam, without looking for lines.
+
+use crate::covariance::Covariance;
+use crate::frame::{Body, Laser, Map};
+use crate::pose::{Point, Pose};
+use crate::scalar::Float;
+
+use super::beam::{Beam, BeamNoise};
+use super::ray_line::RayLine;
+use super::scan::{RangeFinder, Scan, ScanRefusal};
+use super::wall::Wall;
+
+/// Beams off by less than this are explained, in standard deviations: one of 370 is off by more.
+const EXPLAINED: f64 = 3.0;
+
+/// What a beam may cost that ends before the wall: −2 log of how much likelier the wall itself is than a thing on no map.
+///
+/// The beam model of [Thrun2005] Sec. 6.3, in which the largest of its parts stands for their sum: a range of σ 3 cm has
+/// a density of 13 per metre at its wall; people, who hide a fifth of the beams, spread over some 4 m, 0.05 per metre.
+const BEFORE: f64 = 11.0;
+
+/// What a beam may cost that ends beyond the wall, which no thing in the way can do: one beam of a hundred, somewhere.
+const BEYOND: f64 = 17.0;
+
+/// A scan, or an even selection of its beams, to be held against the map from many poses.
+///
+/// The work of one [`Glance::from`] is `BEAMS` times the number of walls.
+#[derive(Clone, Copy, Debug)]
+pub struct Glance<S, const BEAMS: usize> {
+    beams: [Beam<S>; BEAMS],
+    len: usize,
+    noise: BeamNoise<S>,
+    body_from_laser: Pose<Body, Laser, S>,
+}
+
+/// How a scan agrees with the map at a pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Agreement<S> {
+    /// How many beams came back.
+    pub beams: u16,
+    /// How many of them end at the first wall in their way.
+    pub explained: u16,
+    /// How many end before it: things on no map do that.
+    pub before: u16,
+    /// How many end beyond it: nothing does that, except at the edge of a wall.
+    pub beyond: u16,
+    /// −2 log of the likelihood of them all, up to a constant: about 1 for an explained beam, at most 17.
+    pub misfit: S,
+}
+
+impl<S: Float> Agreement<S> {
+    /// The part of the beams that the map explains; 1 for a scan without beams, which contradicts nothing.
+    pub fn explained_share(&self) -> S {
+        if self.beams == 0 { S::of(1.0) } else { self.share(self.explained) }
+    }
+
+    /// The part of the beams that end beyond the first wall.
+    pub fn beyond_share(&self) -> S {
+        self.share(self.beyond)
+    }
+
+    /// Two scans as one.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            beams: self.beams.saturating_add(other.beams),
+            explained: self.explained.saturating_add(other.explained),
+            before: self.before.saturating_add(other.before),
+            beyond: self.beyond.saturating_add(other.beyond),
+            misfit: self.misfit + other.misfit,
+        }
+    }
+
+    fn share(&self, count: u16) -> S {
+        S::of(f64::from(count)).over_positive(S::of(f64::from(self.beams)))
+    }
+}
+
+impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
+    /// Up to `BEAMS` beams of `scan`, evenly spread; beams that did not come back say nothing.
+    ///
+    /// # Errors
+    /// [`ScanRefusal`]; a scan may have any number of beams.
+    pub fn of(laser: &RangeFinder<S>, scan: &Scan<'_, S>) -> Result<Self, ScanRefusal> {
+        laser.check()?;
+        scan.check(usize::MAX)?;
+        let stride = scan.ranges.len().div_ceil(BEAMS.max(1)).max(1);
+        let mut glance = Self {
+            beams: [Beam::default(); BEAMS],
+            len: 0,
+            noise: BeamNoise::of(laser),
+            body_from_laser: laser.body_from_laser,
+        };
+        for (number, range) in scan.ranges.iter().copied().enumerate().step_by(stride) {
+            let Some(slot) = glance.beams.get_mut(glance.len) else { break };
+            if laser.came_back(range) {
+                let bearing = scan.first_bearing.turned(scan.bearing_step * S::of(number as f64));
+                let (sin, cos) = bearing.sin_cos();
+                *slot = Beam { cos, sin, range, inverse: S::of(1.0) / range, number: number as u16 };
+                glance.len += 1;
+            }
+        }
+        Ok(glance)
+    }
+
+    /// Every second beam: half the work, for a first sight.
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        let mut half = *self;
+        half.len = 0;
+        for beam in self.beams[..self.len].iter().step_by(2) {
+            half.beams[half.len] = *beam;
+            half.len += 1;
+        }
+        half
+    }
+
+    /// How many beams there are.
+    pub fn beams(&self) -> usize {
+        self.len
+    }
+
+    /// How the scan agrees with `walls`, seen from `pose`, which is known as well as `covariance` says.
+    ///
+    /// A beam ends at the nearest wall in its way: the one whose inverse range there is largest. What the pose may be
+    /// off is taken as a beam's own error, along it and, seen from the wall, across it: more than it is, by a factor
+    /// of two at most. A beam so near the edge of a wall that it may slip past ends there or at the wall behind,
+    /// whichever explains it better.
+    pub fn from(
+        &self,
+        pose: Pose<Map, Body, S>,
+        covariance: &Covariance<S, 3>,
+        walls: &[Wall<S>],
+    ) -> Agreement<S> {
+        let beams = &self.beams[..self.len];
+        let zero = S::of(0.0);
+        let vague = Vague {
+            noise: self.noise,
+            place: covariance.entry(0, 0) + covariance.entry(1, 1),
+            heading: covariance.entry(2, 2),
+        };
+        let mut fates =
+            [Fate { surely: zero, misfit: S::of(BEFORE), at: zero, misfit_at: S::of(BEFORE) }; BEAMS];
+        let laser_from_map = (pose * self.body_from_laser).inverse();
+        for wall in walls {
+            let [a, b] = wall.ends().map(|end| end_beam(laser_from_map * end));
+            // The wall from right to left, as the laser sees it.
+            let (right, left) = if turn(&a, &b) > zero { (a, b) } else { (b, a) };
+            let line = RayLine::through(&right, &left);
+            let (right_edge, left_edge) = (vague.edge(&right), vague.edge(&left));
+            for (fate, beam) in fates.iter_mut().zip(beams) {
+                let (from_right, to_left) = (turn(&right, beam), turn(beam, &left));
+                if from_right > -right_edge && to_left > -left_edge {
+                    let (u, slope) = line.at(beam);
+                    let is_sure = from_right > right_edge && to_left > left_edge;
+                    // What lies behind a wall that is surely in the way does not matter.
+                    if u > fate.surely {
+                        let misfit = vague.misfit(beam, u, slope);
+                        if is_sure {
+                            (fate.surely, fate.misfit) = (u, misfit);
+                        }
+                        if fate.at < fate.surely || misfit < fate.misfit_at {
+                            (fate.at, fate.misfit_at) = (u, misfit);
+                        }
+                    }
+                }
+            }
+        }
+        self.compare(&fates)
+    }
+
+    fn compare(&self, fates: &[Fate<S>; BEAMS]) -> Agreement<S> {
+        let mut result = Agreement { beams: self.len as u16, ..Agreement::default() };
+        for (beam, fate) in self.beams[..self.len].iter().zip(fates) {
+            let (u, misfit) = if fate.at < fate.surely || fate.misfit < fate.misfit_at {
+                (fate.surely, fate.misfit)
+            } else {
+                (fate.at, fate.misfit_at)
+            };
+            if misfit < S::of(EXPLAINED * EXPLAINED) {
+                result.explained += 1;
+            } else if beam.inverse > u {
+                result.before += 1;
+            } else {
+                result.beyond += 1;
+            }
+            result.misfit = result.misfit + misfit;
+        }
+        result
+    }
+}
+
+/// What is known of a beam's end so far.
+#[derive(Clone, Copy)]
+struct Fate<S> {
+    /// The inverse range of the nearest wall that is surely in its way, 0 for none, and what that costs.
+    surely: S,
+    misfit: S,
+    /// The wall that may be in its way and explains it best, likewise.
+    at: S,
+    misfit_at: S,
+}
+
+/// How well the end of a beam is known.
+struct Vague<S> {
+    noise: BeamNoise<S>,
+    /// The variance of the place \[m²] and of the heading \[rad²].
+    place: S,
+    heading: S,
+}
+
+impl<S: Float> Vague<S> {
+    /// What a beam costs that ends at a wall of inverse range `u` and slope `slope`, or elsewhere.
+    #[inline]
+    fn misfit(&self, beam: &Beam<S>, u: S, slope: S) -> S {
+        let noise = BeamNoise {
+            range: self.noise.range + self.place,
+            bearing: self.noise.bearing + self.heading + self.place * u.squared(),
+        };
+        let off = beam.inverse - u;
+        let squared = off.squared().over_positive(noise.variance(u, slope));
+        squared.min(S::of(if off > S::of(0.0) { BEFORE } else { BEYOND }))
+    }
+
+    /// How near the end of a wall a beam may slip past it \[rad].
+    fn edge(&self, end: &Beam<S>) -> S {
+        let variance = self.noise.bearing + self.heading + self.place * end.inverse.squared();
+        S::of(EXPLAINED) * variance.sqrt()
+    }
+}
+
+/// A beam to `point`.
+fn end_beam<S: Float>(point: Point<Laser, S>) -> Beam<S> {
+    let range = point.distance(Point::new(S::of(0.0), S::of(0.0)));
+    let inverse = S::of(1.0).over_positive(range);
+    Beam { cos: point.x * inverse, sin: point.y * inverse, range, inverse, number: 0 }
+}
+
+/// The sine of the turn from one beam to another: positive where it is to the left.
+#[inline]
+fn turn<S: Float>(from: &Beam<S>, to: &Beam<S>) -> S {
+    from.cos * to.sin - from.sin * to.cos
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Agreement, Glance};
+    use crate::{Angle, Covariance, Point, Pose, RangeFinder, Scan, Wall};
+
+    fn laser() -> RangeFinder<f64> {
+        RangeFinder {
+            body_from_laser: Pose::new(0.1, 0.0, Angle::zero()),
+            range_std: 0.03,
+            bearing_std: 0.004,
+            nearest: 0.05,
+            farthest: 20.0,
+        }
+    }
+
+    fn wall(from: (f64, f64), to: (f64, f64)) -> Wall<f64> {
+        Wall::between(Point::new(from.0, from.1), Point::new(to.0, to.1)).unwrap()
+    }
+
+    /// Five beams, 45° apart, from right to left.
+    fn look(ranges: &[f64; 5], walls: &[Wall<f64>]) -> Agreement<f64> {
+        let scan =
+            Scan { first_bearing: Angle::from_degrees(-90.0), bearing_step: 45.0_f64.to_radians(), ranges };
+        let glance = Glance::<f64, 8>::of(&laser(), &scan).unwrap();
+        let pose = Pose::new(0.9, 1.0, Angle::zero());
+        glance.from(pose, &Covariance::from_std([0.0; 3]), walls)
+    }
+
+    /// From (1, 1): 1 m to the right and left, 2 m ahead, √2 between, behind a plate on the left.
+    #[test]
+    fn beams_end_at_the_first_wall_before_it_or_beyond_it() {
+        let room = [
+            wall((0.0, 0.0), (3.0, 0.0)),
+            wall((3.0, 2.0), (3.0, 0.0)),
+            wall((0.0, 2.0), (3.0, 2.0)),
+            wall((0.9, 1.5), (1.1, 1.5)),
+        ];
+        let root = 2.0_f64.sqrt();
+        let all = look(&[1.0, root, 2.0, root, 0.5], &room);
+        assert_eq!((all.beams, all.explained, all.before, all.beyond), (5, 5, 0, 0));
+        assert!(all.misfit < 1e-9);
+        let mixed = look(&[0.7, root, f64::NAN, root, 1.0], &room);
+        assert_eq!((mixed.beams, mixed.explained, mixed.before, mixed.beyond), (4, 2, 1, 1));
+        assert!((mixed.misfit - 28.0).abs() < 1e-9, "{}", mixed.misfit);
+        assert!((mixed.explained_share() - 0.5).abs() < 1e-12);
+        assert!((mixed.beyond_share() - 0.25).abs() < 1e-12);
+        // Without a wall, whatever came back is before it.
+        assert_eq!(look(&[1.0; 5], &[]).before, 5);
+    }
+
+    #[test]
+    fn nothing_seen_contradicts_nothing() {
+        let none = look(&[f64::INFINITY, f64::NAN, 0.0, -1.0, 1e9], &[wall((3.0, 2.0), (3.0, 0.0))]);
+        assert_eq!(none.beams, 0);
+        assert!(none.explained_share() >= 1.0 && none.beyond_share() <= 0.0);
+    }
+}

@@ -1,0 +1,389 @@
+//! Where am I, if I know nothing? From the walls in view to one pose, or to several as long as several explain them.
+//!
+//! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one. What explains the scan
+//! beam by beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the matched walls correct,
+//! judged by how well the map explains what is seen from there ([`Glance`]), now and in a few scans that are remembered.
+//! A place is found when one hypothesis explains them all and every other explains them far worse. Two places that look
+//! alike stay two: somebody has to move until they do not, to turn for instance.
+//!
+//! Memory is fixed: `N` hypotheses, `N` proposals, [`MOST_STRETCHES`] stretches of odometry, twelve scans. The work of a
+//! scan is bounded by [`MOST_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
+//! [`Glance::from`] for each that is not, and thirteen for each hypothesis.
+
+mod memory;
+mod propose;
+mod trail;
+
+use crate::angle::Angle;
+use crate::covariance::Covariance;
+use crate::estimate::{Belief, Compass, Ekf, Stamp, Stamped, Travel};
+use crate::frame::{Body, Map};
+use crate::laser::{Agreement, Glance, Matcher, RangeFinder, Scan, SeenLine, Wall};
+use crate::pose::Pose;
+use crate::scalar::Float;
+
+pub use propose::MOST_PAIRS;
+pub use trail::MOST_STRETCHES;
+
+use memory::{BEAMS, Memory};
+use propose::{Hint, propose};
+use trail::Trail;
+
+/// How far a proposal may be off, x and y \[m] and heading \[rad]: ten times what two lines leave open, so that the
+/// lines, which are counted again when the hypothesis starts, count a hundredth twice.
+const VAGUE: [f64; 3] = [0.15, 0.15, 0.05];
+
+/// Hypotheses nearer than this \[m], \[rad] are one.
+const SAME: (f64, f64) = (0.2, 0.1);
+
+/// So many scans in a row that no hypothesis explains together with the remembered ones: these are of somewhere else.
+const BAFFLED: u16 = 15;
+
+/// How old a heading may be to be used for a scan \[s], and how far the robot may turn meanwhile \[rad].
+const HEADING_AGE: f64 = 0.2;
+const HEADING_TURN: f64 = 0.15;
+
+/// What must hold of the pose that is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Certainty<S> {
+    /// It explains at least this part of the beams.
+    pub explained: S,
+    /// At most this part of the beams ends beyond the walls seen from it.
+    pub beyond: S,
+    /// The robot's middle is at least so far from every wall \[m].
+    pub clearance: S,
+    /// Every other hypothesis has a misfit larger by this much: −2 log of the likelihood of all scans in mind.
+    pub margin: S,
+    /// And larger by this part of its own: what does not fit may fit elsewhere by chance.
+    pub share: S,
+    /// All this held for so many scans in a row.
+    pub scans: u16,
+    /// The robot turned by so much meanwhile \[rad]: what a half-circle of beams does not see may tell places apart.
+    pub turned: S,
+}
+
+impl<S: Float> Default for Certainty<S> {
+    /// Three fifths explained, among clutter that hides a fifth; e¹⁵ times as likely as any other, after a quarter turn.
+    fn default() -> Self {
+        Self {
+            explained: S::of(0.6),
+            beyond: S::of(0.08),
+            clearance: S::of(0.15),
+            margin: S::of(30.0),
+            share: S::of(0.05),
+            scans: 5,
+            turned: S::of(core::f64::consts::FRAC_PI_2),
+        }
+    }
+}
+
+/// A pose that the robot may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hypothesis<S> {
+    /// Where, and how well that is known if it is there at all; at the time of the last scan.
+    pub belief: Belief<S>,
+    /// How the last scan and those in mind agree with the map from there.
+    pub agreement: Agreement<S>,
+    /// For how many scans it held.
+    pub scans: u16,
+}
+
+/// What is known of where the robot is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Finding<S> {
+    /// No pose explains what is seen, or nothing that tells is seen.
+    Nothing,
+    /// This many poses may be it, or one that has not held for long enough.
+    Several(usize),
+    /// There, at the time of the last scan.
+    Found(Belief<S>),
+}
+
+/// Looks for the pose with up to `N` hypotheses.
+#[derive(Clone, Copy, Debug)]
+pub struct Relocaliser<S, const N: usize = 24> {
+    ekf: Ekf<S>,
+    matcher: Matcher<S>,
+    certainty: Certainty<S>,
+    hypotheses: [Option<Hypothesis<S>>; N],
+    memory: Memory<S>,
+    baffled: u16,
+    /// The hypothesis that is ahead of all others, by number, and for how many scans.
+    ahead: (usize, u16),
+    trail: Trail<S>,
+    heading: Option<Stamped<Compass<S>>>,
+}
+
+impl<S: Float, const N: usize> Relocaliser<S, N> {
+    /// Knows nothing at `stamp`.
+    pub fn new(ekf: Ekf<S>, matcher: Matcher<S>, certainty: Certainty<S>, stamp: Stamp) -> Self {
+        let trail = Trail::starting(stamp);
+        let memory = Memory::empty();
+        Self {
+            ekf,
+            matcher,
+            certainty,
+            hypotheses: [None; N],
+            memory,
+            baffled: 0,
+            ahead: (0, 0),
+            trail,
+            heading: None,
+        }
+    }
+
+    /// Forgets every hypothesis: the robot may be anywhere.
+    pub fn forget(&mut self, stamp: Stamp) {
+        *self = Self::new(self.ekf, self.matcher, self.certainty, stamp);
+    }
+
+    /// The robot rolled until `stamp`.
+    pub fn roll(&mut self, stamp: Stamp, travel: Travel<S>) {
+        self.trail.push(stamp, travel);
+    }
+
+    /// The compass said something.
+    pub fn turn_to(&mut self, heading: Stamped<Compass<S>>) {
+        if heading.value.heading.radians().is_finite() && heading.value.std > S::of(0.0) {
+            self.heading = Some(heading);
+        }
+    }
+
+    /// What odometry says since the last scan: to roll on from what was found.
+    pub fn since_scan(&self) -> impl Iterator<Item = (Stamp, Travel<S>)> + '_ {
+        self.trail.stretches()
+    }
+
+    /// When the last scan was.
+    pub fn stamp(&self) -> Stamp {
+        self.trail.start()
+    }
+
+    /// The poses that may be it.
+    pub fn hypotheses(&self) -> impl Iterator<Item = &Hypothesis<S>> {
+        self.hypotheses.iter().flatten()
+    }
+
+    /// A scan was taken at `stamp`, and `lines` were found in it.
+    ///
+    /// A scan from before the last one, or one that cannot be read, changes nothing.
+    pub fn look(
+        &mut self,
+        stamp: Stamp,
+        laser: &RangeFinder<S>,
+        scan: &Scan<'_, S>,
+        lines: &[SeenLine<S>],
+        walls: &[Wall<S>],
+    ) -> Finding<S> {
+        let Ok(glance) = Glance::<S, BEAMS>::of(laser, scan) else { return self.finding() };
+        if stamp < self.trail.start() {
+            return self.finding();
+        }
+        let hint = self.hint(stamp);
+        let travels = self.trail.take_until(stamp);
+        for travel in travels.iter() {
+            self.memory.roll(&self.ekf.drive, travel);
+        }
+        let memory = self.memory;
+        let view = View {
+            ekf: self.ekf,
+            matcher: self.matcher,
+            laser,
+            lines,
+            walls,
+            glance: &glance,
+            memory: &memory,
+        };
+        for slot in &mut self.hypotheses {
+            if let Some(hypothesis) = slot {
+                for travel in travels.iter() {
+                    hypothesis.belief = self.ekf.predict(hypothesis.belief, *travel);
+                }
+                let scans = hypothesis.scans.saturating_add(1);
+                *hypothesis = view.judged(hypothesis.belief, scans);
+                if !hint.admits(hypothesis.belief.pose.heading) {
+                    *slot = None;
+                }
+            }
+        }
+        self.add(&view, &hint);
+        self.merge();
+        self.drop_hopeless(walls);
+        self.memory.keep(&glance);
+        self.doubt_memory();
+        self.ahead = match self.best_by_far() {
+            Some(number) if number == self.ahead.0 => (number, self.ahead.1.saturating_add(1)),
+            Some(number) => (number, 1),
+            None => (0, 0),
+        };
+        self.finding()
+    }
+
+    /// Forgets the remembered scans where nothing explains them together with those of now.
+    fn doubt_memory(&mut self) {
+        let enough = self.certainty.explained;
+        let explained = self.hypotheses().any(|known| known.agreement.explained_share() >= enough);
+        self.baffled = if explained { 0 } else { self.baffled + 1 };
+        if self.baffled >= BAFFLED {
+            self.memory = Memory::empty();
+            self.baffled = 0;
+        }
+    }
+
+    /// What the compass allows at `stamp`.
+    fn hint(&self, stamp: Stamp) -> Hint<S> {
+        let fresh = self.heading.filter(|heading| stamp.since(heading.stamp).abs() <= HEADING_AGE);
+        fresh.map_or(Hint::none(), |heading| {
+            let reach = S::of(4.0) * heading.value.std + S::of(HEADING_TURN);
+            Hint::within(heading.value.heading, reach)
+        })
+    }
+
+    /// Takes in what this scan proposes, the best in place of the worst.
+    fn add(&mut self, view: &View<'_, S>, hint: &Hint<S>) {
+        let quick = view.glance.halved();
+        let vague = Covariance::from_std([S::of(0.05), S::of(0.05), S::of(0.02)]);
+        let mut pool: [Option<(Pose<Map, Body, S>, S)>; N] = [None; N];
+        propose(view.lines, view.walls, &view.laser.body_from_laser, hint, |pose| {
+            let seen = quick.from(pose, &vague, view.walls);
+            if seen.explained_share() > S::of(0.4) {
+                keep(&mut pool, pose, seen.misfit);
+            }
+        });
+        for (pose, _) in pool.iter().flatten() {
+            let known = self.hypotheses().find(|known| is_same(known.belief.pose, *pose));
+            // One that went astray does not stand in the way of a better one.
+            if known.is_some_and(|known| known.agreement.explained_share() >= self.certainty.explained) {
+                continue;
+            }
+            let fresh = view.judged(Belief::new(*pose, VAGUE.map(S::of)), 1);
+            let slot = match self.hypotheses.iter_mut().find(|slot| slot.is_none()) {
+                Some(free) => Some(free),
+                None => self.hypotheses.iter_mut().max_by(|a, b| misfit(a).total_cmp(&misfit(b))),
+            };
+            if let Some(slot) = slot
+                && slot.is_none_or(|worst| fresh.agreement.misfit < worst.agreement.misfit)
+            {
+                *slot = Some(fresh);
+            }
+        }
+    }
+
+    /// Of two hypotheses that came together, the one that explains more stays.
+    fn merge(&mut self) {
+        for i in 0..N {
+            for j in 0..i {
+                if let (Some(a), Some(b)) = (self.hypotheses[i], self.hypotheses[j])
+                    && is_same(a.belief.pose, b.belief.pose)
+                {
+                    let a_stays = a.agreement.misfit < b.agreement.misfit;
+                    let scans = a.scans.max(b.scans);
+                    self.hypotheses[i] = a_stays.then_some(Hypothesis { scans, ..a });
+                    self.hypotheses[j] = (!a_stays).then_some(Hypothesis { scans, ..b });
+                }
+            }
+        }
+    }
+
+    /// Drops what explains next to nothing, and what stands in a wall.
+    fn drop_hopeless(&mut self, walls: &[Wall<S>]) {
+        let clearance = self.certainty.clearance;
+        let is_hopeless = |known: Hypothesis<S>| {
+            let place = known.belief.pose.origin();
+            known.agreement.explained_share() < S::of(0.35)
+                || walls.iter().any(|wall| wall.distance(place) < clearance)
+        };
+        for slot in &mut self.hypotheses {
+            if slot.is_some_and(is_hopeless) {
+                *slot = None;
+            }
+        }
+    }
+
+    /// What is known now.
+    pub fn finding(&self) -> Finding<S> {
+        let (number, scans) = self.ahead;
+        let looked_around =
+            scans >= self.certainty.scans.max(1) && self.memory.turned() >= self.certainty.turned;
+        match (self.hypotheses().count(), self.hypotheses.get(number).copied().flatten()) {
+            (0, _) => Finding::Nothing,
+            (_, Some(best)) if looked_around => Finding::Found(best.belief),
+            (count, _) => Finding::Several(count),
+        }
+    }
+
+    /// The number of the hypothesis that explains all that is in mind far better than every other.
+    fn best_by_far(&self) -> Option<usize> {
+        let certainty = &self.certainty;
+        let misfits = || self.hypotheses.iter().map(misfit).enumerate();
+        let (number, least) = misfits().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let best = self.hypotheses.get(number).copied().flatten()?.agreement;
+        let explains =
+            best.explained_share() >= certainty.explained && best.beyond_share() <= certainty.beyond;
+        let enough = least + (certainty.margin + certainty.share * best.misfit).to_f64();
+        let alone = misfits().all(|(other, misfit)| other == number || misfit > enough);
+        (explains && alone).then_some(number)
+    }
+}
+
+/// One scan, and what it is held against.
+struct View<'a, S> {
+    ekf: Ekf<S>,
+    matcher: Matcher<S>,
+    laser: &'a RangeFinder<S>,
+    lines: &'a [SeenLine<S>],
+    walls: &'a [Wall<S>],
+    glance: &'a Glance<S, BEAMS>,
+    memory: &'a Memory<S>,
+}
+
+impl<S: Float> View<'_, S> {
+    /// The hypothesis that the robot is where `belief` says, corrected and judged.
+    fn judged(&self, belief: Belief<S>, scans: u16) -> Hypothesis<S> {
+        let belief = self.corrected(belief);
+        let now = self.glance.from(belief.pose, &belief.covariance, self.walls);
+        let agreement = now.plus(&self.memory.agreement(belief.pose, self.walls));
+        Hypothesis { belief, agreement, scans }
+    }
+
+    fn corrected(&self, belief: Belief<S>) -> Belief<S> {
+        let mount = &self.laser.body_from_laser;
+        let matched = self.matcher.matched(&self.ekf, &belief, mount, self.lines, self.walls);
+        matched.sightings().fold(belief, |belief, sighting| {
+            let gate = self.matcher.gate.threshold(2);
+            self.ekf.correct(belief, &sighting.innovation(&belief), gate).belief
+        })
+    }
+}
+
+/// Keeps the best proposals, of those that are the same the best one.
+fn keep<S: Float, const N: usize>(
+    pool: &mut [Option<(Pose<Map, Body, S>, S)>; N],
+    pose: Pose<Map, Body, S>,
+    misfit: S,
+) {
+    let same = pool.iter_mut().find(|slot| slot.is_some_and(|(known, _)| is_same(known, pose)));
+    let slot = match same {
+        Some(same) => Some(same),
+        None => pool.iter_mut().max_by(|a, b| rank(a).total_cmp(&rank(b))),
+    };
+    if let Some(slot) = slot
+        && slot.is_none_or(|(_, worst)| misfit < worst)
+    {
+        *slot = Some((pose, misfit));
+    }
+}
+
+/// A free slot is worse than any proposal.
+fn rank<S: Float>(slot: &Option<(Pose<Map, Body, S>, S)>) -> f64 {
+    slot.map_or(f64::INFINITY, |(_, misfit)| misfit.to_f64())
+}
+
+fn misfit<S: Float>(slot: &Option<Hypothesis<S>>) -> f64 {
+    slot.map_or(f64::INFINITY, |known| known.agreement.misfit.to_f64())
+}
+
+fn is_same<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>) -> bool {
+    let turned: Angle<S> = a.heading - b.heading;
+    a.origin().distance(b.origin()) < S::of(SAME.0) && turned.radians().abs() < S::of(SAME.1)
+}

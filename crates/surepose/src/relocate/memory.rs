@@ -1,0 +1,83 @@
+//! Scans to remember: a few, from different headings, so that what was seen before a turn still counts after it.
+
+use crate::covariance::Covariance;
+use crate::drive::{Drive, Integration};
+use crate::estimate::Travel;
+use crate::frame::{Body, Map};
+use crate::laser::{Agreement, Glance, Wall};
+use crate::pose::Pose;
+use crate::scalar::Float;
+
+/// Beams of a scan that are looked at: enough that a plate 15° wide counts five.
+pub(super) const BEAMS: usize = 64;
+
+/// How many scans are remembered.
+const MOST_FRAMES: usize = 12;
+
+/// A scan is worth remembering where the robot turned \[rad] or moved \[m] by this much since the last one.
+const TURN: f64 = 0.25;
+const STEP: f64 = 0.3;
+
+/// How far odometry may be off between a remembered scan and now: x, y \[m] and heading \[rad].
+const DRIFT: [f64; 3] = [0.05, 0.05, 0.02];
+
+/// The last scans that differ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Memory<S> {
+    /// A ring: the next scan goes to `next`.
+    frames: [Option<Frame<S>>; MOST_FRAMES],
+    next: usize,
+    /// How far the robot turned meanwhile, there and back counting twice \[rad].
+    turned: S,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Frame<S> {
+    glance: Glance<S, BEAMS>,
+    /// Where the robot was then, seen from where it is now.
+    now_from_then: Pose<Body, Body, S>,
+}
+
+impl<S: Float> Memory<S> {
+    pub(super) fn empty() -> Self {
+        Self { frames: [None; MOST_FRAMES], next: 0, turned: S::of(0.0) }
+    }
+
+    /// The robot moved on.
+    pub(super) fn roll(&mut self, drive: &Drive<S>, travel: &Travel<S>) {
+        let motion = drive.motion_from_travel(travel.rims);
+        self.turned = self.turned + motion.turn.abs();
+        let then_from_now = Pose::identity().moved(motion, Integration::Arc);
+        let now_from_then = then_from_now.inverse();
+        for frame in self.frames.iter_mut().flatten() {
+            frame.now_from_then = now_from_then * frame.now_from_then;
+        }
+    }
+
+    /// How far the robot turned since the first scan \[rad].
+    pub(super) fn turned(&self) -> S {
+        self.turned
+    }
+
+    /// Keeps the scan of now, if it shows something else than the last one that was kept.
+    pub(super) fn keep(&mut self, glance: &Glance<S, BEAMS>) {
+        let last = self.frames[(self.next + MOST_FRAMES - 1) % MOST_FRAMES];
+        let is_new = last.is_none_or(|last| {
+            let way = last.now_from_then;
+            way.heading.radians().abs() > S::of(TURN)
+                || way.origin().distance(Pose::<Body, Body, S>::identity().origin()) > S::of(STEP)
+        });
+        if is_new {
+            self.frames[self.next] = Some(Frame { glance: *glance, now_from_then: Pose::identity() });
+            self.next = (self.next + 1) % MOST_FRAMES;
+        }
+    }
+
+    /// How the remembered scans agree with the map if the robot is at `pose` now.
+    pub(super) fn agreement(&self, pose: Pose<Map, Body, S>, walls: &[Wall<S>]) -> Agreement<S> {
+        let drift = Covariance::from_std(DRIFT.map(S::of));
+        self.frames.iter().flatten().fold(Agreement::default(), |sum, frame| {
+            sum.plus(&frame.glance.from(pose * frame.now_from_then, &drift, walls))
+        })
+    }
+}
