@@ -2,17 +2,20 @@
 //!
 //! The loop is [`surepose::closed_loop`], the one that a real robot runs; the world around it is `surepose-sim`.
 
+mod guard;
 mod sample;
 mod summary;
 #[cfg(test)]
 mod tests;
 
 use surepose::closed_loop::{Controller, Progress};
-use surepose::{Goal, Map, Navigation, Phase, Pose, Wheels, param};
+use surepose::{Goal, Map, Navigation, Phase, Pose, Reason, Verdict, Wheels, param};
 
 use crate::optimal::fastest;
 use crate::replay::Score;
 use crate::rig::{Rig, Scenario};
+
+use guard::Guard;
 
 pub use sample::{Mode, Sample};
 pub use summary::{Outcome, Summary};
@@ -32,6 +35,8 @@ pub struct Drive {
     progress: Progress<f64>,
     goal: Pose<Map, Goal, f64>,
     wheels: Wheels<f64>,
+    guard: Guard,
+    can_look: bool,
     timeout: f64,
     optimal_time: f64,
     outcome: Option<Outcome>,
@@ -54,6 +59,8 @@ impl Drive {
             progress: Progress::fresh(),
             goal: scenario.goal(),
             wheels: Wheels::new(0.0, 0.0),
+            guard: Guard::default(),
+            can_look: scenario.sensors.laser,
             timeout: scenario.config.number(&param::TIMEOUT),
             optimal_time: fastest.time,
             outcome: None,
@@ -74,7 +81,9 @@ impl Drive {
     pub fn tick(&mut self) -> Sample {
         let before = self.rig.world().pose();
         let belief = self.rig.step(self.wheels, self.controller.period);
-        let step = self.controller.step(self.progress, belief.pose, self.goal);
+        let wanted = self.controller.step(self.progress, belief.pose, self.goal);
+        let now = self.rig.world().now().seconds();
+        let step = self.guard.allow(self.rig.verdict(), &self.controller, wanted, now, self.can_look);
         self.progress = step.progress;
         self.wheels = step.wheels;
 
@@ -89,6 +98,17 @@ impl Drive {
         Sample::of(world, &belief, &self.controller, &step, self.goal)
     }
 
+    /// What the supervisor says.
+    pub fn verdict(&self) -> Verdict {
+        self.rig.verdict()
+    }
+
+    /// Why the robot was stopped, where it was.
+    fn stop_reason(&self) -> Option<&'static str> {
+        let gave_up = self.guard.gave_up(self.rig.world().now().seconds());
+        if self.closest_wall < 0.0 { Some("wall") } else { gave_up.map(Reason::name) }
+    }
+
     /// The figures up to now; a drive that has not ended counts as stopped.
     pub fn summary(&self) -> Summary {
         let world = self.rig.world();
@@ -97,6 +117,7 @@ impl Drive {
         let tally = self.rig.tally();
         Summary {
             outcome: self.outcome.unwrap_or(Outcome::Stopped),
+            stop_reason: self.stop_reason(),
             time_s: world.now().seconds(),
             final_position_error_m: error.rho,
             final_heading_error_deg: error.heading_error().degrees().abs(),
@@ -122,7 +143,7 @@ impl Drive {
         let phase = self.progress.arrival.phase(&self.controller.tolerance);
         if phase == Phase::Reached && rims == Wheels::new(0.0, 0.0) {
             Some(Outcome::Reached)
-        } else if self.closest_wall < 0.0 {
+        } else if self.stop_reason().is_some() {
             Some(Outcome::Stopped)
         } else {
             (world.now().seconds() >= self.timeout).then_some(Outcome::Timeout)

@@ -1,6 +1,7 @@
 //! Experiments: replays of recordings, wall maps, metrics, sweeps, the paper's figures.
 
 pub mod drive;
+pub mod lost;
 pub mod mapping;
 pub mod optimal;
 pub mod picture;

@@ -2,12 +2,16 @@
 
 mod perception;
 mod scenario;
+mod watch;
 
-use surepose::{Belief, Body, Estimator, Map, Pose, Stamp, Tally, Travel, Wheels};
+use surepose::{
+    Belief, Body, Estimator, Health, Hypothesis, Map, Pose, Stamp, Tally, Travel, Verdict, Wall, Wheels,
+};
 use surepose_sim::{Seed, World};
 
 pub use perception::Perception;
 pub use scenario::{Scenario, Sensors};
+pub use watch::{SEARCH_RATE, Sight, Watch};
 
 /// How many events the filter remembers: over a second of odometry at 50 Hz with headings and walls at 10 Hz.
 const HISTORY: usize = 128;
@@ -18,6 +22,7 @@ pub struct Rig {
     world: World,
     estimator: Estimator<f64, HISTORY>,
     perception: Perception,
+    watch: Watch,
 }
 
 impl Rig {
@@ -31,19 +36,25 @@ impl Rig {
             world: World::new(scenario.world(), start, seed),
             estimator: scenario.config.estimator(Stamp::default(), Belief::new(told, scenario.start_std)),
             perception: Perception::new(&scenario.config, scenario.arena.walls()),
+            watch: Watch::new(&scenario.config, scenario.sensors != Sensors::NONE, Stamp::default()),
         }
     }
 
     /// Lets the wheels turn as `wanted` \[rad/s] for `period` \[s] and makes of what is sensed what can be made.
     pub fn step(&mut self, wanted: Wheels<f64>, period: f64) -> Belief<f64> {
         let sensed = self.world.step(wanted, period);
-        if self.estimator.roll(sensed.stamp, sensed.rims).is_err() {
+        let mut travel = self.estimator.ekf().travel(sensed.rims);
+        let outcome = self.estimator.roll_by(sensed.stamp, travel);
+        if outcome.is_err() {
             // The refusal is in the tally. What was asked of the wheels is a guess at least, as vague as it is long.
             let rims = wanted.scaled(self.world.model().drive.wheel_radius * period);
-            let variance = Wheels::new(rims.right * rims.right, rims.left * rims.left);
-            let _counted = self.estimator.roll_by(sensed.stamp, Travel { rims, variance });
+            travel = Travel { rims, variance: Wheels::new(rims.right * rims.right, rims.left * rims.left) };
+            let _counted = self.estimator.roll_by(sensed.stamp, travel);
         }
-        self.perception.correct(&mut self.estimator, &sensed);
+        let radius = self.world.model().drive.wheel_radius;
+        self.watch.rolled(sensed.stamp, travel, outcome);
+        self.watch.followed(wanted, travel.rims.scaled(1.0 / (radius * period)));
+        self.perception.correct(&mut self.estimator, &sensed, &mut self.watch);
         self.estimator.belief()
     }
 
@@ -55,6 +66,26 @@ impl Rig {
     /// Where the robot thinks it is.
     pub fn belief(&self) -> Belief<f64> {
         self.estimator.belief()
+    }
+
+    /// What the supervisor lets the wheels do.
+    pub fn verdict(&self) -> Verdict {
+        self.watch.verdict(self.world.now(), &self.belief())
+    }
+
+    /// How far the estimate can be trusted.
+    pub fn health(&self) -> Health {
+        self.watch.health(self.world.now(), &self.belief())
+    }
+
+    /// Where the robot may be, while it is lost.
+    pub fn hypotheses(&self) -> impl Iterator<Item = &Hypothesis<f64>> {
+        self.watch.hypotheses()
+    }
+
+    /// The walls of its map.
+    pub fn walls(&self) -> &[Wall<f64>] {
+        self.perception.walls()
     }
 
     /// What became of the measurements.

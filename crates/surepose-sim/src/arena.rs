@@ -81,6 +81,16 @@ impl Arena {
         Self { name, corners: [low, high], walls }
     }
 
+    /// The place with these `walls` and no others, up to the rectangle round them all.
+    pub fn of_walls(name: &'static str, walls: Vec<Segment>) -> Self {
+        let ends = || walls.iter().flat_map(|wall| [wall.start, wall.end]);
+        let low =
+            ends().fold((f64::INFINITY, f64::INFINITY), |low, end| (low.0.min(end.x), low.1.min(end.y)));
+        let high = ends()
+            .fold((f64::NEG_INFINITY, f64::NEG_INFINITY), |high, end| (high.0.max(end.x), high.1.max(end.y)));
+        Self { name, corners: [low, high], walls }
+    }
+
     /// What it is called.
     pub fn name(&self) -> &'static str {
         self.name

@@ -11,6 +11,7 @@
 //! [`Glance::from`] for each that is not, and thirteen for each hypothesis.
 
 mod memory;
+mod pool;
 mod propose;
 mod trail;
 
@@ -26,6 +27,7 @@ pub use propose::MOST_PAIRS;
 pub use trail::MOST_STRETCHES;
 
 use memory::{BEAMS, Memory};
+use pool::Pool;
 use propose::{Hint, propose};
 use trail::Trail;
 
@@ -243,23 +245,26 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
     fn add(&mut self, view: &View<'_, S>, hint: &Hint<S>) {
         let quick = view.glance.halved();
         let vague = Covariance::from_std([S::of(0.05), S::of(0.05), S::of(0.02)]);
-        let mut pool: [Option<(Pose<Map, Body, S>, S)>; N] = [None; N];
+        let mut pool = Pool::<S, N>::empty();
         propose(view.lines, view.walls, &view.laser.body_from_laser, hint, |pose| {
             let seen = quick.from(pose, &vague, view.walls);
             if seen.explained_share() > S::of(0.4) {
-                keep(&mut pool, pose, seen.misfit);
+                pool.keep(pose, seen.misfit);
             }
         });
-        for (pose, _) in pool.iter().flatten() {
-            let known = self.hypotheses().find(|known| is_same(known.belief.pose, *pose));
+        for pose in pool.poses() {
+            let known = self.hypotheses().find(|known| is_same(known.belief.pose, pose));
             // One that went astray does not stand in the way of a better one.
             if known.is_some_and(|known| known.agreement.explained_share() >= self.certainty.explained) {
                 continue;
             }
-            let fresh = view.judged(Belief::new(*pose, VAGUE.map(S::of)), 1);
+            let fresh = view.judged(Belief::new(pose, VAGUE.map(S::of)), 1);
             let slot = match self.hypotheses.iter_mut().find(|slot| slot.is_none()) {
                 Some(free) => Some(free),
-                None => self.hypotheses.iter_mut().max_by(|a, b| misfit(a).total_cmp(&misfit(b))),
+                None => self
+                    .hypotheses
+                    .iter_mut()
+                    .max_by(|a, b| misfit(a.as_ref()).total_cmp(&misfit(b.as_ref()))),
             };
             if let Some(slot) = slot
                 && slot.is_none_or(|worst| fresh.agreement.misfit < worst.agreement.misfit)
@@ -315,7 +320,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
     /// The number of the hypothesis that explains all that is in mind far better than every other.
     fn best_by_far(&self) -> Option<usize> {
         let certainty = &self.certainty;
-        let misfits = || self.hypotheses.iter().map(misfit).enumerate();
+        let misfits = || self.hypotheses.iter().map(|slot| misfit(slot.as_ref())).enumerate();
         let (number, least) = misfits().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let best = self.hypotheses.get(number).copied().flatten()?.agreement;
         let explains =
@@ -356,30 +361,8 @@ impl<S: Float> View<'_, S> {
     }
 }
 
-/// Keeps the best proposals, of those that are the same the best one.
-fn keep<S: Float, const N: usize>(
-    pool: &mut [Option<(Pose<Map, Body, S>, S)>; N],
-    pose: Pose<Map, Body, S>,
-    misfit: S,
-) {
-    let same = pool.iter_mut().find(|slot| slot.is_some_and(|(known, _)| is_same(known, pose)));
-    let slot = match same {
-        Some(same) => Some(same),
-        None => pool.iter_mut().max_by(|a, b| rank(a).total_cmp(&rank(b))),
-    };
-    if let Some(slot) = slot
-        && slot.is_none_or(|(_, worst)| misfit < worst)
-    {
-        *slot = Some((pose, misfit));
-    }
-}
-
-/// A free slot is worse than any proposal.
-fn rank<S: Float>(slot: &Option<(Pose<Map, Body, S>, S)>) -> f64 {
-    slot.map_or(f64::INFINITY, |(_, misfit)| misfit.to_f64())
-}
-
-fn misfit<S: Float>(slot: &Option<Hypothesis<S>>) -> f64 {
+/// A free slot is worse than any hypothesis.
+fn misfit<S: Float>(slot: Option<&Hypothesis<S>>) -> f64 {
     slot.map_or(f64::INFINITY, |known| known.agreement.misfit.to_f64())
 }
 

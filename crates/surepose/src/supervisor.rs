@@ -122,7 +122,7 @@ impl<S: Float> Supervisor<S> {
                 self.aided = self.aided.max(stamp);
                 self.measurements_against = self.measurements_against.saturating_sub(1);
                 let per_row = S::of(nis / rows.max(1) as f64);
-                self.innovation = self.vigilance.mean(self.innovation, per_row);
+                self.innovation = mean(self.innovation, per_row);
             }
             Outcome::Refused(Refusal::Outlier) => {
                 self.measurements_against = (self.measurements_against + 1).min(self.vigilance.measurements);
@@ -150,7 +150,7 @@ impl<S: Float> Supervisor<S> {
     pub fn followed(&mut self, told: Wheels<S>, did: Wheels<S>) {
         let off = Wheels::new(did.right - told.right, did.left - told.left).largest();
         if off.is_finite() {
-            self.following = self.vigilance.mean(self.following, off);
+            self.following = mean(self.following, off);
         }
     }
 
@@ -179,7 +179,7 @@ impl<S: Float> Supervisor<S> {
         match self.finding(now, belief) {
             None => Verdict::Go,
             Some(reason @ (Reason::Lost | Reason::OdometrySilent)) => Verdict::Stop(reason),
-            Some(reason @ Reason::Uncertain) if self.position_std(belief) > self.vigilance.hopeless => {
+            Some(reason @ Reason::Uncertain) if position_std(belief) > self.vigilance.hopeless => {
                 Verdict::Stop(reason)
             }
             Some(reason) => Verdict::Slow(reason),
@@ -192,7 +192,7 @@ impl<S: Float> Supervisor<S> {
         let wrong = [
             (self.lost, Reason::Lost),
             (now.since(self.rolled) > vigilance.odometry_age, Reason::OdometrySilent),
-            (self.position_std(belief) > vigilance.vague, Reason::Uncertain),
+            (position_std(belief) > vigilance.vague, Reason::Uncertain),
             (self.innovation > vigilance.innovation, Reason::Inconsistent),
             (self.scans_against >= vigilance.scans.div_ceil(2), Reason::Inconsistent),
             (now.since(self.aided) > vigilance.unaided, Reason::Unaided),
@@ -200,10 +200,15 @@ impl<S: Float> Supervisor<S> {
         ];
         wrong.into_iter().find_map(|(is_wrong, reason)| is_wrong.then_some(reason))
     }
+}
 
-    fn position_std(&self, belief: &Belief<S>) -> S {
-        (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt()
-    }
+fn position_std<S: Float>(belief: &Belief<S>) -> S {
+    (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt()
+}
+
+/// The mean over the last twenty values or so.
+fn mean<S: Float>(before: S, now: S) -> S {
+    before + (now - before) * S::of(0.05)
 }
 
 #[cfg(test)]

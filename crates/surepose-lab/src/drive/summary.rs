@@ -19,6 +19,9 @@ pub enum Outcome {
 pub struct Summary {
     /// How it ended.
     pub outcome: Outcome,
+    /// Why it was stopped: `wall`, or the supervisor's reason.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_reason: Option<&'static str>,
     /// How long it took, the hold time included.
     pub time_s: f64,
     /// True distance to the goal at the end.

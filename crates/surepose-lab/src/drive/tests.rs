@@ -1,7 +1,7 @@
-use super::{Outcome, Sample, Summary, drive};
+use super::{Drive, Outcome, Sample, Summary, drive};
 use crate::rig::{Scenario, Sensors};
 use surepose::param::{PERIOD, START_HEADING, START_X, START_Y};
-use surepose::{Twist, Wheels};
+use surepose::{Twist, Verdict, Wheels};
 use surepose_data::Config;
 use surepose_sim::{Arena, Fault, Kind, Seed, Sensor};
 
@@ -107,6 +107,38 @@ fn late_sensors_are_put_in_their_place() {
     // Taken for current, a scan 0.25 s old would be off by 75 mm at full speed.
     assert!(late.position_rmse_m.unwrap() < 0.01, "{late:?}");
     assert!(late.nees_mean.unwrap() < 6.0, "{late:?}");
+}
+
+#[test]
+fn supervisor_lets_a_healthy_robot_alone() {
+    for seed in 1..=8 {
+        let mut drive = Drive::new(&Scenario::default(), seed);
+        while drive.next().is_some() {
+            assert_eq!(drive.verdict(), Verdict::Go, "seed {seed}");
+        }
+    }
+}
+
+/// Carried off on its way, the robot notices, finds itself and parks all the same.
+#[test]
+fn kidnapped_robot_parks_all_the_same() {
+    let faults = vec![Fault::at(4.0, Kind::Pushed([1.5, -1.0, 2.0]))];
+    for seed in 1..=5 {
+        assert_parked(
+            &drive(&Scenario { faults: faults.clone(), ..Scenario::default() }, seed).1,
+            "carried off",
+        );
+    }
+}
+
+/// Without a laser nothing tells where it is, only that it is not where it thinks: it stops and says why.
+#[test]
+fn lost_robot_that_cannot_look_is_stopped() {
+    let faults = vec![Fault::at(4.0, Kind::Pushed([1.5, -1.0, 2.0]))];
+    let sensors = Sensors { compass: true, laser: false };
+    let summary = drive(&Scenario { sensors, faults, ..Scenario::default() }, 1).1;
+    assert_eq!((summary.outcome, summary.stop_reason), (Outcome::Stopped, Some("lost")));
+    assert!(summary.final_speed_m_s <= 0.0, "{summary:?}");
 }
 
 #[test]

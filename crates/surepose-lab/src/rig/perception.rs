@@ -6,6 +6,8 @@ use surepose_data::Config;
 use surepose_data::config::CompassMounting;
 use surepose_sim::{Segment, Sensed};
 
+use super::watch::{Sight, Watch};
+
 /// The most beams that the configuration allows.
 const MOST_BEAMS: usize = 4096;
 
@@ -44,14 +46,27 @@ impl Perception {
         }
     }
 
-    /// Corrects `estimator`, which has rolled to now, by what was sensed; what is refused is in its tally.
-    pub fn correct<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sensed: &Sensed) {
+    /// The walls of the map.
+    pub fn walls(&self) -> &[Wall<f64>] {
+        &self.walls
+    }
+
+    /// Corrects `estimator`, which has rolled to now, by what was sensed.
+    ///
+    /// What is refused is in its tally; `watch` hears of all.
+    pub fn correct<const N: usize>(
+        &mut self,
+        estimator: &mut Estimator<f64, N>,
+        sensed: &Sensed,
+        watch: &mut Watch,
+    ) {
         for reading in &sensed.headings {
             let compass = Compass { heading: reading.value - self.compass.offset, std: self.compass.std };
-            let _counted = estimator.measure(Stamped::new(reading.stamp, Measurement::Compass(compass)));
+            let outcome = estimator.measure(Stamped::new(reading.stamp, Measurement::Compass(compass)));
+            watch.turned(Stamped::new(reading.stamp, compass), outcome);
         }
         for scan in &sensed.scans {
-            self.look(estimator, scan);
+            self.look(estimator, scan, watch);
         }
     }
 
@@ -60,6 +75,7 @@ impl Perception {
         &mut self,
         estimator: &mut Estimator<f64, N>,
         scan: &Stamped<surepose_sim::Scan>,
+        watch: &mut Watch,
     ) {
         let seen = Scan {
             first_bearing: Angle::wrapped(scan.value.first_bearing),
@@ -72,7 +88,10 @@ impl Perception {
         let mount = &self.laser.body_from_laser;
         let matched = self.matcher.matched(estimator.ekf(), &belief, mount, extracted.lines, &self.walls);
         for sighting in matched.sightings() {
-            let _counted = estimator.measure(Stamped::new(scan.stamp, Measurement::Wall(*sighting)));
+            let outcome = estimator.measure(Stamped::new(scan.stamp, Measurement::Wall(*sighting)));
+            watch.matched(scan.stamp, outcome);
         }
+        let (laser, lines, walls) = (&self.laser, extracted.lines, &self.walls[..]);
+        watch.looked(estimator, &Sight { stamp: scan.stamp, laser, scan: &seen, lines, walls });
     }
 }

@@ -2,7 +2,7 @@
 
 use surepose::{Body, Goal, Map, Pose, param};
 use surepose_data::Config;
-use surepose_sim::{Arena, CompassModel, Fault, LaserModel, MotorModel, Slip, Timing, WorldModel};
+use surepose_sim::{Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, Slip, Timing, WorldModel};
 
 /// How often compass and laser measure \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
 const SENSOR_PERIOD: f64 = 0.1;
@@ -34,6 +34,8 @@ pub struct Scenario {
     pub sensors: Sensors,
     /// How well the start is known: standard deviations of x \[m], y \[m] and heading \[rad].
     pub start_std: [f64; 3],
+    /// Things in the laser's way that are on no map.
+    pub clutter: Clutter,
     /// What goes wrong.
     pub faults: Vec<Fault>,
 }
@@ -49,7 +51,14 @@ impl Scenario {
     /// A drive in `arena` with all senses, from and to where `config` says, the start known to 1 cm and 0.5°.
     pub fn in_arena(arena: Arena, config: Config) -> Self {
         let start_std = [0.01, 0.01, 0.5_f64.to_radians()];
-        Self { arena, config, sensors: Sensors::ALL, start_std, faults: Vec::new() }
+        Self {
+            arena,
+            config,
+            sensors: Sensors::ALL,
+            start_std,
+            clutter: Clutter::default(),
+            faults: Vec::new(),
+        }
     }
 
     /// The scenarios by name, each named as its arena: `paper`, `open` and `loop`.
@@ -81,6 +90,7 @@ impl Scenario {
             body_from_laser: laser.body_from_laser,
             range_std: laser.range_std,
             bearing_std: laser.bearing_std,
+            clutter: self.clutter,
             ..LaserModel::half_circle(laser.beams)
         };
         let timing = |latency| Timing { period: SENSOR_PERIOD, latency };

@@ -51,7 +51,7 @@ pub(super) fn propose<S: Float>(
     let laser_from_body = body_from_laser.inverse();
     let best = most_seen(lines);
     for (i, first) in best.iter().enumerate() {
-        for second in best[..i].iter() {
+        for second in &best[..i] {
             let (Some(first), Some(second)) = (first, second) else { continue };
             let pair = Pair { first: second, second: first };
             if pair.crossing().abs() > S::of(CROSSING) {

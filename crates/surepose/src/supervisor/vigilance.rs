@@ -50,10 +50,3 @@ impl<S: Float> Default for Vigilance<S> {
         }
     }
 }
-
-impl<S: Float> Vigilance<S> {
-    /// The mean over the last twenty values or so.
-    pub(super) fn mean(&self, before: S, now: S) -> S {
-        before + (now - before) * S::of(0.05)
-    }
-}

@@ -1,0 +1,37 @@
+//! Kidnaps robots: `cargo run --release -p surepose-lab --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml]`.
+
+use surepose_data::{Config, map_server};
+use surepose_lab::lost::{Place, Setup, kidnap, kidnappings};
+use surepose_lab::rig::Sensors;
+use surepose_sim::{Arena, Clutter};
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number =
+        |index: usize, usual: f64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
+    let (trials, fraction) = (number(0, 50.0) as u64, number(1, 0.0));
+    let name = arguments.get(2).map_or("paper", String::as_str);
+    let place = match Arena::named(name) {
+        Some(arena) => Place::anywhere(arena),
+        None => match map_server::read(name.as_ref()) {
+            Ok(grid) => Place::on_grid("map", &grid),
+            Err(error) => {
+                eprintln!("{error}");
+                return;
+            }
+        },
+    };
+    println!("{} walls", place.arena.walls().len());
+    for sensors in [Sensors::ALL, Sensors { compass: false, laser: true }] {
+        let clutter = Clutter { fraction, width: 5.0 };
+        let setup = Setup { config: Config::default(), sensors, clutter };
+        let sum = kidnappings(&place, &setup, 1..=trials);
+        println!("{name} {sensors:?} clutter {fraction}: {sum:?}");
+        println!("flagged {:.4} recovered {:.4}", sum.flagged_share(), sum.recovered_share());
+        for seed in sum.failed_seeds.iter().take(4) {
+            let trial = kidnap(&place, &setup, *seed);
+            let to = (trial.to.x, trial.to.y, trial.to.heading.degrees());
+            println!("  {seed}: to {to:.2?}, found {:?}, NEES {:.1?}", trial.found, trial.found_nees);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! What the supervisor leaves of what the controller wants.
+
+use surepose::closed_loop::{Controller, Progress, Step};
+use surepose::{Reason, Twist, Verdict};
+
+use crate::rig::SEARCH_RATE;
+
+/// A drive that the supervisor has stopped for so long \[s] is over.
+const PATIENCE: f64 = 10.0;
+
+/// How long the supervisor has held the robot, and why.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Guard {
+    held: Option<(Reason, f64)>,
+}
+
+impl Guard {
+    /// `step`, as far as `verdict` allows it at time `now` \[s].
+    ///
+    /// A robot that is lost turns in place if it `can_look`: what it sees may tell it where it is.
+    pub(super) fn allow(
+        &mut self,
+        verdict: Verdict,
+        controller: &Controller<f64>,
+        step: Step<f64>,
+        now: f64,
+        can_look: bool,
+    ) -> Step<f64> {
+        self.held = match (verdict, self.held) {
+            (Verdict::Stop(reason), Some((_, since))) => Some((reason, since)),
+            (Verdict::Stop(reason), None) => Some((reason, now)),
+            _ => None,
+        };
+        let granted = match verdict {
+            Verdict::Go => return step,
+            Verdict::Stop(Reason::Lost) if can_look => Twist::new(0.0, SEARCH_RATE),
+            _ => step.granted.scaled(verdict.pace()),
+        };
+        // What the law remembers of a goal seen from a wrong place is worth nothing.
+        let remembered = if self.held.is_some() { Progress::fresh() } else { step.progress };
+        let wheels = controller.drive.rates_from_twist(granted);
+        Step { granted, wheels, progress: Progress { granted, ..remembered }, ..step }
+    }
+
+    /// Why the drive is over, where it is.
+    pub(super) fn gave_up(&self, now: f64) -> Option<Reason> {
+        self.held.filter(|(_, since)| now - since >= PATIENCE).map(|(reason, _)| reason)
+    }
+}

@@ -1,0 +1,36 @@
+//! Small samples of the trials that `examples/kidnappings.rs` makes in large numbers.
+
+use super::{Place, Setup, kidnappings};
+use crate::rig::Sensors;
+use surepose_data::Config;
+use surepose_sim::{Arena, Clutter};
+
+fn setup(compass: bool, clutter: f64) -> Setup {
+    let clutter = Clutter { fraction: clutter, width: 5.0 };
+    Setup { config: Config::default(), sensors: Sensors { compass, laser: true }, clutter }
+}
+
+/// Half a per cent of a hundred is none: whoever misses the figures by much fails here.
+#[test]
+fn kidnapped_robots_notice_and_find_themselves() {
+    let place = Place::anywhere(Arena::paper());
+    for (compass, clutter) in [(true, 0.0), (true, 0.2), (false, 0.0)] {
+        let sum = kidnappings(&place, &setup(compass, clutter), 1..=60);
+        assert_eq!(sum.false_alarms, 0, "{sum:?}");
+        assert_eq!(sum.flagged, 60, "{sum:?}");
+        assert_eq!((sum.recovered, sum.ambiguous), (60, 0), "{sum:?}");
+        assert_eq!((sum.wrongly_found, sum.confidently_wrong), (0, 0), "{sum:?}");
+        // NEES of 60 independent draws of χ² with 3 degrees of freedom: mean 3 ± 3·√(6/60).
+        assert!((sum.nees_mean - 3.0).abs() < 0.95, "{sum:?}");
+    }
+}
+
+/// A rectangle without anything in it looks the same after half a turn: without a compass there is no telling.
+#[test]
+fn places_that_look_alike_stay_several() {
+    let place = Place::anywhere(Arena::open());
+    let sum = kidnappings(&place, &setup(false, 0.0), 1..=30);
+    assert_eq!((sum.ambiguous, sum.wrongly_found, sum.confidently_wrong), (30, 0, 0), "{sum:?}");
+    let told = kidnappings(&place, &setup(true, 0.0), 1..=30);
+    assert_eq!((told.recovered, told.ambiguous, told.wrongly_found), (30, 0, 0), "{told:?}");
+}
