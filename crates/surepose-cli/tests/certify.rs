@@ -52,3 +52,13 @@ fn a_wrong_command_line_exits_with_2() {
         assert_eq!(run.stdout, "", "{arguments:?}");
     }
 }
+
+#[test]
+fn a_loop_without_certificate_is_warned_of_before_it_drives() {
+    let said = |arguments: &[&str]| surepose(arguments).stderr;
+    let slow = ["--set", "law.k_v=9", "--set", "law.k_alpha=9"];
+    for command in [&["run", "--json"][..], &["config", "check"]] {
+        assert!(!said(command).contains("not certified"), "the default loop is certified");
+        assert!(said(&[command, &slow[..]].concat()).contains("not certified"), "{command:?}");
+    }
+}

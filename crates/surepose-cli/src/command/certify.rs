@@ -2,10 +2,10 @@
 
 use clap::Args;
 use serde_json::{Map, Value as Json, json};
-use surepose::param;
-use surepose_cert::{Certificate, Counterexample, Noise, Request, Shipped, certify};
+use surepose_cert::{Certificate, Counterexample, Noise};
 use surepose_data::Config;
 
+use crate::certification;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::output::{Output, shown, table};
@@ -24,10 +24,10 @@ pub(crate) struct CertifyCommand {
     #[arg(long, value_name = "S")]
     period: Option<f64>,
     /// Bound of the position error, in metres
-    #[arg(long, value_name = "M", default_value_t = 0.007, value_parser = bound)]
+    #[arg(long, value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound)]
     noise_position: f64,
     /// Bound of the heading error, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.25, value_parser = bound)]
+    #[arg(long, value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = bound)]
     noise_heading: f64,
     /// Bound of each rim's speed error, in metres per second
     #[arg(long, value_name = "M_S", default_value_t = 0.0, value_parser = bound)]
@@ -35,13 +35,6 @@ pub(crate) struct CertifyCommand {
     #[command(flatten)]
     config: ConfigArgs,
 }
-
-/// Largest distance from which the robot starts \[m].
-const WORKSPACE: f64 = 5.0;
-/// A larger capture radius is no use \[m].
-const LARGEST_CAPTURE_RADIUS: f64 = 0.15;
-/// Longest period that is looked for \[s].
-const LONGEST_PERIOD: f64 = 1.0;
 
 fn bound(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
@@ -58,23 +51,15 @@ impl CertifyCommand {
         if let Some(period) = self.period {
             config = config.with_option(&format!("loop.period_s={period}"))?;
         }
-        let subject = Shipped { law: config.law(), drive: config.drive(), limits: config.limits() };
-        let certificate = certify(&Request {
-            subject: &subject,
-            drive: subject.drive,
-            limits: subject.limits,
-            h: config.gains().h,
-            period: config.number(&param::PERIOD),
-            noise: Noise {
+        let certificate = certification::certificate(
+            &config,
+            Noise {
                 position: self.noise_position,
                 heading: self.noise_heading.to_radians(),
                 rim_speed: self.noise_speed,
                 rim_speed_part: 0.0,
             },
-            workspace: WORKSPACE,
-            largest_capture_radius: LARGEST_CAPTURE_RADIUS,
-            longest_period: LONGEST_PERIOD,
-        });
+        );
         let json = json_of(&certificate);
         output.result(&json, || {
             let mut table = table(&[]);

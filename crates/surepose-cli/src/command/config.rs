@@ -8,6 +8,7 @@ use surepose::param::{self, Kind, Parameter, Range};
 use surepose_data::Config;
 use surepose_data::config::{Setting, Value};
 
+use crate::certification;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::output::{Output, table, text, warning};
@@ -69,7 +70,7 @@ impl ConfigCommand {
 }
 
 fn check(output: Output, config: &Config) {
-    let warnings = config.warnings();
+    let warnings = certification::warnings(config);
     for said in &warnings {
         warning(said);
     }

@@ -9,6 +9,7 @@ use surepose_lab::drive::{Drive, Outcome, Sample, Summary};
 use surepose_lab::picture;
 use surepose_lab::rig::Scenario;
 
+use crate::certification;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
@@ -56,7 +57,7 @@ impl Default for RunCommand {
 impl RunCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let scenario = self.scenario()?;
-        for said in scenario.config.warnings() {
+        for said in certification::warnings(&scenario.config) {
             warning(&said);
         }
         // A folder that cannot be written to is found before the drive, not after it.
