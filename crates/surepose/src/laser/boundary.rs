@@ -38,12 +38,11 @@ pub(super) fn certain<S: Float>(
     let Some(piece) = pieces.first() else { return result };
     let mut first = piece.first + left_out(piece, usize::from(beams[piece.first].number));
     for (k, piece) in pieces.iter().enumerate() {
-        let (end, next_first) = match pieces.get(k + 1) {
-            Some(next) => part(noise, beams, walls, piece, next),
-            None => {
-                let beyond = count.saturating_sub(usize::from(beams[piece.last].number) + 1);
-                ((piece.last + 1).saturating_sub(left_out(piece, beyond)), 0)
-            }
+        let (end, next_first) = if let Some(next) = pieces.get(k + 1) {
+            part(noise, beams, walls, piece, next)
+        } else {
+            let beyond = count.saturating_sub(usize::from(beams[piece.last].number) + 1);
+            ((piece.last + 1).saturating_sub(left_out(piece, beyond)), 0)
         };
         if first < end {
             result.push(Piece { first, last: end - 1, wall: piece.wall });
