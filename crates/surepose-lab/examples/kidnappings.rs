@@ -2,7 +2,7 @@
 
 use surepose_data::{Config, map_server};
 use surepose_lab::lost::{Place, Setup, kidnap, kidnappings};
-use surepose_lab::rig::Sensors;
+use surepose_lab::rig::{Reading, Sensors};
 use surepose_sim::{Arena, Clutter};
 
 fn main() {
@@ -11,10 +11,10 @@ fn main() {
         |index: usize, usual: f64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
     let (trials, fraction) = (number(0, 50.0) as u64, number(1, 0.0));
     let name = arguments.get(2).map_or("paper", String::as_str);
-    let place = match Arena::named(name) {
-        Some(arena) => Place::anywhere(arena),
+    let (place, reading) = match Arena::named(name) {
+        Some(arena) => (Place::anywhere(arena), Reading::Lines),
         None => match map_server::read(name.as_ref()) {
-            Ok(grid) => Place::on_grid("map", &grid),
+            Ok(grid) => (Place::on_grid("map", &grid), Reading::Beams),
             Err(error) => {
                 eprintln!("{error}");
                 return;
@@ -24,14 +24,17 @@ fn main() {
     println!("{} walls", place.arena.walls().len());
     for sensors in [Sensors::ALL, Sensors { compass: false, laser: true }] {
         let clutter = Clutter { fraction, width: 5.0 };
-        let setup = Setup { config: Config::default(), sensors, clutter };
+        let setup = Setup { config: Config::default(), sensors, reading, clutter };
         let sum = kidnappings(&place, &setup, 1..=trials);
         println!("{name} {sensors:?} clutter {fraction}: {sum:?}");
         println!("flagged {:.4} recovered {:.4}", sum.flagged_share(), sum.recovered_share());
-        for seed in sum.failed_seeds.iter().take(4) {
+        for seed in sum.failed_seeds.iter().take(8) {
             let trial = kidnap(&place, &setup, *seed);
             let to = (trial.to.x, trial.to.y, trial.to.heading.degrees());
-            println!("  {seed}: to {to:.2?}, found {:?}, NEES {:.1?}", trial.found, trial.found_nees);
+            println!(
+                "  {seed}: to {to:.2?}, found {:?}, NEES {:.1?}, off {:.3} m",
+                trial.found, trial.found_nees, trial.final_error
+            );
         }
     }
 }

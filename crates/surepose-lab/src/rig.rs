@@ -10,7 +10,7 @@ use surepose::{
 use surepose_sim::{Seed, World};
 
 pub use perception::Perception;
-pub use scenario::{Scenario, Sensors};
+pub use scenario::{Reading, Scenario, Sensors};
 pub use watch::{SEARCH_RATE, Sight, Watch};
 
 /// How many events the filter remembers: over a second of odometry at 50 Hz with headings and walls at 10 Hz.
@@ -35,8 +35,13 @@ impl Rig {
         Self {
             world: World::new(scenario.world(), start, seed),
             estimator: scenario.config.estimator(Stamp::default(), Belief::new(told, scenario.start_std)),
-            perception: Perception::new(&scenario.config, scenario.arena.walls()),
-            watch: Watch::new(&scenario.config, scenario.sensors != Sensors::NONE, Stamp::default()),
+            perception: Perception::new(&scenario.config, scenario.arena.walls(), scenario.reading),
+            watch: Watch::new(
+                &scenario.config,
+                scenario.sensors != Sensors::NONE,
+                scenario.reading,
+                Stamp::default(),
+            ),
         }
     }
 

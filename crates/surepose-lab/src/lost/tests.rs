@@ -1,13 +1,14 @@
 //! Small samples of the trials that `examples/kidnappings.rs` makes in large numbers.
 
 use super::{Place, Setup, kidnappings};
-use crate::rig::Sensors;
+use crate::rig::{Reading, Sensors};
 use surepose_data::Config;
 use surepose_sim::{Arena, Clutter};
 
 fn setup(compass: bool, clutter: f64) -> Setup {
     let clutter = Clutter { fraction: clutter, width: 5.0 };
-    Setup { config: Config::default(), sensors: Sensors { compass, laser: true }, clutter }
+    let sensors = Sensors { compass, laser: true };
+    Setup { config: Config::default(), sensors, reading: Reading::Lines, clutter }
 }
 
 /// Half a per cent of a hundred is none: whoever misses the figures by much fails here.

@@ -7,7 +7,7 @@ use surepose::{Angle, Belief, Body, Drive, Glance, Health, Map, Pose, RangeFinde
 use surepose_data::Config;
 use surepose_sim::{Clutter, Fault, Kind, LaserModel, Seed, Stream};
 
-use crate::rig::{Rig, SEARCH_RATE, Scenario, Sensors};
+use crate::rig::{Reading, Rig, SEARCH_RATE, Scenario, Sensors};
 
 use super::place::Place;
 
@@ -37,6 +37,8 @@ pub struct Setup {
     pub config: Config,
     /// Its sensors.
     pub sensors: Sensors,
+    /// How it reads scans.
+    pub reading: Reading,
     /// Things on no map.
     pub clutter: Clutter,
 }
@@ -63,6 +65,8 @@ pub struct Kidnapping {
     pub ambiguous: bool,
     /// How often a pose was found that was wrong.
     pub wrongly_found: u32,
+    /// How far off the estimate was at the end \[m].
+    pub final_error: f64,
     /// For two seconds on end it was healthy and wrong.
     pub confidently_wrong: bool,
 }
@@ -78,6 +82,7 @@ pub fn kidnap(place: &Place, setup: &Setup, seed: u64) -> Kidnapping {
     let start = [(&START_X, from.x), (&START_Y, from.y), (&START_HEADING, from.heading.degrees())];
     let scenario = Scenario {
         sensors: setup.sensors,
+        reading: setup.reading,
         clutter: setup.clutter,
         faults: vec![Fault::at(LIFTED, Kind::Pushed([to.x - from.x, to.y - from.y, turn]))],
         ..Scenario::in_arena(place.arena.clone(), setup.config.clone().with_preset("kidnapping", &start))
@@ -93,6 +98,7 @@ pub fn kidnap(place: &Place, setup: &Setup, seed: u64) -> Kidnapping {
         recovered: false,
         ambiguous: false,
         wrongly_found: 0,
+        final_error: f64::INFINITY,
         confidently_wrong: false,
     };
     let mut wrong_for = 0.0;
@@ -101,6 +107,7 @@ pub fn kidnap(place: &Place, setup: &Setup, seed: u64) -> Kidnapping {
         let belief = robot.step();
         let (time, health) = (robot.time() - LIFTED, robot.rig.health());
         let nees = belief.nees(robot.rig.world().pose());
+        result.final_error = belief.pose.origin().distance(robot.rig.world().pose().origin());
         let is_wrong = nees > WRONG * WRONG;
         if time <= 0.0 {
             result.false_alarm |= health == Health::Lost;

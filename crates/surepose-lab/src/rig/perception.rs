@@ -1,11 +1,12 @@
 //! From headings and scans to measurements of the pose.
 
-use surepose::{Angle, Compass, Estimator, Measurement, Stamped};
+use surepose::{Aligner, AlignerMemory, Alignment, Angle, Compass, Estimator, Gate, Measurement, Stamped};
 use surepose::{LineExtractor, Matcher, RangeFinder, Scan, Wall};
 use surepose_data::Config;
 use surepose_data::config::CompassMounting;
 use surepose_sim::{Segment, Sensed};
 
+use super::scenario::Reading;
 use super::watch::{Sight, Watch};
 
 /// The most beams that the configuration allows.
@@ -24,12 +25,14 @@ pub struct Perception {
     laser: RangeFinder<f64>,
     extractor: Box<LineExtractor<f64, MOST_BEAMS>>,
     matcher: Matcher<f64>,
+    /// Where scans are read beam by beam: how, and the memory for it.
+    aligner: Option<(Aligner<f64>, Box<AlignerMemory<f64, MOST_BEAMS>>)>,
     walls: Vec<Wall<f64>>,
 }
 
 impl Perception {
     /// The perception of a robot whose map has these walls; one without length is left out of the map.
-    pub fn new(config: &Config, walls: &[Segment]) -> Self {
+    pub fn new(config: &Config, walls: &[Segment], reading: Reading) -> Self {
         let laser = config.laser();
         Self {
             compass: config.compass(),
@@ -42,6 +45,7 @@ impl Perception {
             },
             extractor: Box::default(),
             matcher: Matcher::default(),
+            aligner: (reading == Reading::Beams).then(|| (aligner(), Box::default())),
             walls: walls.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect(),
         }
     }
@@ -85,13 +89,37 @@ impl Perception {
         // A scan older than the history cannot be matched, one that cannot be read says nothing.
         let Some(belief) = estimator.belief_at(scan.stamp) else { return };
         let Ok(extracted) = self.extractor.extract(&self.laser, &seen) else { return };
-        let mount = &self.laser.body_from_laser;
-        let matched = self.matcher.matched(estimator.ekf(), &belief, mount, extracted.lines, &self.walls);
-        for sighting in matched.sightings() {
-            let outcome = estimator.measure(Stamped::new(scan.stamp, Measurement::Wall(*sighting)));
-            watch.matched(scan.stamp, outcome);
+        if let Some((aligner, memory)) = &mut self.aligner {
+            let aligned = aligner.align(memory, estimator.ekf(), &belief, &self.laser, &seen, &self.walls);
+            if let Ok(Alignment::Found(aligned)) = aligned {
+                let outcome = estimator.measure(Stamped::new(scan.stamp, Measurement::Pose(aligned.fix)));
+                watch.matched(scan.stamp, outcome, 3);
+            }
+        } else {
+            let mount = &self.laser.body_from_laser;
+            let matched = self.matcher.matched(estimator.ekf(), &belief, mount, extracted.lines, &self.walls);
+            for sighting in matched.sightings() {
+                let outcome = estimator.measure(Stamped::new(scan.stamp, Measurement::Wall(*sighting)));
+                watch.matched(scan.stamp, outcome, 2);
+            }
         }
         let (laser, lines, walls) = (&self.laser, extracted.lines, &self.walls[..]);
         watch.looked(estimator, &Sight { stamp: scan.stamp, laser, scan: &seen, lines, walls });
+    }
+}
+
+/// Scans laid on walls that a grid was traced with.
+///
+/// What puts one scan off, a beam given to the wrong of two walls a cell apart, puts the next one off as well: a scan
+/// counts for far less than its beams by themselves.
+fn aligner() -> Aligner<f64> {
+    Aligner {
+        gate: Gate::new(0.999),
+        farthest_off: 0.5,
+        fewest_beams: 3,
+        least_share: 0.4,
+        wall_offset_std: 0.01,
+        wall_direction_std: 0.005,
+        scan_std: [0.03, 0.03, 0.3_f64.to_radians()],
     }
 }

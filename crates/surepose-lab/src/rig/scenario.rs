@@ -23,6 +23,16 @@ impl Sensors {
     pub const NONE: Self = Self { compass: false, laser: false };
 }
 
+/// How scans are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reading {
+    /// Lines are found in them and matched: for places with long flat walls, and a map that has them exactly.
+    #[default]
+    Lines,
+    /// They are laid on the walls beam by beam: for maps of many short walls, traced from a grid for instance.
+    Beams,
+}
+
 /// A drive to be done.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
@@ -32,6 +42,8 @@ pub struct Scenario {
     pub config: Config,
     /// With which senses.
     pub sensors: Sensors,
+    /// How scans are read.
+    pub reading: Reading,
     /// How well the start is known: standard deviations of x \[m], y \[m] and heading \[rad].
     pub start_std: [f64; 3],
     /// Things in the laser's way that are on no map.
@@ -55,6 +67,7 @@ impl Scenario {
             arena,
             config,
             sensors: Sensors::ALL,
+            reading: Reading::Lines,
             start_std,
             clutter: Clutter::default(),
             faults: Vec::new(),

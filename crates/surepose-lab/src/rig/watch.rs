@@ -7,6 +7,8 @@ use surepose::{
 };
 use surepose_data::Config;
 
+use super::scenario::Reading;
+
 /// Beams of a scan that are held against the map.
 const BEAMS: usize = 128;
 
@@ -21,9 +23,13 @@ const HYPOTHESES: usize = 24;
 pub struct Watch {
     supervisor: Supervisor<f64>,
     relocaliser: Box<Relocaliser<f64, HYPOTHESES>>,
+    reading: Reading,
     /// Whether the relocaliser is at work.
     searching: bool,
 }
+
+/// How well a pose is known at least that lines found in a map of short walls: x, y \[m] and heading \[rad].
+const ROUGHLY: [f64; 3] = [0.05, 0.05, 0.02];
 
 /// A scan with what was found in it.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +48,7 @@ pub struct Sight<'a> {
 
 impl Watch {
     /// The watch over a robot that starts at `stamp`; `aided` where it has sensors that see where it is.
-    pub fn new(config: &Config, aided: bool, stamp: Stamp) -> Self {
+    pub fn new(config: &Config, aided: bool, reading: Reading, stamp: Stamp) -> Self {
         let usual = Vigilance::default();
         let vigilance = Vigilance { unaided: if aided { usual.unaided } else { f64::INFINITY }, ..usual };
         // A robot that has turned in place has room for its wheels.
@@ -51,6 +57,7 @@ impl Watch {
         Self {
             supervisor: Supervisor::new(vigilance, stamp),
             relocaliser: Box::new(relocaliser),
+            reading,
             searching: false,
         }
     }
@@ -97,9 +104,9 @@ impl Watch {
         }
     }
 
-    /// A line taken for a wall, and what became of it.
-    pub fn matched(&mut self, stamp: Stamp, outcome: Outcome) {
-        self.supervisor.measured(stamp, outcome, 2);
+    /// What became of a line taken for a wall, or of a scan laid on all: a measurement with `rows` rows.
+    pub fn matched(&mut self, stamp: Stamp, outcome: Outcome, rows: usize) {
+        self.supervisor.measured(stamp, outcome, rows);
     }
 
     /// A scan, after its lines corrected `estimator`: does the map explain it? If the robot is lost, where is it?
@@ -123,10 +130,22 @@ impl Watch {
         self.relocaliser.forget(now);
     }
 
+    /// The pose that was found, as sure as the map lets it be.
+    fn told(&self, found: Belief<f64>) -> Belief<f64> {
+        match self.reading {
+            Reading::Lines => found,
+            // Where lines are laid over steps in the walls, their covariance is not what they are off by.
+            Reading::Beams => {
+                let std = [0, 1, 2].map(|i| found.covariance.std(i).max(ROUGHLY[i]));
+                Belief::new(found.pose, std)
+            }
+        }
+    }
+
     fn look_for<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_>) {
         let Sight { stamp, laser, scan, lines, walls } = *sight;
         if let Finding::Found(belief) = self.relocaliser.look(stamp, laser, scan, lines, walls) {
-            estimator.restart(self.relocaliser.stamp(), belief);
+            estimator.restart(self.relocaliser.stamp(), self.told(belief));
             for (end, travel) in self.relocaliser.since_scan() {
                 // What the trail holds was checked when it was taken in.
                 let _counted = estimator.roll_by(end, travel);
