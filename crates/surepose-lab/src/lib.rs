@@ -1,5 +1,6 @@
-//! Experiments: replays of recordings, wall maps, metrics, sweeps, the paper's figures.
+//! Experiments: replays of recordings, wall maps and calibration from them, metrics, sweeps, the paper's figures.
 
+pub mod calibrate;
 pub mod drive;
 pub mod lost;
 pub mod mapping;

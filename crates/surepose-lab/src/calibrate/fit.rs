@@ -1,0 +1,235 @@
+//! The most likely geometry, and how much the measurements scatter about it.
+
+use core::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::association::{Likeness, associate};
+use super::front::Singular;
+use super::parameter::{Geometry, Parameter};
+use super::recording::{Recording, Step};
+use super::sighting::Sighting;
+use super::trajectory::{Evidence, Linear, Reduced, Scatter, Trajectory};
+use super::{CalibrationError, Options};
+
+/// A step of this many standard errors or less is no step.
+const CONVERGED: f64 = 0.05;
+
+/// The most Gauss–Newton steps of one round.
+const STEPS: usize = 40;
+
+/// How many steps it takes until the walls are in their places.
+const SETTLING: usize = 4;
+
+/// The farthest that a latency may move in one step \[s].
+const LATENCY_REACH: f64 = 0.03;
+
+/// The farthest that the track may move in one step, as a part of itself.
+const TRACK_REACH: f64 = 0.2;
+
+/// The latencies.
+const LATENCIES: [Parameter; 2] = [Parameter::LaserLatency, Parameter::CompassLatency];
+
+/// A fit under way: what is taken to be true, and what it rests on.
+pub(super) struct Fit<'a> {
+    pub(super) evidence: Evidence<'a>,
+    pub(super) trajectory: Trajectory,
+    pub(super) geometry: Geometry<f64>,
+    pub(super) scatter: Scatter,
+    pub(super) nominal: Geometry<f64>,
+}
+
+/// How −2 log likelihood bends with ln δ and with the logarithm of the walls' scatter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bend {
+    pub(super) slope: [f64; 2],
+    pub(super) curvature: [[f64; 2]; 2],
+}
+
+impl<'a> Fit<'a> {
+    /// By the wheels alone, with everything nominal.
+    pub(super) fn begin(
+        recording: &'a Recording,
+        steps: &'a [Step],
+        sightings: &'a [Sighting],
+        options: &Options,
+    ) -> Self {
+        let start = options.start_heading.map_or(0.0, |start| start.heading.radians());
+        Self {
+            evidence: Evidence {
+                steps,
+                sightings,
+                wall_of: Vec::new(),
+                headings: &recording.headings,
+                tick: TAU / recording.ticks_per_turn,
+            },
+            trajectory: Trajectory::dead_reckoned(steps, &options.nominal, start),
+            geometry: options.nominal,
+            scatter: Scatter { delta: options.delta, wall: 1.0, compass: options.compass_std },
+            nominal: options.nominal,
+        }
+    }
+
+    /// Says anew which sightings are of one wall, from where the robot is now thought to have been.
+    pub(super) fn associate(&mut self, likeness: Likeness) {
+        let (steps, sightings) = (self.evidence.steps, self.evidence.sightings);
+        let (wall_of, walls) = associate(sightings, steps, &self.trajectory, &self.geometry, likeness);
+        self.evidence.wall_of = wall_of;
+        self.trajectory.walls = walls;
+    }
+
+    /// Steps until the steps are small; `robust` from the first on, or once the walls are in their places.
+    pub(super) fn converge(&mut self, robust: bool) -> Result<(), CalibrationError> {
+        let (mut before, mut damping) = (None, 1.0);
+        for number in 0..STEPS {
+            let linear = self.linear(robust || number >= SETTLING);
+            let (mut a, b, reduced) = self.normal(&linear)?;
+            let rough = !robust && number < SETTLING;
+            if rough {
+                // While walls are out of place by metres, what they say of milliseconds is worse than nothing.
+                for latency in LATENCIES {
+                    a[(latency as usize, latency as usize)] += 1e12;
+                }
+            }
+            let factor = a.clone().cholesky().ok_or(Singular)?;
+            let mut step = factor.solve(&b);
+            let covariance = factor.inverse();
+            let size = self.size(&step, &covariance);
+            if !step.iter().all(|change| change.is_finite()) {
+                return Err(CalibrationError::Diverged);
+            }
+            // A step of the recording is the reach of what is linear about a latency.
+            let farthest = LATENCIES.iter().map(|latency| step[*latency as usize].abs()).fold(0.0, f64::max);
+            step *= (LATENCY_REACH / farthest).min(1.0);
+            // So is a part of the track: where nothing turned, the fit would go anywhere.
+            let track = Parameter::Track as usize;
+            step *= (TRACK_REACH * self.geometry.0[track] / step[track].abs()).min(1.0);
+            // A step back says that the last one went too far: weights alternate, or a latency bends the likelihood
+            // more than the normal matrix knows. A fraction of each step then ends it.
+            let back = before.as_ref().is_some_and(|last: &DVector<f64>| last.dot(&(&a * &step)) < 0.0);
+            damping = if back { damping * 0.5 } else { (damping * 1.2_f64).min(1.0) };
+            step *= damping;
+            before = Some(step.clone());
+            self.trajectory = reduced.moved(&self.trajectory, &step);
+            for (value, change) in self.geometry.0.iter_mut().zip(step.iter()) {
+                *value += change;
+            }
+            if !self.is_sound() {
+                return Err(CalibrationError::Diverged);
+            }
+            if size < CONVERGED && !rough {
+                return Ok(());
+            }
+        }
+        Err(CalibrationError::Unsettled)
+    }
+
+    /// The largest change of a parameter in standard errors; one that nothing excites may go on changing.
+    fn size(&self, step: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
+        let excited = Parameter::ALL.into_iter().filter_map(|parameter| {
+            let i = parameter as usize;
+            let std = covariance[(i, i)].sqrt();
+            parameter.is_excited(std, &self.nominal).then(|| (step[i] / std).abs())
+        });
+        excited.fold(0.0, f64::max)
+    }
+
+    /// Fits δ and the walls' scatter to the likelihood that is left when all else is integrated out. [Harville1977]
+    pub(super) fn fit_scatter(&mut self) -> Result<(), CalibrationError> {
+        let linear = self.linear(true);
+        for _ in 0..8 {
+            let whole = 0..linear.len();
+            let Bend { slope: [d, w], curvature: [[dd, dw], [_, ww]] } =
+                self.bend(|scatter| self.likelihood(&linear, scatter, whole.clone()))?;
+            let determinant = dd * ww - dw * dw;
+            let (by_d, by_w) = if dd > 0.0 && determinant > 0.0 {
+                ((dw * w - ww * d) / determinant, (dw * d - dd * w) / determinant)
+            } else {
+                (-d.signum(), -w.signum())
+            };
+            self.scatter.delta = (self.scatter.delta * by_d.clamp(-1.0, 1.0).exp()).clamp(1e-8, 1.0);
+            self.scatter.wall = (self.scatter.wall * by_w.clamp(-1.0, 1.0).exp()).clamp(1e-4, 1e6);
+            if by_d.abs() < 0.01 && by_w.abs() < 0.01 {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Slope and curvature of `likelihood` by ln δ and the logarithm of the walls' scatter, by differences.
+    pub(super) fn bend(
+        &self,
+        likelihood: impl Fn(Scatter) -> Result<f64, Singular>,
+    ) -> Result<Bend, Singular> {
+        const H: f64 = 0.1;
+        let at = |d: f64, w: f64| {
+            let Scatter { delta, wall, compass } = self.scatter;
+            likelihood(Scatter { delta: delta * d.exp(), wall: wall * w.exp(), compass })
+        };
+        let middle = at(0.0, 0.0)?;
+        let (d_up, d_down, w_up, w_down) = (at(H, 0.0)?, at(-H, 0.0)?, at(0.0, H)?, at(0.0, -H)?);
+        let both = at(H, H)?;
+        let mixed = (both - d_up - w_up + middle) / (H * H);
+        Ok(Bend {
+            slope: [(d_up - d_down) / (2.0 * H), (w_up - w_down) / (2.0 * H)],
+            curvature: [
+                [(d_up + d_down - 2.0 * middle) / (H * H), mixed],
+                [mixed, (w_up + w_down - 2.0 * middle) / (H * H)],
+            ],
+        })
+    }
+
+    /// −2 log likelihood of the scatter, with geometry, poses and walls integrated out.
+    pub(super) fn likelihood(
+        &self,
+        linear: &Linear,
+        scatter: Scatter,
+        range: std::ops::Range<usize>,
+    ) -> Result<f64, Singular> {
+        let Reduced { mut a, mut b, misfit, .. } = linear.reduced(range, scatter)?;
+        self.add_prior(&mut a, &mut b);
+        let factor = a.cholesky().ok_or(Singular)?;
+        let spread: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+        Ok(misfit - b.dot(&factor.solve(&b)) + 2.0 * spread)
+    }
+
+    /// The problem, linear about where the fit is.
+    pub(super) fn linear(&self, robust: bool) -> Linear {
+        let mut linear = self.evidence.linear(&self.trajectory, &self.geometry);
+        if robust {
+            linear.weigh(self.scatter);
+        }
+        linear
+    }
+
+    /// Normal matrix and right-hand side of the geometry, what is known beforehand included.
+    pub(super) fn normal(&self, linear: &Linear) -> Result<(DMatrix<f64>, DVector<f64>, Reduced), Singular> {
+        let whole = 0..linear.len();
+        let reduced = linear.reduced(whole.clone(), self.scatter)?;
+        let (mut a, mut b) = (reduced.a.clone(), reduced.b.clone());
+        let slopes =
+            self.evidence.latency_slopes(linear, &self.trajectory, &self.geometry, self.scatter, &[whole])?;
+        for latency in LATENCIES {
+            b[latency as usize] = -slopes.iter().map(|slope| slope[latency as usize]).sum::<f64>();
+        }
+        self.add_prior(&mut a, &mut b);
+        Ok((a, b, reduced))
+    }
+
+    /// Adds what is known beforehand.
+    pub(super) fn add_prior(&self, a: &mut DMatrix<f64>, b: &mut DVector<f64>) {
+        for parameter in Parameter::ALL {
+            let i = parameter as usize;
+            let information = 1.0 / parameter.prior_std(&self.nominal).powi(2);
+            a[(i, i)] += information;
+            b[i] -= information * (self.geometry.0[i] - self.nominal.0[i]);
+        }
+    }
+
+    /// Whether the geometry is still one that a robot can have.
+    fn is_sound(&self) -> bool {
+        let positive = [Parameter::LeftWheelRadius, Parameter::RightWheelRadius, Parameter::Track];
+        positive.iter().all(|parameter| self.geometry.get(*parameter) > 0.0)
+            && self.geometry.0.iter().all(|value| value.is_finite())
+    }
+}

@@ -1,0 +1,140 @@
+//! What is measured, as residuals of poses, walls and geometry, with their derivatives.
+
+use surepose::{
+    Angle, Belief, Body, Drive, Dual, Ekf, Integration, Laser, Line, Map, Motion, Pose, Scalar, Travel,
+    Wheels,
+};
+
+use super::parameter::{COUNT, Geometry, Parameter};
+use super::recording::Step;
+
+/// Where a factor's derivatives begin: by the pose before, the pose after, the wall and the geometry.
+pub(super) const FROM: usize = 0;
+pub(super) const TO: usize = 3;
+pub(super) const WALL: usize = 6;
+pub(super) const GEOMETRY: usize = 8;
+/// How many numbers a factor may depend on.
+pub(super) const LOCAL: usize = GEOMETRY + COUNT;
+
+/// A number with its derivatives by all that a factor depends on.
+pub(super) type Local = Dual<f64, LOCAL>;
+/// A pose of the trajectory (x, y, θ), not wrapped.
+pub(super) type Place = [f64; 3];
+
+/// Sideways and lengthwise scatter that no encoder explains \[m]; it keeps the motion's covariance invertible.
+const FLOOR: f64 = 5e-5;
+
+/// A pose as the unknown that begins at `offset`.
+pub(super) fn unknown_pose(place: Place, offset: usize) -> Pose<Map, Body, Local> {
+    let [x, y, heading] = core::array::from_fn(|i| Dual::parameter(place[i], offset + i));
+    Pose::new(x, y, Angle::wrapped(heading))
+}
+
+/// A pose as it is.
+pub(super) fn known_pose(place: Place) -> Pose<Map, Body, f64> {
+    Pose::new(place[0], place[1], Angle::wrapped(place[2]))
+}
+
+/// A wall (r, ψ) as the unknown.
+pub(super) fn unknown_wall(wall: [f64; 2]) -> Line<Map, Local> {
+    Line::new(Dual::parameter(wall[0], WALL), Angle::wrapped(Dual::parameter(wall[1], WALL + 1)))
+}
+
+/// The geometry as the unknown.
+pub(super) fn unknown_geometry(geometry: &Geometry<f64>) -> Geometry<Local> {
+    Geometry(core::array::from_fn(|i| Dual::parameter(geometry.0[i], GEOMETRY + i)))
+}
+
+/// The motion of a step by its encoders: [Tran2012] Eq. (7), (8), with a radius for each wheel.
+pub(super) fn motion<S: Scalar>(geometry: &Geometry<S>, turned: Wheels<f64>) -> Motion<S> {
+    let rims = rims(geometry, turned);
+    let radius = geometry.get(Parameter::RightWheelRadius);
+    Drive { wheel_radius: radius, track: geometry.get(Parameter::Track) }.motion_from_travel(rims)
+}
+
+fn rims<S: Scalar>(geometry: &Geometry<S>, turned: Wheels<f64>) -> Wheels<S> {
+    Wheels::new(
+        geometry.get(Parameter::RightWheelRadius) * S::of(turned.right),
+        geometry.get(Parameter::LeftWheelRadius) * S::of(turned.left),
+    )
+}
+
+/// What is left between the motion of the poses and that of the wheels: (x \[m], y \[m], θ \[rad]) in the body after.
+pub(super) fn odometry<S: Scalar>(
+    from: Pose<Map, Body, S>,
+    to: Pose<Map, Body, S>,
+    motion: Motion<S>,
+) -> [S; 3] {
+    let left: Pose<Body, Body, S> = from.moved(motion, Integration::Arc).inverse() * to;
+    [left.x, left.y, left.heading.radians()]
+}
+
+/// The covariance of that residual: δ times the first matrix, plus the second, by [Tran2012] Eq. (15).
+///
+/// The filter's own prediction makes it, from a certain pose so turned that the step ends with heading 0.
+pub(super) fn odometry_covariance(
+    geometry: &Geometry<f64>,
+    turned: Wheels<f64>,
+    tick: f64,
+) -> [[[f64; 3]; 3]; 2] {
+    let drive = Drive {
+        wheel_radius: geometry.get(Parameter::RightWheelRadius),
+        track: geometry.get(Parameter::Track),
+    };
+    let ekf = Ekf { drive, delta: 1.0, integration: Integration::Arc };
+    let rims = rims(geometry, turned);
+    let turn = drive.motion_from_travel(rims).turn;
+    let start = Belief::new(Pose::new(0.0, 0.0, Angle::wrapped(-turn)), [0.0; 3]);
+    // Each end of a step is rounded to a tick.
+    let rounding = (tick * drive.wheel_radius).powi(2) / 6.0;
+    let by_slip = ekf.predict(start, ekf.travel(rims)).covariance;
+    let by_ticks = ekf.predict(start, Travel { rims, variance: Wheels::new(rounding, rounding) }).covariance;
+    let matrix = |covariance: surepose::Covariance<f64, 3>| -> [[f64; 3]; 3] {
+        core::array::from_fn(|i| core::array::from_fn(|j| covariance.entry(i, j)))
+    };
+    let mut constant = matrix(by_ticks);
+    for (i, floor) in [FLOOR, FLOOR, FLOOR / drive.track].into_iter().enumerate() {
+        constant[i][i] += floor * floor;
+    }
+    [matrix(by_slip), constant]
+}
+
+/// Where the robot was at `fraction` of a step, on the arc that joins its two ends.
+///
+/// The arc is taken to second order in its turn: it stands off its chord d to the right of a left turn by
+/// ½·f·(1 − f)·Δθ·|d|.
+pub(super) fn during<S: Scalar>(
+    from: Pose<Map, Body, S>,
+    to: Pose<Map, Body, S>,
+    fraction: S,
+) -> Pose<Map, Body, S> {
+    let step: Pose<Body, Body, S> = from.inverse() * to;
+    let turn = step.heading.radians();
+    let bulge = S::of(0.5) * fraction * (S::of(1.0) - fraction) * turn;
+    let x = fraction * step.x + bulge * step.y;
+    let y = fraction * step.y - bulge * step.x;
+    let part: Pose<Body, Body, S> = Pose::new(x, y, Angle::wrapped(fraction * turn));
+    from * part
+}
+
+/// How far into `step` something was measured whose record is stamped `stamp` and came `latency` late.
+pub(super) fn fraction<S: Scalar>(step: &Step, stamp: f64, latency: S) -> S {
+    (S::of(stamp - step.begin) - latency) / S::of(step.duration)
+}
+
+/// A wall as the laser should see it from a pose.
+pub(super) fn seen<S: Scalar>(
+    map_from_body: Pose<Map, Body, S>,
+    geometry: &Geometry<S>,
+    wall: Line<Map, S>,
+) -> Line<Laser, S> {
+    (map_from_body * geometry.body_from_laser()).inverse() * wall
+}
+
+/// What the compass should read.
+pub(super) fn compass_reading<S: Scalar>(
+    map_from_body: Pose<Map, Body, S>,
+    geometry: &Geometry<S>,
+) -> Angle<S> {
+    map_from_body.heading.turned(geometry.get(Parameter::CompassOffset))
+}

@@ -1,0 +1,137 @@
+//! What is calibrated: the parameters of the geometry, in one order.
+
+use core::f64::consts::PI;
+
+use surepose::param;
+use surepose::param::Unit;
+use surepose::{Angle, Body, Laser, Pose, Scalar};
+
+/// How many parameters of the geometry there are.
+pub const COUNT: usize = 9;
+
+/// The posterior may be at most this part of what was known beforehand, else the recording said nothing.
+const EXCITED: f64 = 0.1;
+
+/// A parameter of the geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    /// Radius of the left drive wheel.
+    LeftWheelRadius,
+    /// Radius of the right drive wheel.
+    RightWheelRadius,
+    /// Distance between the wheels' contact points.
+    Track,
+    /// Where the laser sits, ahead of the axle.
+    LaserX,
+    /// Where the laser sits, to the left of the middle.
+    LaserY,
+    /// Which way the laser's zero bearing points.
+    LaserHeading,
+    /// How long before its stamp a scan was taken.
+    LaserLatency,
+    /// What the compass reads when the robot faces along the map's x axis.
+    CompassOffset,
+    /// How long before its stamp a heading was taken.
+    CompassLatency,
+}
+
+impl Parameter {
+    /// Every parameter, in the order of [`Geometry`].
+    pub const ALL: [Self; COUNT] = [
+        Self::LeftWheelRadius,
+        Self::RightWheelRadius,
+        Self::Track,
+        Self::LaserX,
+        Self::LaserY,
+        Self::LaserHeading,
+        Self::LaserLatency,
+        Self::CompassOffset,
+        Self::CompassLatency,
+    ];
+
+    /// The name, as in JSON; its unit is that of the edge.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LeftWheelRadius => "left_wheel_radius_m",
+            Self::RightWheelRadius => "right_wheel_radius_m",
+            Self::Track => "track_m",
+            Self::LaserX => "laser_x_m",
+            Self::LaserY => "laser_y_m",
+            Self::LaserHeading => "laser_heading_deg",
+            Self::LaserLatency => "laser_latency_s",
+            Self::CompassOffset => "compass_offset_deg",
+            Self::CompassLatency => "compass_latency_s",
+        }
+    }
+
+    /// The unit at the edge.
+    pub const fn unit(self) -> Unit {
+        match self {
+            Self::LaserHeading | Self::CompassOffset => Unit::Degree,
+            Self::LaserLatency | Self::CompassLatency => Unit::Second,
+            _ => Unit::Metre,
+        }
+    }
+
+    /// The key of the configuration that holds it; both radii together are one key, see [`super::Calibration`].
+    pub const fn key(self) -> Option<&'static param::Parameter> {
+        match self {
+            Self::LeftWheelRadius | Self::RightWheelRadius => None,
+            Self::Track => Some(&param::TRACK),
+            Self::LaserX => Some(&param::LASER_X),
+            Self::LaserY => Some(&param::LASER_Y),
+            Self::LaserHeading => Some(&param::LASER_HEADING),
+            Self::LaserLatency => Some(&param::LASER_LATENCY),
+            Self::CompassOffset => Some(&param::COMPASS_OFFSET),
+            Self::CompassLatency => Some(&param::COMPASS_LATENCY),
+        }
+    }
+
+    /// What motion it takes to tell it.
+    pub const fn excitation(self) -> &'static str {
+        match self {
+            Self::LeftWheelRadius | Self::RightWheelRadius | Self::LaserHeading => {
+                "driving in sight of walls that lie across the way"
+            }
+            Self::Track => "turning in sight of walls",
+            Self::LaserX => "turning in sight of walls on several sides",
+            Self::LaserY => "turning both ways in sight of walls",
+            Self::LaserLatency => "turning with a changing rate in sight of walls",
+            Self::CompassOffset => "a compass, and a start whose heading in the map is known",
+            Self::CompassLatency => "a compass, and turning with a changing rate",
+        }
+    }
+
+    /// Whether a standard error of `std` says that the recording told something.
+    pub(super) fn is_excited(self, std: f64, nominal: &Geometry<f64>) -> bool {
+        std <= EXCITED * self.prior_std(nominal)
+    }
+
+    /// Standard deviation of what is known beforehand: nearly nothing.
+    pub(super) fn prior_std(self, nominal: &Geometry<f64>) -> f64 {
+        match self {
+            Self::LeftWheelRadius | Self::RightWheelRadius | Self::Track => 0.3 * nominal.0[self as usize],
+            Self::LaserX | Self::LaserY => 0.3,
+            Self::LaserHeading => PI / 6.0,
+            Self::LaserLatency | Self::CompassLatency => 0.2,
+            Self::CompassOffset => PI,
+        }
+    }
+}
+
+/// The values of all parameters, in the order of [`Parameter::ALL`], in SI units and radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geometry<S>(pub [S; COUNT]);
+
+impl<S: Scalar> Geometry<S> {
+    /// The value of `parameter`.
+    pub fn get(&self, parameter: Parameter) -> S {
+        self.0[parameter as usize]
+    }
+
+    /// Where the laser sits.
+    pub fn body_from_laser(&self) -> Pose<Body, Laser, S> {
+        let heading = Angle::wrapped(self.get(Parameter::LaserHeading));
+        Pose::new(self.get(Parameter::LaserX), self.get(Parameter::LaserY), heading)
+    }
+}

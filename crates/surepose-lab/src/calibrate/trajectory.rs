@@ -1,0 +1,380 @@
+//! Poses, walls and geometry together: one least-squares problem, solved by Gauss–Newton.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, Matrix3};
+use surepose::{Dual, Integration};
+
+use super::front::{Front, Key, Singular};
+use super::model::{
+    FROM, GEOMETRY, LOCAL, Local, Place, TO, WALL, compass_reading, during, fraction, known_pose, motion,
+    odometry, odometry_covariance, seen, unknown_geometry, unknown_pose, unknown_wall,
+};
+use super::parameter::{COUNT, Geometry, Parameter};
+use super::recording::{StampedHeading, Step, locate};
+use super::sighting::Sighting;
+
+/// Residuals beyond this many standard deviations count linearly only. [Huber1964]
+const HUBER: f64 = 3.0;
+
+/// How far the latencies are moved to see how the likelihood changes \[s].
+const LATENCY_STEP: f64 = 0.005;
+
+/// Standard deviation that holds the first pose where it is, because the map begins there \[m, rad].
+const ANCHOR: f64 = 1e-4;
+
+/// Standard deviation of a heading that nothing holds \[rad].
+const FREE: f64 = 1.0;
+
+/// The poses at the steps' ends, and the walls.
+#[derive(Clone, Debug)]
+pub(super) struct Trajectory {
+    pub(super) places: Vec<Place>,
+    pub(super) walls: Vec<[f64; 2]>,
+}
+
+/// How much the measurements scatter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scatter {
+    /// δ of [Tran2012] Eq. (15).
+    pub(super) delta: f64,
+    /// Variance of walls over what the laser's noise makes of it.
+    pub(super) wall: f64,
+    /// Standard deviation of the compass \[rad].
+    pub(super) compass: f64,
+}
+
+/// All that was recorded, and which sighting is of which wall.
+#[derive(Clone, Debug)]
+pub(super) struct Evidence<'a> {
+    pub(super) steps: &'a [Step],
+    pub(super) sightings: &'a [Sighting],
+    pub(super) wall_of: Vec<usize>,
+    pub(super) headings: &'a [StampedHeading],
+    /// One tick \[rad].
+    pub(super) tick: f64,
+}
+
+/// A residual with its derivatives.
+#[derive(Clone, Debug)]
+struct Factor<const M: usize> {
+    residual: [f64; M],
+    jacobian: [[f64; M]; LOCAL],
+    information: [[f64; M]; M],
+    /// Which record of its kind it comes from.
+    record: usize,
+    /// Below 1 where the residual is far out.
+    weight: f64,
+}
+
+/// The least-squares problem, linear about a trajectory and a geometry.
+#[derive(Clone, Debug)]
+pub(super) struct Linear {
+    /// For each step: its odometry, with the two parts of its covariance.
+    odometry: Vec<(Factor<3>, [[[f64; 3]; 3]; 2])>,
+    /// For each step: the walls seen during it.
+    walls: Vec<Vec<(usize, Factor<2>)>>,
+    /// For each step: the headings read during it.
+    headings: Vec<Vec<Factor<1>>>,
+}
+
+impl Trajectory {
+    /// By the wheels alone, from the origin.
+    pub(super) fn dead_reckoned(steps: &[Step], geometry: &Geometry<f64>, start: f64) -> Self {
+        let mut places: Vec<Place> = vec![[0.0, 0.0, start]];
+        for step in steps {
+            let motion = motion(geometry, step.turned);
+            let [x, y, heading] = places.last().copied().unwrap_or_default();
+            let pose = known_pose([x, y, heading]).moved(motion, Integration::Arc);
+            places.push([pose.x, pose.y, heading + motion.turn]);
+        }
+        Self { places, walls: Vec::new() }
+    }
+}
+
+fn factor<const M: usize>(record: usize, residual: [Local; M], information: [[f64; M]; M]) -> Factor<M> {
+    Factor {
+        residual: residual.map(|r| r.value),
+        jacobian: core::array::from_fn(|v| core::array::from_fn(|i| residual[i].slope[v])),
+        information,
+        record,
+        weight: 1.0,
+    }
+}
+
+impl Evidence<'_> {
+    /// The problem, linear about this trajectory and geometry.
+    pub(super) fn linear(&self, trajectory: &Trajectory, geometry: &Geometry<f64>) -> Linear {
+        let unknown = unknown_geometry(geometry);
+        let ends = |step: usize| {
+            let (from, to) = (trajectory.places[step], trajectory.places[step + 1]);
+            (unknown_pose(from, FROM), unknown_pose(to, TO))
+        };
+        let odometry = self.steps.iter().enumerate().map(|(k, step)| {
+            let (from, to) = ends(k);
+            let residual = odometry(from, to, motion(&unknown, step.turned));
+            (factor(k, residual, [[0.0; 3]; 3]), odometry_covariance(geometry, step.turned, self.tick))
+        });
+        let mut linear = Linear {
+            odometry: odometry.collect(),
+            walls: vec![Vec::new(); self.steps.len()],
+            headings: vec![Vec::new(); self.steps.len()],
+        };
+        let latency = geometry.get(Parameter::LaserLatency);
+        for (record, (sighting, wall)) in self.sightings.iter().zip(&self.wall_of).enumerate() {
+            let Some(known) = trajectory.walls.get(*wall) else { continue };
+            let Some(k) = self.step_at(sighting.stamp - latency) else { continue };
+            let (from, to) = ends(k);
+            let part = fraction(&self.steps[k], sighting.stamp, unknown.get(Parameter::LaserLatency));
+            let line = seen(during(from, to, part), &unknown, unknown_wall(*known));
+            let constant = |value: f64| Dual::constant(value);
+            let residual = [
+                line.distance - constant(sighting.line.distance),
+                line.direction.turned(constant(-sighting.line.direction.radians())).radians(),
+            ];
+            linear.walls[k].push((*wall, factor(record, residual, sighting.information)));
+        }
+        let latency = geometry.get(Parameter::CompassLatency);
+        for (record, reading) in self.headings.iter().enumerate() {
+            let Some(k) = self.step_at(reading.time - latency) else { continue };
+            let (from, to) = ends(k);
+            let part = fraction(&self.steps[k], reading.time, unknown.get(Parameter::CompassLatency));
+            let expected = compass_reading(during(from, to, part), &unknown);
+            let residual = [expected.turned(Dual::constant(-reading.heading.radians())).radians()];
+            linear.headings[k].push(factor(record, residual, [[1.0]]));
+        }
+        linear
+    }
+
+    /// How ½·(−2 log likelihood) changes with each parameter that is a latency, for each of `ranges`; 0 for the others.
+    ///
+    /// A latency decides between which two poses a scan falls. What least squares alone says of it is biased: half-way
+    /// between two poses the odometry's errors average out and seem smaller, and the determinant of the normal matrix,
+    /// which least squares leaves out, makes up for that. Both have a kink where a scan coincides with a pose, and the
+    /// kinks cancel in the sum only; hence differences across it.
+    pub(super) fn latency_slopes(
+        &self,
+        linear: &Linear,
+        trajectory: &Trajectory,
+        geometry: &Geometry<f64>,
+        scatter: Scatter,
+        ranges: &[Range<usize>],
+    ) -> Result<Vec<[f64; COUNT]>, Singular> {
+        let mut slopes = vec![[0.0; COUNT]; ranges.len()];
+        let latencies = [
+            (Parameter::LaserLatency, self.sightings.is_empty()),
+            (Parameter::CompassLatency, self.headings.is_empty()),
+        ];
+        for (latency, _) in latencies.into_iter().filter(|(_, absent)| !absent) {
+            let moved = |by: f64| {
+                let mut geometry = *geometry;
+                geometry.0[latency as usize] += by;
+                let mut moved = self.linear(trajectory, &geometry);
+                moved.weigh_as(linear);
+                moved
+            };
+            let (mut before, mut after) = (moved(-LATENCY_STEP), moved(LATENCY_STEP));
+            before.keep_common(&mut after, ranges);
+            for (range, slopes) in ranges.iter().zip(&mut slopes) {
+                let rise = after.reduced(range.clone(), scatter)?.misfit
+                    - before.reduced(range.clone(), scatter)?.misfit;
+                slopes[latency as usize] = 0.5 * rise / (2.0 * LATENCY_STEP);
+            }
+        }
+        Ok(slopes)
+    }
+
+    /// The step that holds `time`, or the first or last if it is no farther away than that step is long.
+    fn step_at(&self, time: f64) -> Option<usize> {
+        let (index, part) = locate(self.steps, time);
+        (-1.0..=2.0).contains(&part).then_some(index)
+    }
+}
+
+/// What is known of the geometry after a stretch of the recording.
+#[derive(Clone, Debug)]
+pub(super) struct Reduced {
+    /// Normal matrix of the geometry alone.
+    pub(super) a: DMatrix<f64>,
+    /// Its right-hand side.
+    pub(super) b: DVector<f64>,
+    /// −2 log likelihood, but for a constant and for what is left of the geometry.
+    pub(super) misfit: f64,
+    front: Front,
+}
+
+impl Linear {
+    /// What the steps in `range` say of the geometry, with their poses and walls at their best for each geometry.
+    pub(super) fn reduced(&self, range: Range<usize>, scatter: Scatter) -> Result<Reduced, Singular> {
+        let mut front = Front::new();
+        let geometry = front.enter(Key::Geometry, COUNT);
+        let first = front.enter(Key::Pose(range.start), 3);
+        // The map begins with the recording; where a later stretch begins is the map's business, its heading the compass'.
+        let free = range.start > 0;
+        for (i, std) in [ANCHOR, ANCHOR, if free { FREE } else { ANCHOR }].into_iter().enumerate() {
+            front.add(&[0.0], &[[1.0]], &[first + i], &[[1.0 / (std * std)]]);
+        }
+        let mut last_seen = HashMap::new();
+        for k in range.clone() {
+            for (wall, _) in &self.walls[k] {
+                last_seen.insert(*wall, k);
+            }
+        }
+        let mut misfit = 0.0;
+        let mut columns = [0; LOCAL];
+        for i in 0..COUNT {
+            columns[GEOMETRY + i] = geometry + i;
+        }
+        for k in range.clone() {
+            let to = front.enter(Key::Pose(k + 1), 3);
+            let from = front.enter(Key::Pose(k), 3);
+            for i in 0..3 {
+                columns[FROM + i] = from + i;
+                columns[TO + i] = to + i;
+            }
+            let (step, [by_slip, constant]) = &self.odometry[k];
+            let covariance = Matrix3::from_fn(|i, j| scatter.delta * by_slip[i][j] + constant[i][j]);
+            let factor = covariance.cholesky().ok_or(Singular)?;
+            misfit += 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+            let information = factor.inverse();
+            let information = core::array::from_fn(|i| core::array::from_fn(|j| information[(i, j)]));
+            add(&mut front, step, &information, &columns, false);
+            for heading in &self.headings[k] {
+                let scaled = heading.scaled(scatter.compass * scatter.compass);
+                add(&mut front, heading, &scaled, &columns, false);
+                misfit += 2.0 * scatter.compass.ln();
+            }
+            for (wall, sighting) in &self.walls[k] {
+                let at = front.enter(Key::Wall(*wall), 2);
+                columns[WALL] = at;
+                columns[WALL + 1] = at + 1;
+                let scaled = sighting.scaled(scatter.wall);
+                add(&mut front, sighting, &scaled, &columns, true);
+                misfit += 2.0 * scatter.wall.ln();
+            }
+            front.leave(Key::Pose(k))?;
+            for (wall, _) in &self.walls[k] {
+                if last_seen.get(wall) == Some(&k) {
+                    front.leave(Key::Wall(*wall))?;
+                }
+            }
+        }
+        front.leave(Key::Pose(range.end))?;
+        let (a, b) = front.left();
+        let (a, b) = (a.clone(), b.clone());
+        let misfit = misfit + front.chi_squared + front.log_determinant;
+        Ok(Reduced { a, b, misfit, front })
+    }
+
+    /// Lets residuals that are far out count less, by this scatter.
+    pub(super) fn weigh(&mut self, scatter: Scatter) {
+        for (_, factor) in self.walls.iter_mut().flatten() {
+            factor.weigh(scatter.wall);
+        }
+        for factor in self.headings.iter_mut().flatten() {
+            factor.weigh(scatter.compass * scatter.compass);
+        }
+    }
+
+    /// Takes the weights of `other`, which is linear about another geometry.
+    fn weigh_as(&mut self, other: &Self) {
+        let known: HashMap<usize, f64> =
+            other.walls.iter().flatten().map(|(_, factor)| (factor.record, factor.weight)).collect();
+        for (_, factor) in self.walls.iter_mut().flatten() {
+            factor.weight = known.get(&factor.record).copied().unwrap_or(factor.weight);
+        }
+        let known: HashMap<usize, f64> =
+            other.headings.iter().flatten().map(|factor| (factor.record, factor.weight)).collect();
+        for factor in self.headings.iter_mut().flatten() {
+            factor.weight = known.get(&factor.record).copied().unwrap_or(factor.weight);
+        }
+    }
+
+    /// Drops what does not fall in the same one of `ranges` here and in `other`, from both: a difference of likelihoods is
+    /// one only if both are of the same measurements.
+    fn keep_common(&mut self, other: &mut Self, ranges: &[Range<usize>]) {
+        let range_of = |k: usize| ranges.iter().position(|range| range.contains(&k));
+        let walls = |linear: &Self| -> HashMap<usize, Option<usize>> {
+            let all = linear.walls.iter().enumerate();
+            all.flat_map(|(k, here)| here.iter().map(move |(_, f)| (f.record, range_of(k)))).collect()
+        };
+        let headings = |linear: &Self| -> HashMap<usize, Option<usize>> {
+            let all = linear.headings.iter().enumerate();
+            all.flat_map(|(k, here)| here.iter().map(move |f| (f.record, range_of(k)))).collect()
+        };
+        let places = [(walls(self), headings(self)), (walls(other), headings(other))];
+        for linear in [self, other] {
+            for here in &mut linear.walls {
+                here.retain(|(_, f)| places[0].0.get(&f.record) == places[1].0.get(&f.record));
+            }
+            for here in &mut linear.headings {
+                here.retain(|f| places[0].1.get(&f.record) == places[1].1.get(&f.record));
+            }
+        }
+    }
+
+    /// Number of steps.
+    pub(super) fn len(&self) -> usize {
+        self.odometry.len()
+    }
+}
+
+impl<const M: usize> Factor<M> {
+    /// The inverse covariance with the factor's weight, where its variance is `scale` times the one stated.
+    fn scaled(&self, scale: f64) -> [[f64; M]; M] {
+        self.information.map(|row| row.map(|entry| entry * self.weight / scale))
+    }
+
+    /// Sets the weight by how far out the residual is.
+    fn weigh(&mut self, scale: f64) {
+        let mut squared = 0.0;
+        for i in 0..M {
+            for j in 0..M {
+                squared += self.residual[i] * self.information[i][j] * self.residual[j] / scale;
+            }
+        }
+        self.weight = (HUBER / squared.max(0.0).sqrt()).min(1.0);
+    }
+}
+
+/// Unknowns of a factor that has no wall.
+const SHORT: usize = LOCAL + WALL - GEOMETRY;
+
+/// Adds a factor to the front; one without a wall has no columns for it.
+fn add<const M: usize>(
+    front: &mut Front,
+    factor: &Factor<M>,
+    information: &[[f64; M]; M],
+    columns: &[usize; LOCAL],
+    with_wall: bool,
+) {
+    if with_wall {
+        return front.add(&factor.residual, &factor.jacobian, columns, information);
+    }
+    let at = |i: usize| if i < WALL { i } else { i + GEOMETRY - WALL };
+    let jacobian: [[f64; M]; SHORT] = core::array::from_fn(|i| factor.jacobian[at(i)]);
+    let columns: [usize; SHORT] = core::array::from_fn(|i| columns[at(i)]);
+    front.add(&factor.residual, &jacobian, &columns, information);
+}
+
+impl Reduced {
+    /// The trajectory at its best once the geometry changes by `step`.
+    pub(super) fn moved(&self, trajectory: &Trajectory, step: &DVector<f64>) -> Trajectory {
+        let mut moved = trajectory.clone();
+        self.front.back(step, |key, change| match key {
+            Key::Pose(k) => {
+                for (value, change) in moved.places[k].iter_mut().zip(change.iter()) {
+                    *value += change;
+                }
+            }
+            Key::Wall(w) => {
+                for (value, change) in moved.walls[w].iter_mut().zip(change.iter()) {
+                    *value += change;
+                }
+            }
+            Key::Geometry => {}
+        });
+        moved
+    }
+}
