@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod calibrate;
 mod certify;
 mod config;
 mod map;
@@ -27,6 +28,8 @@ pub(crate) enum Command {
     Certify(certify::CertifyCommand),
     /// Make a wall map from a grid or a recording, or show one
     Map(map::MapCommand),
+    /// Fit the robot's parameters to a recording
+    Calibrate(calibrate::CalibrateCommand),
     /// Check, show or explain the configuration
     Config(config::ConfigCommand),
     /// Run the estimator on a recording, judged against its reference
@@ -49,6 +52,7 @@ impl Command {
             Self::Sweep(command) => command.run(output),
             Self::Certify(command) => command.run(output),
             Self::Map(command) => command.run(output),
+            Self::Calibrate(command) => command.run(output),
             Self::Config(command) => command.run(output),
             Self::Replay(command) => command.run(output),
         }

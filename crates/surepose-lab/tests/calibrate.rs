@@ -50,10 +50,13 @@ fn true_values_lie_in_their_intervals() {
     }
 }
 
-/// The promise: of 100 recordings, 90 to 99 for each parameter.
+/// The promise: of 100 recordings, 90 to 99 for each parameter. It takes minutes, so it waits to be asked for.
 #[test]
-#[ignore = "takes minutes; run with --release"]
 fn a_hundred_recordings() {
+    if std::env::var_os("SUREPOSE_HUNDRED_RECORDINGS").is_none() {
+        println!("skipped: set SUREPOSE_HUNDRED_RECORDINGS to calibrate from 100 simulated recordings");
+        return;
+    }
     for (name, errors) in errors(0..100) {
         let inside = errors.iter().filter(|error| error.abs() <= 1.96).count();
         println!("{name}: {inside} of {}", errors.len());
