@@ -151,24 +151,16 @@ fn the_path_experiment_compares_with_and_without_the_filter() {
 fn an_interrupt_keeps_what_was_done_and_exits_with_130() {
     use std::process::{Command, Stdio};
     let out = folder("interrupted");
-    // An hour of trying to stand still to a nanometre: there is time to interrupt it.
+    // An hour of trying to stand still to a nanometre, 500 times a second: there is time to interrupt it.
     let child = Command::new(env!("CARGO_BIN_EXE_surepose"))
-        .args([
-            "run",
-            "--scenario",
-            "open",
-            "--goal",
-            "5000,0,0",
-            "--set",
-            "scenario.timeout_s=3600",
-            "--json",
-        ])
+        .args(["run", "--json", "--set", "goal.position_tolerance_m=0.000000001"])
+        .args(["--set", "scenario.timeout_s=3600", "--set", "loop.period_s=0.002"])
         .args(["--out", out.to_str().expect("UTF-8")])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    std::thread::sleep(std::time::Duration::from_millis(500));
     let asked = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
     assert!(asked.success());
     let output = child.wait_with_output().expect("it ends");

@@ -56,6 +56,7 @@ impl Default for RunCommand {
 
 impl RunCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        interrupt::listen();
         let scenario = self.scenario()?;
         for said in certification::warnings(&scenario.config) {
             warning(&said);
@@ -63,7 +64,6 @@ impl RunCommand {
         // A folder that cannot be written to is found before the drive, not after it.
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
 
-        interrupt::listen();
         let bar = progress::bar(output, "driving");
         let mut drive = Drive::new(&scenario, self.seed);
         let mut samples = Vec::new();
