@@ -79,7 +79,9 @@ fn search_inwards<L: Subject>(
             descent.prepare(rho);
         }
         let mut shown = None;
-        for &wanted in rates {
+        // Nearer than near enough is not worth a slower fall than farther out.
+        let least = if far > near_enough { 0.0 } else { 0.9 * -annulus.rate };
+        for &wanted in rates.iter().filter(|wanted| **wanted >= least) {
             let found = search(descent, rho, wanted, budget.slice);
             annulus.boxes += found.boxes;
             shown = found.rate;

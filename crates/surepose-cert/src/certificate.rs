@@ -99,8 +99,8 @@ pub struct Certificate {
 /// Rates of fall that are tried \[1/s], the wish first.
 pub(crate) const WANTED: [f64; 2] = [0.2, 0.02];
 /// Work for the descent, and for each period that is tried.
-pub(crate) const BUDGET: Budget = Budget { slice: 12_000, enough: 16_000, total: 60_000 };
-const PERIOD_BUDGET: Budget = Budget { slice: 4_000, enough: 16_000, total: 16_000 };
+pub(crate) const BUDGET: Budget = Budget { slice: 12_000, enough: 24_000, total: 60_000 };
+const PERIOD_BUDGET: Budget = Budget { slice: 3_000, enough: 12_000, total: 12_000 };
 /// Weights c of the distance in W, in the order of trying.
 pub(crate) const DISTANCE_WEIGHTS: [f64; 3] = [4.0, 8.0, 2.0];
 /// Weights c for the bound of the distance after the capture: the larger, the less W trades distance for angles.
@@ -244,7 +244,9 @@ impl<L: Subject> Request<'_, L> {
             limited: true,
             minds: Vec::new(),
             rim_limit: self.limits.wheel_speed,
+            reachable: Vec::new(),
         }
+        .with_minds_found()
     }
 
     fn bare(&self, weight: Weight) -> Descent<'_, L> {

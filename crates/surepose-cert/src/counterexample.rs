@@ -108,7 +108,7 @@ fn disturbed<L: Subject>(
         next.y + next.noise_y,
         Angle::wrapped(next.heading + next.noise_heading),
     );
-    let decision = descent.subject.decide(&Navigation::of(seen, goal), next.mind.memory());
+    let decision = descent.subject.decide(&Navigation::of(seen, goal), next.mind.memory(next.trims));
     // Mostly a mind that the law has there already, so that the counterexample does not hang on a change of mind.
     if dice.part() < 0.8 {
         next.mind = Mind::of_float(&decision.memory);

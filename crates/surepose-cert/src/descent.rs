@@ -9,7 +9,7 @@ use crate::interval::Interval;
 use crate::mind::Mind;
 use crate::noise::Noise;
 use crate::region::{Region, half_turns};
-use crate::subject::{Subject, drive_over};
+use crate::subject::Subject;
 use crate::weight::{Truth, Weight, window};
 
 /// Ways through the law beyond which a region is cut rather than followed: it is too large.
@@ -32,6 +32,8 @@ pub(crate) struct Descent<'a, L> {
     pub(crate) minds: Vec<Mind>,
     /// What no rim may be told to exceed \[m/s].
     pub(crate) rim_limit: f64,
+    /// Every mind that the law can come to be in, wherever the goal is.
+    pub(crate) reachable: Vec<Mind>,
 }
 
 /// One thing that the law may do in a region.
@@ -51,6 +53,12 @@ pub(crate) struct Fall {
 }
 
 impl<L: Subject> Descent<'_, L> {
+    /// The same, knowing which minds the law can come to.
+    pub(crate) fn with_minds_found(mut self) -> Self {
+        self.reachable = self.find_reachable();
+        self
+    }
+
     /// The step that the robot is told.
     fn step(&self, region: &Region, memory: Memory<Interval>) -> Decision<Interval> {
         let decision = self.subject.decide(&region.seen(), memory);
@@ -64,7 +72,7 @@ impl<L: Subject> Descent<'_, L> {
     /// What the law does in `region`, having been of `mind`; nothing if that cannot be told.
     pub(crate) fn outcomes(&self, region: &Region, mind: Mind, into: &mut Vec<Outcome>) -> bool {
         let mut known = true;
-        let program = || self.step(region, mind.memory());
+        let program = || self.step(region, mind.memories());
         let complete = explore(MOST_WAYS, program, |Decision { twist, memory }| match Mind::of(&memory) {
             Some(mind) => {
                 let outcome = Outcome { mind, twist };
@@ -79,33 +87,38 @@ impl<L: Subject> Descent<'_, L> {
 
     /// Whether the local law can be in charge after this tick, having been in charge before or not.
     pub(crate) fn local_possible(&self, region: &Region, before: bool) -> bool {
-        Mind::all()
+        self.minds_known()
             .filter(|mind| mind.near == before)
-            .any(|mind| self.step(region, mind.memory()).memory.near.possible())
+            .any(|mind| self.step(region, mind.memories()).memory.near.possible())
     }
 
     /// Whether the local law is in charge after this tick, whoever was before.
     pub(crate) fn local_certain(&self, region: &Region) -> bool {
-        Mind::all().all(|mind| self.step(region, mind.memory()).memory.near.certain())
+        self.minds_known().all(|mind| self.step(region, mind.memories()).memory.near.certain())
     }
 
     /// Whether the local law can hand back in this tick.
     pub(crate) fn global_possible(&self, region: &Region) -> bool {
-        Mind::all()
+        self.minds_known()
             .filter(|mind| mind.near)
-            .any(|mind| (!self.step(region, mind.memory()).memory.near).possible())
+            .any(|mind| (!self.step(region, mind.memories()).memory.near).possible())
     }
 
     /// The hull of all that the robot may be told here.
     pub(crate) fn told(&self, region: &Region) -> Twist<Interval> {
-        let mut twists = Mind::all().map(|mind| self.step(region, mind.memory()).twist);
+        let mut twists = self.minds_known().map(|mind| self.step(region, mind.memories()).twist);
         let first = twists.next().unwrap_or(Twist::new(Interval::ENTIRE, Interval::ENTIRE));
         twists.fold(first, |all, twist| Twist::new(all.v.hull(twist.v), all.omega.hull(twist.omega)))
     }
 
     /// Considers, from here on, every mind that the law can come to be in anywhere: for noise without bounds.
     pub(crate) fn prepare_for_any_past(&mut self) {
-        self.minds = self.reachable();
+        self.minds.clone_from(&self.reachable);
+    }
+
+    /// Every mind that the law can come to be in, wherever the goal is.
+    pub(crate) fn minds_known(&self) -> impl Iterator<Item = Mind> + '_ {
+        self.reachable.iter().copied()
     }
 
     /// Considers, from here on, the minds that the law can be in at true distances `rho`.
@@ -117,13 +130,12 @@ impl<L: Subject> Descent<'_, L> {
     /// The minds that the law can be in at true distances `rho`: the fresh one, and those that the tick before can have
     /// left it in, which began at most `step` \[m] farther or nearer.
     fn minds_at(&self, rho: Interval, step: f64) -> Vec<Mind> {
-        let reachable = self.reachable();
         let drift = Interval::symmetric(step) + Interval::symmetric(self.noise.position);
         let here = Region::anywhere(rho, drift);
-        let mut minds: Vec<Mind> = reachable
-            .iter()
-            .flat_map(|before| Mind::possible(&self.step(&here, before.memory()).memory))
-            .filter(|after| reachable.contains(after))
+        let mut minds: Vec<Mind> = self
+            .minds_known()
+            .flat_map(|before| Mind::possible(&self.step(&here, before.memories()).memory))
+            .filter(|after| self.reachable.contains(after))
             .collect();
         minds.push(Mind::FRESH);
         minds.sort_by_key(|mind| mind.index());
@@ -132,12 +144,12 @@ impl<L: Subject> Descent<'_, L> {
     }
 
     /// The fresh mind, and all that the law can come to from it, wherever the goal is.
-    fn reachable(&self) -> Vec<Mind> {
+    fn find_reachable(&self) -> Vec<Mind> {
         let everywhere = Region::anywhere(Interval::new(0.0, 1e6), Interval::point(0.0));
         let mut reachable = vec![Mind::FRESH];
         let mut next = 0;
         while let Some(&before) = reachable.get(next) {
-            let memory = self.step(&everywhere, before.memory()).memory;
+            let memory = self.step(&everywhere, before.memories()).memory;
             let new: Vec<Mind> = Mind::possible(&memory).filter(|after| !reachable.contains(after)).collect();
             reachable.extend(new);
             next += 1;
@@ -161,7 +173,7 @@ impl<L: Subject> Descent<'_, L> {
                 if outcome.mind.side == 0 && !self.stays_undecided() {
                     return nothing;
                 }
-                if (before != Mind::FRESH || self.stays_undecided()) && before != outcome.mind {
+                if (before != Mind::FRESH || self.stays_undecided()) && !before.weighs_as(outcome.mind) {
                     fall.jump = fall.jump.max(self.jump(region, before, outcome.mind, turn));
                 }
                 if !known.contains(outcome) {
@@ -187,7 +199,7 @@ impl<L: Subject> Descent<'_, L> {
 
     /// Whether a rim is told to exceed its limit, beyond rounding.
     fn too_fast(&self, outcome: &Outcome) -> bool {
-        let rims = drive_over(&self.drive).rims_from_twist(outcome.twist).largest();
+        let rims = self.drive.cast().rims_from_twist(outcome.twist).largest();
         rims.lo() > self.rim_limit * (1.0 + 1e-9)
     }
 
@@ -221,7 +233,7 @@ impl<L: Subject> Descent<'_, L> {
 
     /// How W falls while the twist of `outcome` is held.
     fn rate(&self, region: &Region, outcome: &Outcome, turn: f64, wanted: f64) -> f64 {
-        let twist = self.noise.driven(&drive_over(&self.drive), outcome.twist);
+        let twist = self.noise.driven(&self.drive.cast(), outcome.twist);
         let mut worst = f64::INFINITY;
         for (slices, times) in [(1, 1), (4, 1), (8, 2)] {
             worst = f64::NEG_INFINITY;

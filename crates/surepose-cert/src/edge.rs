@@ -2,9 +2,8 @@
 
 use crate::descent::Descent;
 use crate::interval::Interval;
-use crate::mind::Mind;
 use crate::region::Region;
-use crate::subject::{Subject, drive_over};
+use crate::subject::Subject;
 
 /// Regions narrower than this \[rad] are taken as they are.
 const FINE: f64 = 0.06;
@@ -43,14 +42,14 @@ impl<L: Subject> Descent<'_, L> {
         let time = Interval::new(0.0, self.period);
         let turn = Interval::symmetric(region.turn(&self.noise));
         let mut outcomes = Vec::new();
-        for mind in Mind::all() {
+        for mind in self.minds_known() {
             if !self.outcomes(region, mind, &mut outcomes) {
                 return None;
             }
         }
         let mut farthest = f64::NEG_INFINITY;
         for outcome in outcomes {
-            let twist = self.noise.driven(&drive_over(&self.drive), outcome.twist);
+            let twist = self.noise.driven(&self.drive.cast(), outcome.twist);
             let straight = (region.rho + time * twist.v.hull(-twist.v)).hi();
             let truth = self.truth(region, outcome.mind, turn);
             let along = truth.swept(twist, self.period).map_or(straight, |swept| swept.rho.hi());

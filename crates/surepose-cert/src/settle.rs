@@ -10,7 +10,7 @@ use crate::interval::Interval;
 use crate::mind::Mind;
 use crate::region::Region;
 use crate::situation::Situation;
-use crate::subject::{Subject, drive_over};
+use crate::subject::Subject;
 
 /// What was shown of the neighbourhood of the goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ const LOCAL_TRIES: usize = 20_000;
 /// Distances at which nobody but the local law may be in charge \[m].
 const ON_THE_GOAL: fn() -> Interval = || Interval::new(0.0, 1e-6);
 /// Regions looked at for each.
-const MOST: usize = 30_000;
+const MOST: usize = 100_000;
 /// Regions narrower than this \[rad] are not cut again.
 const NARROWEST: f64 = 4e-3;
 
@@ -63,7 +63,7 @@ pub(crate) fn heading_bound<L: Subject>(
     capture: f64,
     boxes: &mut usize,
 ) -> Option<f64> {
-    descent.minds = local_minds();
+    descent.minds = local_minds(descent);
     let (near, whole) = reach_of_local(descent, capture);
     if !whole || !descent.local_certain(&Region::anywhere(ON_THE_GOAL(), Interval::point(0.0))) {
         return None;
@@ -77,14 +77,16 @@ pub(crate) fn local_counterexample<L: Subject>(
     descent: &mut Descent<'_, L>,
     capture: f64,
 ) -> Option<Counterexample> {
-    let minds = local_minds();
+    // A law that never lets the local one take over is looked at in whatever mind it is.
+    let minds = Some(local_minds(descent)).filter(|minds| !minds.is_empty());
+    let minds = minds.unwrap_or_else(|| descent.minds_known().collect());
     let (near, _) = reach_of_local(descent, capture);
     let mut dice = Dice(0x10ca_11a5);
     (0..LOCAL_TRIES).find_map(|k| {
         let rho = near.hi() * dice.part();
         // Where the goal is at the robot's side there is nothing to drive, and all depends on the turn.
         let alpha = if k % 2 == 0 { FRAC_PI_2 * dice.either().signum() } else { PI * dice.either() };
-        let mind = minds[k % minds.len()];
+        let mind = *minds.get(k % minds.len().max(1))?;
         let situation = Situation::polar(rho, alpha, PI * dice.either(), mind);
         let consequence = situation.simulate(
             descent.subject,
@@ -93,23 +95,26 @@ pub(crate) fn local_counterexample<L: Subject>(
             &descent.weight,
             descent.limited,
         );
-        let fall = local_weight(&consequence.before) - local_weight(&consequence.after);
+        let side = consequence.mind.side;
+        let fall = local_weight(&consequence.before, side) - local_weight(&consequence.after, side);
         let counts = consequence.before.heading_error().radians().abs() > HEADINGS[0];
         let violates = if consequence.mind.near { counts && fall <= 1e-12 } else { rho < ON_THE_GOAL().hi() };
         violates.then_some(Counterexample { situation, consequence, limited: descent.limited })
     })
 }
 
-/// V of [`Settling`], to rounding.
-fn local_weight(goal: &Navigation<f64>) -> f64 {
+/// V of [`Settling`] for a robot that turns to `side`, to rounding.
+fn local_weight(goal: &Navigation<f64>, side: i8) -> f64 {
     let (_, cos) = goal.alpha.sin_cos();
-    let (heading, ahead) = (goal.heading_error().radians(), goal.rho * cos / LENGTH);
+    let (error, side) = (goal.heading_error().radians(), f64::from(side));
+    let heading = if error * side > FRAC_PI_2 { error - TAU * side } else { error };
+    let ahead = goal.rho * cos / LENGTH;
     0.5 * (heading * heading + ahead * ahead)
 }
 
 /// The minds in which the local law is in charge.
-fn local_minds() -> Vec<Mind> {
-    Mind::all().filter(|mind| mind.near && mind.side != 0).collect()
+fn local_minds<L: Subject>(descent: &Descent<'_, L>) -> Vec<Mind> {
+    descent.minds_known().filter(|mind| mind.near && mind.side != 0).collect()
 }
 
 /// The seen distances at which the local law can be in charge, in steps; and whether these are all.
@@ -176,7 +181,7 @@ fn rate<L: Subject>(
     length: f64,
     pieces: usize,
 ) -> f64 {
-    let twist = descent.noise.driven(&drive_over(&descent.drive), outcome.twist);
+    let twist = descent.noise.driven(&descent.drive.cast(), outcome.twist);
     let (sin, cos) = region.alpha.sin_cos();
     let noise = Interval::symmetric(descent.noise.position);
     let (seen_ahead, aside) = (region.seen_rho() * cos, region.seen_rho() * sin + noise);

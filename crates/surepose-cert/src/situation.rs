@@ -17,6 +17,8 @@ pub struct Situation {
     pub heading: f64,
     /// What the law remembers.
     pub mind: Mind,
+    /// For how many ticks it has trimmed its heading.
+    pub trims: f64,
     /// Estimated minus true x \[m].
     pub noise_x: f64,
     /// Estimated minus true y \[m].
@@ -38,6 +40,8 @@ pub struct Consequence {
     pub after: Navigation<f64>,
     /// The law's mind after it.
     pub mind: Mind,
+    /// For how many ticks the law has trimmed its heading then.
+    pub trims: f64,
     /// What the robot was told to drive.
     pub told: Twist<f64>,
     /// W before the tick.
@@ -63,7 +67,7 @@ impl Situation {
             self.y + self.noise_y,
             Angle::wrapped(self.heading + self.noise_heading),
         );
-        let decision = subject.decide(&Navigation::of(estimate, goal), self.mind.memory());
+        let decision = subject.decide(&Navigation::of(estimate, goal), self.mind.memory(self.trims));
         let told = if limited { subject.grant(decision.twist) } else { decision.twist };
         let rims = drive.rims_from_twist(told);
         let rims = Wheels::new(rims.right + self.noise_right, rims.left + self.noise_left);
@@ -77,6 +81,7 @@ impl Situation {
             before,
             after,
             mind,
+            trims: decision.memory.trims,
             told,
             weight_before: weight.of(&before, held),
             weight_after: weight.of(&after, mind),
@@ -91,6 +96,7 @@ impl Situation {
             y: at.y,
             heading: phi - alpha,
             mind,
+            trims: 0.0,
             noise_x: 0.0,
             noise_y: 0.0,
             noise_heading: 0.0,

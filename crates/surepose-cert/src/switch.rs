@@ -7,7 +7,7 @@ use surepose::Scalar;
 use crate::descent::Descent;
 use crate::interval::Interval;
 use crate::region::Region;
-use crate::subject::{Subject, drive_over};
+use crate::subject::Subject;
 
 /// Into how many distances and directions the seen goal is cut.
 const RINGS: usize = 40;
@@ -37,7 +37,7 @@ pub(crate) fn gap<L: Subject>(descent: &Descent<'_, L>, near: Interval) -> (f64,
                 taken.push(spot(&region));
                 farthest = farthest.max(region.rho.hi());
                 let told = descent.told(&region);
-                let twist = descent.noise.driven(&drive_over(&descent.drive), told);
+                let twist = descent.noise.driven(&descent.drive.cast(), told);
                 fastest = fastest.max(twist.v.magnitude());
                 turn = turn.max(twist.omega.magnitude());
             }

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{DRIVE, hybrid, noise, paper_gains, request, shipped};
+use surepose::{HybridLaw, Rest};
 use surepose_cert::{Noise, Reason, Request, certify, drift, margin_map};
 
 #[test]
@@ -17,6 +18,20 @@ fn the_default_law_is_certified_at_both_periods_and_noises() {
             let last = certificate.final_position_bound;
             assert!(last.is_some_and(|bound| bound < 1.3 * radius), "{certificate:?}");
             assert!(certificate.decrease_rate.is_some_and(|rate| rate >= 0.2), "{certificate:?}");
+        }
+    }
+}
+
+#[test]
+fn a_law_that_is_told_of_noise_is_certified_too() {
+    for period in [0.02, 0.1] {
+        for (position, heading_deg, radius) in [(0.007, 0.25, 0.05), (0.02, 1.2, 0.12)] {
+            let law = hybrid(period);
+            let law = HybridLaw { rest: Some(Rest::of(0.005, period, law.capture_radius)), ..law };
+            let subject = shipped(law);
+            let certificate = certify(&request(&subject, law.gains.h, period, noise(position, heading_deg)));
+            assert!(certificate.certified, "{period} s, {position} m: {certificate:?}");
+            assert!(certificate.capture_radius.is_some_and(|r| r <= radius), "{certificate:?}");
         }
     }
 }

@@ -57,7 +57,8 @@ fn no_random_situation_violates_the_certified_decrease() {
         let mut least = f64::INFINITY;
         for _ in 0..trials() / 4 {
             let rho = radius * (5.0 / radius).powf(0.5 * (1.0 + dice.either()));
-            let mind = Mind { near: false, reverse: dice.flip(), side: if dice.flip() { 1 } else { -1 } };
+            let side = if dice.flip() { 1 } else { -1 };
+            let mind = Mind { near: false, reverse: dice.flip(), side, travel: 0 };
             let mut situation = Situation::polar(rho, PI * dice.either(), PI * dice.either(), mind);
             disturb(&mut situation, &bounds, &mut dice);
             let tick = situation.simulate(&subject, &DRIVE, period, &certificate.weight, true);
@@ -81,7 +82,7 @@ fn runs_are_captured_in_time_and_stay_captured() {
         let mut dice = Dice(100 + k as u64);
         let (mut longest, mut farthest) = (0.0_f64, 0.0_f64);
         for _ in 0..12 {
-            let fresh = Mind { near: false, reverse: false, side: 0 };
+            let fresh = Mind { near: false, reverse: false, side: 0, travel: 0 };
             let mut situation = Situation::polar(4.9, PI * dice.either(), PI * dice.either(), fresh);
             let mut captured = None;
             let mut ticks = 0_u32;
@@ -100,7 +101,10 @@ fn runs_are_captured_in_time_and_stay_captured() {
                     assert!(time <= latest, "not captured after {time} s");
                 }
                 let (alpha, phi) = (tick.after.alpha.radians(), tick.after.phi.radians());
-                situation = Situation::polar(tick.after.rho, alpha, phi, tick.mind);
+                situation = Situation {
+                    trims: tick.trims,
+                    ..Situation::polar(tick.after.rho, alpha, phi, tick.mind)
+                };
                 ticks += 1;
             }
         }

@@ -41,7 +41,7 @@ fn sweep(arguments: &[String]) -> Option<(Sweep, u64)> {
             capture_radius: 0.03,
             capture_heading: core::f64::consts::PI,
         }),
-        "fitted" => fitted_law(PERIOD, Direction::Auto),
+        "fitted" => fitted_law(PERIOD, Direction::Auto, noise),
         _ => return None,
     };
     let starts = Starts::Random(number(4, 10_000)?);

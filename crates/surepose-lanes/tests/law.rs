@@ -53,8 +53,8 @@ fn step<S: Scalar>(
 #[derive(Clone, Debug, PartialEq)]
 struct Fleet<T: Element> {
     pose: [Column<T, L>; 3],
-    /// near, reverse, side.
-    memory: [Column<T, L>; 3],
+    /// near, reverse, side, trims, travel.
+    memory: [Column<T, L>; 5],
 }
 
 struct Run<T: Element>(Fleet<T>, Which, usize);
@@ -67,10 +67,17 @@ impl<T: Element> Work for Run<T> {
         let Self(mut fleet, which, periods) = self;
         let law = law::<Lanes<T, N>>(which);
         for _ in 0..periods {
-            let ([x, y, heading], [near, reverse, side]) = (&mut fleet.pose, &mut fleet.memory);
+            let ([x, y, heading], [near, reverse, side, trims, travel]) =
+                (&mut fleet.pose, &mut fleet.memory);
             for k in Column::<T, L>::rows::<N>() {
                 let pose = Pose::new(x.get(k), y.get(k), Angle::from_wrapped(heading.get(k)));
-                let memory = Memory { near: near.mask(k), reverse: reverse.mask(k), side: side.get(k) };
+                let memory = Memory {
+                    near: near.mask(k),
+                    reverse: reverse.mask(k),
+                    side: side.get(k),
+                    trims: trims.get(k),
+                    travel: travel.get(k),
+                };
                 let (memory, _, pose) = step(&law, pose, memory);
                 x.set(k, pose.x);
                 y.set(k, pose.y);
@@ -78,6 +85,8 @@ impl<T: Element> Work for Run<T> {
                 near.set_mask(k, memory.near);
                 reverse.set_mask(k, memory.reverse);
                 side.set(k, memory.side);
+                trims.set(k, memory.trims);
+                travel.set(k, memory.travel);
             }
         }
         fleet
@@ -102,7 +111,7 @@ fn starts<T: Element>() -> Fleet<T> {
             at(|k| (0.01 + 3.0 * (k * 0.618).fract()) * (k * 2.4).sin()),
             at(|k| ((k * 0.37).fract() - 0.5) * TAU),
         ],
-        memory: [Column::default(), Column::default(), Column::default()],
+        memory: [Column::default(); 5],
     }
 }
 
@@ -119,10 +128,18 @@ fn lanes_decide_as_one_robot_does() {
             let (near, reverse) = ((k * 0.569_84).fract() < 0.5, (k * 0.31).fract() < 0.5);
             let side = [-1.0, 0.0, 1.0][(k % 3.0) as usize];
 
-            let one = step(&alone, Pose::new(x, y, Angle::wrapped(heading)), Memory { near, reverse, side });
+            let one = step(
+                &alone,
+                Pose::new(x, y, Angle::wrapped(heading)),
+                Memory { near, reverse, side, ..Memory::fresh() },
+            );
             let of = |value: f64| Lanes::<f64, N>::of(value);
-            let memory =
-                Memory { near: LaneMask([near; N]), reverse: LaneMask([reverse; N]), side: of(side) };
+            let memory = Memory {
+                near: LaneMask([near; N]),
+                reverse: LaneMask([reverse; N]),
+                side: of(side),
+                ..Memory::fresh()
+            };
             let many = step(&side_by_side, Pose::new(of(x), of(y), Angle::wrapped(of(heading))), memory);
 
             let same = many.0.near.0[1] == one.0.near && many.0.reverse.0[1] == one.0.reverse;

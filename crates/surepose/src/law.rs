@@ -9,6 +9,7 @@ mod global;
 mod hybrid;
 mod local;
 mod paper;
+mod rest;
 
 use crate::navigation::Navigation;
 use crate::scalar::{Mask, Scalar};
@@ -22,6 +23,7 @@ pub use global::GlobalLaw;
 pub use hybrid::HybridLaw;
 pub use local::LocalLaw;
 pub use paper::PaperLaw;
+pub use rest::Rest;
 
 use crate::drive::Twist;
 
@@ -105,6 +107,7 @@ impl Law<f64> {
                 capture_radius: T::of(law.capture_radius),
                 direction: law.direction,
                 actuation: law.actuation.cast(),
+                rest: law.rest.map(Rest::cast),
             }),
             Self::Paper(law) => Law::Paper(PaperLaw {
                 gains: law.gains.cast(),

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use surepose::closed_loop::{Controller, Progress};
 use surepose::{
     Actuation, Angle, Body, Direction, Drive, Float, Gains, Goal, HybridLaw, Integration, Law, Limits,
-    LocalLaw, Map, Memory, Navigation, PaperLaw, Pose, Tolerance, Twist,
+    LocalLaw, Map, Memory, Navigation, PaperLaw, Pose, Rest, Tolerance, Twist,
 };
 
 const PI: f64 = core::f64::consts::PI;
@@ -30,7 +30,7 @@ fn angle() -> impl Strategy<Value = f64> {
 }
 
 fn memory(near: bool, reverse: bool, side: f64) -> Memory<f64> {
-    Memory { near, reverse, side }
+    Memory { near, reverse, side, ..Memory::fresh() }
 }
 
 /// The goal as the end that goes first sees it, and how that end moves.
@@ -159,9 +159,8 @@ fn fitted_gains_suit_the_period_and_the_wheels() {
     for period in [0.005, 0.02, 0.1, 0.5] {
         let slow = Gains::<f64>::for_loop(period, &limits(0.5));
         let fast = Gains::for_loop(period, &limits(1e4));
-        for gain in [fast.k_v, fast.k_alpha, fast.k_theta] {
-            assert!(gain * period < 0.81);
-        }
+        assert!(fast.k_v * period < 0.21 && fast.k_alpha * period < 0.25);
+        assert!(fast.k_theta * period < 1.0 + 1e-12, "beyond 1 a turn overshoots");
         // From full speed, the deceleration that the fitted k_v and k_θ ask for is within the wheels' limit.
         assert!(
             slow.k_v * 0.3 <= 0.5
@@ -256,4 +255,43 @@ proptest! {
         prop_assert!(drove.reached && drove.distance < 0.012, "stands {} m off", drove.distance);
         prop_assert!(drove.switches <= 7, "switched {} times", drove.switches);
     }
+}
+
+/// Told of noise the robot does not follow it to and fro, and turns its travel round only for what noise is not.
+#[test]
+fn told_of_noise_it_rests() {
+    let told = |noise: f64| HybridLaw {
+        rest: Some(Rest::of(noise, 0.02, 0.033)),
+        ..law::<f64>(0.02, Direction::Forward)
+    };
+    let reach = told(0.005).rest.map_or(0.0, |rest| rest.reach);
+    assert!(
+        reach > 0.003 && 2.4 * reach < 0.35 * 0.033,
+        "a robot that rests is within what has arrived: {reach}"
+    );
+    let drives = |ahead: f64, travel: f64| -> i32 {
+        let n = navigation(ahead.abs(), if ahead < 0.0 { PI } else { 0.0 }, 0.0);
+        let v = told(0.005).decide(&n, Memory { near: true, travel, ..memory(true, false, 1.0) }).twist.v;
+        i32::from(v > 0.0) - i32::from(v < 0.0)
+    };
+    assert_eq!([0.9, 1.1, -2.3, -2.5].map(|k| drives(k * reach, 1.0)), [0, 1, 0, -1]);
+    assert_eq!([-0.9, -1.1, 2.3, 2.5].map(|k| drives(k * reach, -1.0)), [0, -1, 0, 1]);
+    // However loud the noise, the zone stays where the local law turns the robot.
+    assert!(told(1.0).rest.is_some_and(|rest| (rest.reach - reach.max(rest.reach)).abs() < 1e-3));
+}
+
+/// The heading is trimmed by a recursive mean: of `n` sightings of a robot that stands still, each counts the same.
+#[test]
+fn trimming_averages_the_sightings() {
+    let law: HybridLaw<f64> = law(0.1, Direction::Forward);
+    let gain = |trims: f64| {
+        let n = navigation(0.0, 0.0, 0.01);
+        let step = law.decide(&n, Memory { trims, ..memory(true, false, -1.0) });
+        assert!((step.memory.trims - trims - 1.0).abs() < 1e-9);
+        -step.twist.omega / 0.01 * 0.1
+    };
+    for n in 0..7 {
+        assert!((gain(f64::from(n)) - 1.0 / f64::from(n + 1)).abs() < 1e-9, "tick {n}");
+    }
+    assert!(gain(1e6) > 0.1, "an error that grows again is followed");
 }

@@ -110,7 +110,13 @@ impl SweepCommand {
 
     fn sweep(&self) -> Result<Sweep, Failure> {
         // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
+        // The law is told how far off the estimate is, as a robot's owner would tell it.
+        let noise = match self.noise {
+            NoiseName::None => Noise::NONE,
+            NoiseName::Bench => Noise::BENCH,
+        };
         let bench = [
+            (&param::POSITION_NOISE, noise.position),
             (&param::WHEEL_RADIUS, 0.05),
             (&param::TRACK, 0.6),
             (&param::WHEEL_SPEED_LIMIT, 0.3),
@@ -131,10 +137,7 @@ impl SweepCommand {
             },
             law: config.law(),
             period: config.number(&param::PERIOD),
-            noise: match self.noise {
-                NoiseName::None => Noise::NONE,
-                NoiseName::Bench => Noise::BENCH,
-            },
+            noise,
             precision: match self.precision {
                 PrecisionName::F32 => Precision::F32,
                 PrecisionName::F64 => Precision::F64,

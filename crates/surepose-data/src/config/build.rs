@@ -6,7 +6,7 @@ use surepose::closed_loop::Controller;
 use surepose::param;
 use surepose::{
     Actuation, Angle, Belief, Body, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw,
-    Integration, Laser, Law, Limits, Map, PaperLaw, Pose, Stamp, Tolerance,
+    Integration, Laser, Law, Limits, Map, PaperLaw, Pose, Rest, Stamp, Tolerance,
 };
 
 use super::{Config, Origin};
@@ -83,13 +83,15 @@ impl Config {
     /// The control law.
     pub fn law(&self) -> Law<f64> {
         let (gains, capture_radius) = (self.gains(), self.number(&param::CAPTURE_RADIUS));
+        let (noise, period) = (self.number(&param::POSITION_NOISE), self.number(&param::PERIOD));
         match self.choice(&param::LAW_NAME) {
             "paper" => Law::Paper(PaperLaw { gains, capture_radius, capture_heading: PI }),
             _ => Law::Hybrid(HybridLaw {
                 gains,
                 capture_radius,
                 direction: self.direction(),
-                actuation: Actuation::of(&self.drive(), &self.limits(), self.number(&param::PERIOD)),
+                actuation: Actuation::of(&self.drive(), &self.limits(), period),
+                rest: (noise > 0.0).then(|| Rest::of(noise, period, capture_radius)),
             }),
         }
     }

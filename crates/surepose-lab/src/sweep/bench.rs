@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Direction, Drive, HybridLaw, Law, Limits};
+use surepose::{Angle, Direction, Drive, HybridLaw, Law, Limits, Rest};
 use surepose_lanes::uniform;
 
 use super::Start;
@@ -39,9 +39,11 @@ pub fn limits() -> Limits<f64> {
     Limits { wheel_speed: WHEEL_SPEED, wheel_acceleration: f64::INFINITY }
 }
 
-/// The default law for the bench's robot.
-pub fn fitted_law(period: f64, direction: Direction) -> Law<f64> {
-    Law::Hybrid(HybridLaw::fitted(&DRIVE, &limits(), period, direction))
+/// The default law for the bench's robot, told how far off its estimate is.
+pub fn fitted_law(period: f64, direction: Direction, noise: Noise) -> Law<f64> {
+    let law = HybridLaw::fitted(&DRIVE, &limits(), period, direction);
+    let rest = (noise.position > 0.0).then(|| Rest::of(noise.position, period, law.capture_radius));
+    Law::Hybrid(HybridLaw { rest, ..law })
 }
 
 /// How far from the goal counts as there \[m], and how far turned \[rad].

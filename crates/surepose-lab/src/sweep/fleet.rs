@@ -26,6 +26,8 @@ pub(super) struct Fleet<T: Element> {
     pub(super) near: Numbers<T>,
     pub(super) reverse: Numbers<T>,
     pub(super) side: Numbers<T>,
+    pub(super) trims: Numbers<T>,
+    pub(super) travel: Numbers<T>,
     /// The goal as it is seen this period.
     pub(super) rho: Numbers<T>,
     pub(super) alpha: Numbers<T>,
@@ -59,9 +61,8 @@ pub(super) struct Score<T: Element> {
     /// Way and reversals when the robot came inside the tolerance, in which it has been since.
     pub(super) path_entered: Numbers<T>,
     pub(super) cusps_entered: Numbers<T>,
-    /// Where in the play of [`super::phases::CUSP`] the robot is, and which way it was last pushed to: ±1, 0 at first.
-    pub(super) play: Numbers<T>,
-    pub(super) pushed: Numbers<T>,
+    /// Which way it last travelled: ±1, 0 at first.
+    pub(super) travel: Numbers<T>,
 }
 
 /// Deviates as they are drawn.
@@ -78,13 +79,13 @@ impl<T: Element> Fleet<T> {
     /// Lane `lane` begins trial `number` at `start`. A start inside the tolerance is held from the first instant on.
     pub(super) fn begin(&mut self, lane: usize, start: &Start, seed: u64, number: u64) {
         let score = &mut self.score;
-        let zeros = [&mut self.near, &mut self.reverse, &mut self.side].into_iter().chain([
+        let memory = [&mut self.near, &mut self.reverse, &mut self.side, &mut self.trims, &mut self.travel];
+        let zeros = memory.into_iter().chain([
             &mut score.path,
             &mut score.cusps,
             &mut score.path_entered,
             &mut score.cusps_entered,
-            &mut score.play,
-            &mut score.pushed,
+            &mut score.travel,
         ]);
         for numbers in zeros {
             numbers.0[lane] = T::default();

@@ -12,10 +12,6 @@ use surepose_lanes::{Element, Lanes, Work, on_widest};
 use super::bench::{DRIVE, HEADING_TOLERANCE, Noise, POSITION_TOLERANCE, limits};
 use super::fleet::{Fleet, Numbers, VECTORS};
 
-/// A reversal counts once the robot has travelled so far in its new direction \[m]: half the position tolerance, so that a
-/// cusp of the path counts, and trembling on the spot does not.
-pub(super) const CUSP: f64 = 0.005;
-
 type Robots<T> = Lanes<T, VECTORS>;
 
 /// Carries every trial one `period` \[s] forward.
@@ -120,7 +116,13 @@ impl<T: Element> Fleet<T> {
 
     #[inline(always)]
     fn memory(&self, k: usize) -> Memory<Robots<T>> {
-        Memory { near: self.near.mask(k), reverse: self.reverse.mask(k), side: self.side.get(k) }
+        Memory {
+            near: self.near.mask(k),
+            reverse: self.reverse.mask(k),
+            side: self.side.get(k),
+            trims: self.trims.get(k),
+            travel: self.travel.get(k),
+        }
     }
 
     #[inline(always)]
@@ -176,6 +178,8 @@ impl Half for Steer {
         let decision = law.steer(&facing, fleet.memory(k));
         fleet.near.set_mask(k, decision.memory.near);
         fleet.side.set(k, decision.memory.side);
+        fleet.trims.set(k, decision.memory.trims);
+        fleet.travel.set(k, decision.memory.travel);
         fleet.v.set(k, decision.twist.v);
         fleet.omega.set(k, decision.twist.omega);
     }
@@ -253,25 +257,23 @@ impl<T: Element> Work for Judge<'_, T> {
         let fleet = self.0;
         let score = &mut fleet.score;
         let (zero, one) = (Robots::<T>::of(0.0), Robots::<T>::of(1.0));
-        let half = Robots::<T>::of(0.5 * CUSP);
         for k in Numbers::<T>::rows::<VECTORS>() {
             let (x, y, heading) = (fleet.x.get(k), fleet.y.get(k), fleet.heading.get(k));
-            let (length, held, pushed) = (fleet.length.get(k), score.held.get(k), score.pushed.get(k));
+            let (length, held) = (fleet.length.get(k), score.held.get(k));
+            let (speed, travel) = (fleet.v.get(k), score.travel.get(k));
             let (path_entered, cusps_entered) = (score.path_entered.get(k), score.cusps_entered.get(k));
             let path = score.path.get(k) + length.abs();
 
-            // The travel has play: only what goes beyond it pushes, and a push the other way is a reversal.
-            let play = score.play.get(k) + length;
-            let pushes = Robots::select(play.abs().gt(half), play.sign(), pushed);
-            let cusps = score.cusps.get(k) + Robots::select((pushes * pushed).lt(zero), one, zero);
+            // A cusp is a change of sign of the speed that the wheels are told, a rest between left out; the start is none.
+            let cusps = score.cusps.get(k) + Robots::select((speed * travel).lt(zero), one, zero);
+            let travel = Robots::select(speed.abs().gt(zero), speed.sign(), travel);
 
             let close = !Robots::of(POSITION_TOLERANCE * POSITION_TOLERANCE).lt(x.squared() + y.squared());
             let inside = close.and(!Robots::of(HEADING_TOLERANCE).lt(heading.abs()));
             let holding = inside.and(held.gt(zero));
 
             score.path.set(k, path);
-            score.play.set(k, play.clamp(-half, half));
-            score.pushed.set(k, pushes);
+            score.travel.set(k, travel);
             score.cusps.set(k, cusps);
             score.held.set(k, Robots::select(inside, held + one, zero));
             score.path_entered.set(k, Robots::select(holding, path_entered, path));
@@ -284,11 +286,11 @@ impl<T: Element> Work for Judge<'_, T> {
 mod tests {
     use super::{Fleet, Judge, on_widest};
 
-    /// Cusps of a robot that drives `lengths`, in a lane in the middle.
-    fn cusps(lengths: &[f64]) -> f64 {
+    /// Cusps of a robot that is told `speeds`, in a lane in the middle.
+    fn cusps(speeds: &[f64]) -> f64 {
         let mut fleet = Fleet::<f64>::default();
-        for length in lengths {
-            fleet.length.0[77] = *length;
+        for speed in speeds {
+            fleet.v.0[77] = *speed;
             on_widest(Judge(&mut fleet));
         }
         assert!(fleet.score.cusps.0[76].abs() < 0.5, "the neighbour stands still");
@@ -296,16 +298,13 @@ mod tests {
     }
 
     #[test]
-    fn a_cusp_is_a_reversal_that_is_driven() {
+    fn a_cusp_is_a_change_of_the_speeds_sign() {
         let close = |a: f64, b: f64| (a - b).abs() < 0.5;
         assert!(close(cusps(&[0.1; 20]), 0.0));
         assert!(close(cusps(&[0.1, 0.1, -0.1, -0.1]), 1.0));
-        assert!(close(cusps(&[0.1, -0.1, 0.1, -0.1]), 3.0));
-        // Trembling is none, however long; neither is the start's.
-        assert!(close(cusps(&[0.002, -0.002].repeat(100)), 0.0));
-        assert!(close(cusps(&[-0.1, 0.003, -0.003, -0.1]), 0.0));
-        // Small steps add up.
-        let (there, back) = ([0.001; 50], [-0.001; 50]);
-        assert!(close(cusps(&[there, back].concat()), 1.0));
+        assert!(close(cusps(&[0.1, -1e-6, 1e-6, -0.1]), 3.0));
+        // A rest is none, neither is the start's.
+        assert!(close(cusps(&[0.0, -0.1, 0.0, 0.0, -0.1]), 0.0));
+        assert!(close(cusps(&[-0.1, 0.0, 0.0, 0.1]), 1.0));
     }
 }

@@ -56,7 +56,7 @@ pub struct SweepReport {
     pub final_position_error_m: Option<Spread>,
     /// Heading error in the end \[°].
     pub final_heading_error_deg: Option<Spread>,
-    /// Reversals of travel, of more than 5 mm each, in the mean.
+    /// Changes of the speed's sign, in the mean.
     pub cusps_mean: Option<f64>,
     /// What all randomness came from.
     pub seed: u64,

@@ -26,12 +26,17 @@ pub struct Memory<S: Scalar> {
     pub reverse: S::Mask,
     /// The side it turns to, where left and right are equally far: ±1; 0 where nothing is decided yet.
     pub side: S,
+    /// For how many ticks the local law has been trimming a small heading error.
+    pub trims: S,
+    /// Which way the robot last travelled: 1 ahead, −1 back; 0 before it has, and where there is no [`Rest`](super::Rest).
+    pub travel: S,
 }
 
 impl<S: Scalar> Memory<S> {
     /// Nothing decided yet.
     pub fn fresh() -> Self {
-        Self { near: S::Mask::splat(false), reverse: S::Mask::splat(false), side: S::of(0.0) }
+        let (no, zero) = (S::Mask::splat(false), S::of(0.0));
+        Self { near: no, reverse: no, side: zero, trims: zero, travel: zero }
     }
 
     /// Where nothing is decided yet.

@@ -17,12 +17,15 @@ pub struct Gains<S> {
     pub k_theta: S,
 }
 
-/// Parts of an error that are taken away in one period: far below 1, or the sampled loop overshoots.
-const K_V_PER_PERIOD: f64 = 0.18;
+/// Parts of an error that are taken away in one period: below 1 where the sampled loop must not overshoot, and 1 for the
+/// first step of a recursive mean.
+const K_V_PER_PERIOD: f64 = 0.2;
 const K_ALPHA_PER_PERIOD: f64 = 0.24;
-const K_THETA_PER_PERIOD: f64 = 0.8;
+const K_THETA_PER_PERIOD: f64 = 1.0;
 const QUIET_ALPHA_PER_PERIOD: f64 = 0.096;
-const QUIET_THETA_PER_PERIOD: f64 = 0.14;
+const QUIET_THETA_PER_PERIOD: f64 = 0.12;
+/// The largest k_v \[1/s]: a third of a second for the last of the way is short enough, and the rest would follow noise.
+const K_V_MOST: f64 = 9.0;
 /// Weight of the direction of approach: the robot drives nearly straight and turns at the goal, as the time-optimal
 /// paths of [BalkcomMason2002] do.
 const H: f64 = 0.3;
@@ -37,14 +40,14 @@ impl<S: Scalar> Gains<S> {
 
     /// Gains for a loop of `period` \[s] whose wheels obey `limits`.
     ///
-    /// A gain takes a fixed part of its error away in each period: 0.18 of the distance, 0.24 of the bearing, 0.8 of
-    /// the heading error. None is larger than what the wheels' acceleration can follow: an error that shrinks at rate
+    /// A gain takes a fixed part of its error away in each period: 0.2 of the distance, 0.24 of the bearing, all of the
+    /// heading error at the first tick of trimming. k_v is 9/s at the most. None is larger than what the wheels' acceleration can follow: an error that shrinks at rate
     /// k from full speed V needs the deceleration k·V.
     pub fn for_loop(period: S, limits: &Limits<S>) -> Self {
         let followed = limits.wheel_acceleration / limits.wheel_speed;
         let gain = |part: f64, share: f64| (S::of(part) / period).min(followed * S::of(share));
         Self {
-            k_v: gain(K_V_PER_PERIOD, 0.7),
+            k_v: gain(K_V_PER_PERIOD, 0.7).min(S::of(K_V_MOST)),
             k_alpha: gain(K_ALPHA_PER_PERIOD, 2.0),
             h: S::of(H),
             k_theta: gain(K_THETA_PER_PERIOD, 0.7),

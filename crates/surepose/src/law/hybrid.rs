@@ -11,6 +11,7 @@ use super::facing::Facing;
 use super::gains::{Actuation, Gains};
 use super::global::GlobalLaw;
 use super::local::LocalLaw;
+use super::rest::Rest;
 
 /// The hybrid law of [Tran2012] Sec. 4, for wheels with limits, a sampled loop and a noisy estimate.
 ///
@@ -20,7 +21,7 @@ use super::local::LocalLaw;
 /// |---|---|
 /// | ρ > ε | (23) with k_v → min(k_v, V/ρ), k_α → k_α(α), h → h·(ρ/2.7ε)²₊, and v = 0 where cos α < 0 |
 /// | ρ < ε | the same, its ω faded by (ρ/ε)²: the robot finishes the line it is on |
-/// | ρ < ε/4 and at most ε/5 to the side | (28) with k_θ → k_θ(θ_e); it turns only as far as it has arrived: ω·(1 − (ρ cos α/0.32ε)²)₊ |
+/// | ρ < ε/4 and at most ε/5 to the side | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns only as far as it has arrived: ω·(1 − (ρ cos α/0.35ε)²)₊ |
 ///
 /// (28) keeps the robot until ρ > 0.6ε or the goal is more than 0.55ε to the side. With the direction of approach
 /// reversed, α, φ and v are those of a robot whose tail is its nose.
@@ -37,8 +38,9 @@ use super::local::LocalLaw;
 ///   time-optimal ones are.
 /// - No driving away: where cos α < 0, (23) drives backwards and turns. Here the robot turns on the spot first, so that
 ///   it does not reverse its travel: forward is forward.
-/// - Gains that shrink with their error, k_α(α) and k_θ(θ_e): noise of the estimate is averaged, and large errors are
-///   still taken away fast. V̇ ≤ 0 holds for every positive gain.
+/// - k_α shrinks with its error, and k_θ/n, down to a floor, is the gain of a recursive mean: noise of the estimate is
+///   averaged, and large errors are still taken away at once. V̇ ≤ 0 holds for every positive gain.
+/// - Told of noise, the robot rests rather than follow it to and fro: see [`Rest`].
 /// - h grows with ρ: Ẇ with h(ρ) has the further term −½h′(ρ)·v·cos α·φ² ≤ 0.
 /// - The paper's Ω_l has no memory and lets the global law spin on noise at ρ < ε_P with a large heading error.
 /// - The turning side and the direction of approach have hysteresis: see [`Memory`].
@@ -52,6 +54,8 @@ pub struct HybridLaw<S> {
     pub direction: Direction,
     /// What the robot can do.
     pub actuation: Actuation<S>,
+    /// Where it rests rather than follow noise; nowhere if it is told of none.
+    pub rest: Option<Rest<S>>,
 }
 
 /// The default of ε_P \[m]: beyond it the noise of a laser localisation moves α by little.
@@ -62,11 +66,11 @@ const ENTER: f64 = 0.25;
 const ENTER_ASIDE: f64 = 0.2;
 const LEAVE: f64 = 0.6;
 const LEAVE_ASIDE: f64 = 0.55;
-const ARRIVED: f64 = 0.32;
+const ARRIVED: f64 = 0.35;
 const APPROACH: f64 = 2.7;
 /// Bearing beyond which k_α is whole \[rad].
 const WHOLE_ALPHA: f64 = 0.08;
-/// Heading error beyond which k_θ is whole \[rad].
+/// Heading error within which the local law trims; beyond it k_θ is whole \[rad].
 const WHOLE_THETA: f64 = 0.045;
 /// Heading error within which the local law turns wherever it is \[rad]; beyond twice that, only where it has arrived.
 const TRIM: f64 = 0.02;
@@ -79,6 +83,7 @@ impl<S: Scalar> HybridLaw<S> {
             capture_radius: S::of(CAPTURE_RADIUS),
             direction,
             actuation: Actuation::of(drive, limits, period),
+            rest: None,
         }
     }
 
@@ -103,10 +108,19 @@ impl<S: Scalar> HybridLaw<S> {
         let near = seen.near(memory.near);
         let error = S::select(near, -ahead.heading_error().radians(), ahead.alpha.radians());
         let (error, side) = commitment::to_side(error, memory.side);
+        let (zero, one) = (S::of(0.0), S::of(1.0));
+        let trimming = S::select(near, error.abs(), one).lt(S::of(WHOLE_THETA));
+        let trims = S::select(trimming, memory.trims, zero);
 
-        let twist = Twist::select(near, self.near(&seen, -error), self.far(&seen, ahead, error));
-        let backwards = Twist::new(-twist.v, twist.omega);
-        Decision { twist: Twist::select(reverse, backwards, twist), memory: Memory { near, reverse, side } }
+        let Twist { v, omega } =
+            Twist::select(near, self.near(&seen, -error, trims), self.far(&seen, ahead, error));
+        let onward = S::select(reverse, -one, one);
+        let (v, travel) = match self.rest {
+            Some(rest) => rest.of_speed(v * onward, seen.ahead * onward, memory.travel),
+            None => (v * onward, memory.travel),
+        };
+        let memory = Memory { near, reverse, side, trims: S::select(trimming, trims + one, zero), travel };
+        Decision { twist: Twist::new(v, omega), memory }
     }
 
     /// (23) scheduled, with `alpha` continued beyond ±π.
@@ -128,11 +142,12 @@ impl<S: Scalar> HybridLaw<S> {
 
     /// (28) scheduled, with the heading error continued beyond ±π.
     #[inline(always)]
-    fn near(&self, seen: &Seen<S>, heading_error: S) -> Twist<S> {
+    fn near(&self, seen: &Seen<S>, heading_error: S, trims: S) -> Twist<S> {
         let (one, zero) = (S::of(1.0), S::of(0.0));
+        let whole = self.gains.k_theta;
         let local = LocalLaw {
             k_v: self.gains.k_v,
-            k_theta: quiet(heading_error, WHOLE_THETA, self.gains.k_theta, self.actuation.quiet_theta),
+            k_theta: (whole / (one + trims)).max(self.actuation.quiet_theta.min(whole)),
         };
         let twist = local.twist_toward(seen.ahead, heading_error);
         let limit = self.actuation.turn_rate;

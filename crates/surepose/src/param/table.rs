@@ -69,6 +69,10 @@ parameters! {
     /// Distance from the goal at which steering fades; the local law takes over at a quarter of it.
     CAPTURE_RADIUS = "law" "capture_radius_m", Metre,
         positive(1.0, 0.033, "the bearing of a goal at distance 0 is noise, and beyond 1 m turning in place parks nothing");
+    /// Standard deviation of the estimated position, white from tick to tick, that the law is told of: near the goal the
+    /// robot rests rather than follow it. 0 for an estimate whose error changes slowly, as a filter's does.
+    POSITION_NOISE = "law" "position_noise_m", Metre,
+        within(0.0, 0.1, 0.0, "a standard deviation is not negative, and with more than 0.1 m no robot parks");
     /// Which end of the robot goes first; `auto` takes the way with less turning.
     DIRECTION = "law" "direction", One, one_of(&["auto", "forward", "reverse"]);
 
