@@ -1,6 +1,7 @@
 //! One closed-loop drive of the simulated robot: sensors, estimate, law, motors, until it rests at the goal.
 //!
-//! The loop is [`surepose::closed_loop`], the one that a real robot runs; the world around it is `surepose-sim`.
+//! Every tick is [`surepose::closed_loop::tick`], the one that a real robot runs; what the supervisor leaves of it turns
+//! the wheels of a robot of `surepose-sim`.
 
 mod guard;
 mod sample;
@@ -8,7 +9,7 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
-use surepose::closed_loop::{Controller, Progress};
+use surepose::closed_loop::{Controller, Progress, Tick};
 use surepose::{Goal, Map, Navigation, Phase, Pose, Reason, Verdict, Wheels, param};
 
 use crate::optimal::fastest;
@@ -80,10 +81,10 @@ impl Drive {
     /// Goes on for another tick, also after the end: to see whether the robot stays there.
     pub fn tick(&mut self) -> Sample {
         let before = self.rig.world().pose();
-        let belief = self.rig.step(self.wheels, self.controller.period);
-        let wanted = self.controller.step(self.progress, belief.pose, self.goal);
+        let Tick { belief, step, .. } =
+            self.rig.tick(&self.controller, self.progress, self.wheels, self.goal);
         let now = self.rig.world().now().seconds();
-        let step = self.guard.allow(self.rig.verdict(), &self.controller, wanted, now, self.can_look);
+        let step = self.guard.allow(self.rig.verdict(), &self.controller, step, now, self.can_look);
         self.progress = step.progress;
         self.wheels = step.wheels;
 

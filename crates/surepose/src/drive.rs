@@ -102,6 +102,12 @@ impl<S: Scalar> Drive<S> {
         rates.scaled(self.wheel_radius * period)
     }
 
+    /// Turn rates ω_R, ω_L \[rad/s] that give rim travels \[m] within `period` \[s]: the inverse of Eq. (7).
+    #[inline(always)]
+    pub fn rates_from_travel(&self, travel: Wheels<S>, period: S) -> Wheels<S> {
+        travel.scaled(S::of(1.0) / (self.wheel_radius * period))
+    }
+
     /// Rim speeds \[m/s] that give `twist`: the inverse of Eq. (8), per second.
     #[inline(always)]
     pub fn rims_from_twist(&self, twist: Twist<S>) -> Wheels<S> {
