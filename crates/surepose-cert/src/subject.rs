@@ -42,7 +42,7 @@ impl Subject for Shipped {
 /// The drive with its constants as another scalar.
 #[inline]
 pub(crate) fn drive_over<S: Scalar>(drive: &Drive<f64>) -> Drive<S> {
-    Drive { wheel_radius: S::of(drive.wheel_radius), track: S::of(drive.track) }
+    drive.cast()
 }
 
 #[inline]

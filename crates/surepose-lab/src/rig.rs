@@ -59,7 +59,7 @@ impl Rig {
 
     /// The same without a goal: where the robot is after its wheels turned as `wheels` \[rad/s] for `period` \[s].
     pub fn step(&mut self, wheels: Wheels<f64>, period: f64) -> Belief<f64> {
-        let told = self.world.model().drive.travel_from_rates(wheels, period);
+        let told = self.world.model().drive.rims_from_turns(wheels).scaled(period);
         self.live(wheels, period, |rig, sensed| {
             let Self { localiser, walls, watch, .. } = rig;
             localiser.sense(sensed, told, walls, watch)

@@ -9,7 +9,7 @@ use surepose::{
 };
 
 const PERIOD: f64 = 0.1;
-const DRIVE: Drive<f64> = Drive { wheel_radius: 0.05, track: 0.6 };
+const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
 const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
 
 fn controller() -> Controller<f64> {

@@ -145,7 +145,7 @@ impl Follower {
         stamp: Stamp,
         pose: Pose<Map, Body, f64>,
     ) -> Self {
-        let drive = Drive { wheel_radius: 1.0, track: settings.track };
+        let drive = Drive::new(1.0, settings.track);
         // The variance of each travel is given with it, so δ plays no part.
         let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };
         let gate = Gate::new(settings.gate_probability);

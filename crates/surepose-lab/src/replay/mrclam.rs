@@ -141,7 +141,7 @@ impl<'a> Replay<'a> {
         let time = begin.time + settings.response.dead_time;
         let belief = Belief::new(reference.at(time)?, settings.start_std);
         // The travel of the rims is derived from commands, so neither the radius of the wheels nor δ plays a part.
-        let drive = Drive { wheel_radius: 1.0, track: settings.track };
+        let drive = Drive::new(1.0, settings.track);
         let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };
         let gate = Gate::new(settings.gate_probability);
         Some(Self {

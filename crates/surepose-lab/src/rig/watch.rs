@@ -107,7 +107,7 @@ impl Watch {
 impl<const N: usize> Witness<f64, N> for Watch {
     fn rolled(&mut self, stamp: Stamp, told: Wheels<f64>, travel: Travel<f64>, outcome: Result<(), Refusal>) {
         self.supervisor.rolled(stamp, outcome);
-        let rates = |rims| self.drive.rates_from_travel(rims, self.period);
+        let rates = |rims| self.drive.turns_from_rims(rims).scaled(1.0 / self.period);
         self.supervisor.followed(rates(told), rates(travel.rims));
         if self.searching {
             self.relocaliser.roll(stamp, travel);
