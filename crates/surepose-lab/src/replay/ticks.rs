@@ -77,7 +77,7 @@ pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings) ->
             shares.add(&seen);
             report.skip(seen.skipped_as());
         }
-        let pose = follower.estimator.belief().pose;
+        let pose = follower.localiser.estimator.belief().pose;
         way.push(pose);
         dead_reckoning.push(dead);
         let is_new = views.last().is_none_or(|(_, at)| {
@@ -90,7 +90,7 @@ pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings) ->
         }
     }
     report.beams_on_walls = shares.mean();
-    report.count(follower.estimator.tally());
+    report.count(follower.localiser.estimator.tally());
     report.wall_s = begun.elapsed().as_secs_f64();
     Explored { report, mapped: from_log::walls_of(views, &mapping), way, dead_reckoning }
 }

@@ -19,12 +19,6 @@ const START_STD: [f64; 3] = [0.01, 0.01, 0.5 * core::f64::consts::PI / 180.0];
 /// δ of the wheels: 5 % noise.
 const DELTA: f64 = 0.0025;
 
-/// The gate of the filter, nearly 5 standard deviations of a compass reading.
-///
-/// Nothing in this world is broken. A narrow gate would refuse the very readings that tell the filter of a large slip
-/// of a wheel: at 99.9 % the heading with encoders and compass is off by 6 % more, and NEES grows to 3.5.
-const GATE_PROBABILITY: f64 = 0.999_999;
-
 /// The world in which localisation is judged, and its robot.
 #[derive(Clone, Debug)]
 pub struct LoopWorld {
@@ -51,7 +45,6 @@ impl LoopWorld {
             (&param::COMPASS_STD, compass.std.to_degrees()),
             (&param::LASER_RANGE_STD, laser.range_std),
             (&param::LASER_BEARING_STD, laser.bearing_std.to_degrees()),
-            (&param::GATE_PROBABILITY, GATE_PROBABILITY),
         ];
         Ok(Self {
             course: loop_course()?,

@@ -1,7 +1,7 @@
 //! The first half of a tick: from what is sensed to where the robot is.
 
 use crate::drive::Wheels;
-use crate::estimate::{Belief, Estimator, Measurement, Stamp, Stamped, Travel};
+use crate::estimate::{Belief, Estimator, Stamp, Stamped, Travel};
 use crate::laser::{Eye, Scan, Wall};
 use crate::scalar::Float;
 
@@ -9,7 +9,7 @@ use super::{Sensed, Sight, Signal, Witness};
 
 /// The filter with its history, and the eye that reads scans for it.
 ///
-/// A robot without a laser has room for scans of no beams.
+/// A robot without a laser has a [blind](Eye::blind) eye.
 #[derive(Clone, Debug)]
 pub struct Localiser<S, const N: usize, const BEAMS: usize> {
     /// The filter.
@@ -34,14 +34,25 @@ impl<S: Float, const N: usize, const BEAMS: usize> Localiser<S, N, BEAMS> {
     ) -> Belief<S> {
         self.roll(sensed.stamp, sensed.travel, told, witness);
         for signal in sensed.signals {
-            match &signal.value {
-                Signal::Measurement(measurement) => {
-                    self.correct(Stamped::new(signal.stamp, *measurement), witness);
-                }
-                Signal::Scan(scan) => self.look(signal.stamp, scan, walls, witness),
-            }
+            self.hear(signal, walls, witness);
         }
         self.estimator.belief()
+    }
+
+    /// Corrects by what a sensor says, where it does not come together with odometry.
+    pub fn hear(
+        &mut self,
+        signal: &Stamped<Signal<'_, S>>,
+        walls: &[Wall<S>],
+        witness: &mut impl Witness<S, N>,
+    ) {
+        match &signal.value {
+            Signal::Measurement(measurement) => {
+                let measured = Stamped::new(signal.stamp, *measurement);
+                witness.measured(&measured, self.estimator.measure(measured));
+            }
+            Signal::Scan(scan) => self.look(signal.stamp, scan, walls, witness),
+        }
     }
 
     /// Predicts by odometry; where that is refused, by what the wheels were told, as vague as it is long.
@@ -54,11 +65,6 @@ impl<S: Float, const N: usize, const BEAMS: usize> Localiser<S, N, BEAMS> {
             let _counted = self.estimator.roll_by(stamp, travel);
         }
         witness.rolled(stamp, told, travel, outcome);
-    }
-
-    fn correct(&mut self, measured: Stamped<Measurement<S>>, witness: &mut impl Witness<S, N>) {
-        let outcome = self.estimator.measure(measured);
-        witness.measured(&measured, outcome);
     }
 
     /// Finds the walls of a scan on the map, from where the robot is believed to have been when it was taken, and
@@ -77,8 +83,7 @@ impl<S: Float, const N: usize, const BEAMS: usize> Localiser<S, N, BEAMS> {
         let Ok(seen) = eye.see(estimator.ekf(), &belief, scan, walls) else { return };
         for measurement in seen.measurements() {
             let measured = Stamped::new(stamp, measurement);
-            let outcome = estimator.measure(measured);
-            witness.measured(&measured, outcome);
+            witness.measured(&measured, estimator.measure(measured));
         }
         witness.looked(estimator, &Sight { stamp, laser: &laser, scan, seen: &seen, walls });
     }

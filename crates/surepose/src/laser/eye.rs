@@ -1,6 +1,7 @@
 //! From a scan to measurements of the pose, by one of two ways to know walls again.
 
 use crate::estimate::{Belief, Ekf, Measurement};
+use crate::pose::Pose;
 use crate::scalar::Float;
 
 use super::align::{Aligner, AlignerMemory, Alignment};
@@ -72,6 +73,21 @@ impl<S: Float, const BEAMS: usize> Eye<S, BEAMS> {
                 Seen { extracted, matched: Matched::none(), alignment: Some(aligned) }
             }
         })
+    }
+}
+
+impl<S: Float> Eye<S, 0> {
+    /// The eye of a robot without a laser: it reads no scan.
+    pub fn blind() -> Self {
+        let zero = S::of(0.0);
+        let nothing = RangeFinder {
+            body_from_laser: Pose::identity(),
+            range_std: zero,
+            bearing_std: zero,
+            nearest: zero,
+            farthest: zero,
+        };
+        Self::new(nothing, Recognition::Lines(Matcher::default()))
     }
 }
 

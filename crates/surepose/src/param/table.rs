@@ -92,7 +92,7 @@ parameters! {
         positive(1.0, 0.0025, "a variance is positive; above 1 odometry says nothing");
     /// Probability that a measurement the model explains passes the χ² gate.
     GATE_PROBABILITY = "filter" "gate_probability", One,
-        within(0.5, 0.999_999_999, 0.999, "below 0.5 good measurements are lost, and a gate of 1 refuses nothing");
+        within(0.5, 0.999_999_999, 0.999_999, "below 0.5 good measurements are lost, and a gate of 1 refuses nothing");
     /// How far back a late measurement is still put in its place.
     HISTORY = "filter" "history_s", Second,
         within(0.0, 10.0, 1.0, "a history is not negative, and beyond 10 s the memory would not hold it");
