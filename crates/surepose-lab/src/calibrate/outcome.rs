@@ -84,7 +84,7 @@ impl Calibration {
         self.of_radii(0.5 * (right + left), Wheels::new(0.5, 0.5), Unit::Metre)
     }
 
-    /// The radius of the right wheel over that of the left one: it shows in the heading, and so better than either.
+    /// The radius of the right wheel over that of the left one: off 1, a robot that takes them for equal drives circles.
     pub fn wheel_radius_ratio(&self) -> Estimate {
         let Wheels { right, left } = self.geometry.drive().radius;
         let ratio = right / left;
