@@ -256,7 +256,8 @@ impl<L: Subject> Request<'_, L> {
     pub(crate) fn usable(&self) -> bool {
         let positive = [
             self.drive.track,
-            self.drive.wheel_radius,
+            self.drive.radius.right,
+            self.drive.radius.left,
             self.limits.wheel_speed,
             self.period,
             self.workspace,

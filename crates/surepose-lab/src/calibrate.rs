@@ -123,8 +123,8 @@ impl Options {
         let mount = laser.body_from_laser;
         Self {
             nominal: Geometry([
-                drive.wheel_radius,
-                drive.wheel_radius,
+                drive.radius.left,
+                drive.radius.right,
                 drive.track,
                 mount.x,
                 mount.y,

@@ -1,6 +1,7 @@
 //! One closed-loop drive of the simulated robot: sensors, estimate, law, motors, until it rests at the goal.
 //!
-//! The loop is [`surepose::closed_loop`], the one that a real robot runs; the world around it is `surepose-sim`.
+//! Every tick is [`surepose::closed_loop::tick`], the one that a real robot runs; what the supervisor leaves of it turns
+//! the wheels of a robot of `surepose-sim`.
 
 mod guard;
 mod sample;
@@ -8,7 +9,7 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
-use surepose::closed_loop::{Controller, Progress};
+use surepose::closed_loop::{Controller, Progress, Tick};
 use surepose::{Goal, Map, Navigation, Phase, Pose, Reason, Verdict, Wheels, param};
 
 use crate::optimal::fastest;
@@ -44,6 +45,7 @@ pub struct Drive {
     path_length: f64,
     closest_wall: f64,
     fastest_rim: f64,
+    hardest_rim: f64,
     seed: u64,
 }
 
@@ -68,6 +70,7 @@ impl Drive {
             path_length: 0.0,
             closest_wall: f64::INFINITY,
             fastest_rim: 0.0,
+            hardest_rim: 0.0,
             seed,
         }
     }
@@ -80,10 +83,11 @@ impl Drive {
     /// Goes on for another tick, also after the end: to see whether the robot stays there.
     pub fn tick(&mut self) -> Sample {
         let before = self.rig.world().pose();
-        let belief = self.rig.step(self.wheels, self.controller.period);
-        let wanted = self.controller.step(self.progress, belief.pose, self.goal);
+        let Tick { belief, step, .. } =
+            self.rig.tick(&self.controller, self.progress, self.wheels, self.goal);
         let now = self.rig.world().now().seconds();
-        let step = self.guard.allow(self.rig.verdict(), &self.controller, wanted, now, self.can_look);
+        let last = self.progress.granted;
+        let step = self.guard.allow(self.rig.verdict(), &self.controller, step, last, now, self.can_look);
         self.progress = step.progress;
         self.wheels = step.wheels;
 
@@ -91,8 +95,11 @@ impl Drive {
         let truth = world.pose();
         self.path_length += before.origin().distance(truth.origin());
         self.closest_wall = self.closest_wall.min(world.model().arena.clearance(truth.origin()));
-        let rims = self.controller.drive.rims_from_twist(step.granted);
+        let drive = &self.controller.drive;
+        let (rims, change) =
+            (drive.rims_from_twist(step.granted), drive.rims_from_twist(step.granted - last));
         self.fastest_rim = self.fastest_rim.max(rims.largest());
+        self.hardest_rim = self.hardest_rim.max(change.largest() / self.controller.period);
         self.score.add(belief.error(truth));
         self.score.add_nees(belief.nees(truth));
         Sample::of(world, &belief, &self.controller, &step, self.goal)
@@ -130,6 +137,7 @@ impl Drive {
             optimal_time_s: self.optimal_time,
             closest_wall_m: self.closest_wall,
             wheel_speed_max_m_s: self.fastest_rim,
+            wheel_acceleration_max_m_s2: self.hardest_rim,
             accepted: tally.accepted,
             rejected: tally.refused_in_all(),
             seed: self.seed,

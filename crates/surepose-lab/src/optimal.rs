@@ -128,7 +128,7 @@ mod tests {
 
     use super::{Action, fastest};
 
-    const DRIVE: Drive<f64> = Drive { wheel_radius: 0.05, track: 0.6 };
+    const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
     const HALF: f64 = 0.3;
     const SPEED: f64 = 0.3;
 

@@ -11,6 +11,6 @@ mod stabilisation;
 pub use extraction::{Extraction, extraction};
 pub use following::{Followed, Following, PathFigures, Shape, ShapeFigures, following};
 pub use localisation::{Accuracy, Configuration, Moment, deviations, localisation};
-pub use loop_world::{LoopWorld, LoopWorldError};
+pub use loop_world::LoopWorld;
 pub use parking::{GoalFigures, PAPER_GOALS, Parked, parking};
 pub use stabilisation::{Instant, Stabilised, StabilisedFigures, local_law, stabilisation};

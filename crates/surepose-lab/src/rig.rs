@@ -1,27 +1,27 @@
 //! The simulated robot with its senses and its estimate: what every experiment with the whole robot starts from.
+//!
+//! It runs the loop of the core, [`surepose::closed_loop`], in a world of `surepose-sim`.
 
-mod perception;
 mod scenario;
+mod senses;
 mod watch;
 
-use surepose::{
-    Belief, Body, Estimator, Health, Hypothesis, Map, Pose, Stamp, Tally, Travel, Verdict, Wall, Wheels,
-};
-use surepose_sim::{Seed, World};
+use surepose::closed_loop::{Controller, Progress, Sensed, Tick, tick};
+use surepose::{Belief, Body, Goal, Health, Hypothesis, Map, Pose, Stamp, Tally, Verdict, Wall, Wheels};
+use surepose_data::config::CompassMounting;
+use surepose_sim::{Seed, Segment, World};
 
-pub use perception::Perception;
 pub use scenario::{Reading, Scenario, Sensors};
-pub use watch::{SEARCH_RATE, Sight, Watch};
-
-/// How many events the filter remembers: over a second of odometry at 50 Hz with headings and walls at 10 Hz.
-const HISTORY: usize = 128;
+pub use senses::{HISTORY, Localisation, localisation, scan_of, translated};
+pub use watch::{SEARCH_RATE, Watch};
 
 /// A robot in its world, with what it makes of it.
 #[derive(Clone, Debug)]
 pub struct Rig {
     world: World,
-    estimator: Estimator<f64, HISTORY>,
-    perception: Perception,
+    compass: CompassMounting,
+    localiser: Box<Localisation>,
+    walls: Vec<Wall<f64>>,
     watch: Watch,
 }
 
@@ -31,36 +31,51 @@ impl Rig {
     /// The robot is told where it starts with the error that the scenario allows.
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
         let (start, seed) = (scenario.start(), Seed(seed));
-        let told = mistaken(start, scenario.start_std, seed);
+        let told = Belief::new(mistaken(start, scenario.start_std, seed), scenario.start_std);
+        let aided = scenario.sensors != Sensors::NONE;
         Self {
             world: World::new(scenario.world(), start, seed),
-            estimator: scenario.config.estimator(Stamp::default(), Belief::new(told, scenario.start_std)),
-            perception: Perception::new(&scenario.config, scenario.arena.walls(), scenario.reading),
-            watch: Watch::new(
-                &scenario.config,
-                scenario.sensors != Sensors::NONE,
-                scenario.reading,
-                Stamp::default(),
-            ),
+            compass: scenario.config.compass(),
+            localiser: localisation(&scenario.config, scenario.reading, told),
+            walls: walls_between(scenario.arena.walls()),
+            watch: Watch::new(&scenario.config, aided, scenario.reading, Stamp::default()),
         }
     }
 
-    /// Lets the wheels turn as `wanted` \[rad/s] for `period` \[s] and makes of what is sensed what can be made.
-    pub fn step(&mut self, wanted: Wheels<f64>, period: f64) -> Belief<f64> {
-        let sensed = self.world.step(wanted, period);
-        let mut travel = self.estimator.ekf().travel(sensed.rims);
-        let outcome = self.estimator.roll_by(sensed.stamp, travel);
-        if outcome.is_err() {
-            // The refusal is in the tally. What was asked of the wheels is a guess at least, as vague as it is long.
-            let rims = wanted.scaled(self.world.model().drive.wheel_radius * period);
-            travel = Travel { rims, variance: Wheels::new(rims.right * rims.right, rims.left * rims.left) };
-            let _counted = self.estimator.roll_by(sensed.stamp, travel);
-        }
-        let radius = self.world.model().drive.wheel_radius;
-        self.watch.rolled(sensed.stamp, travel, outcome);
-        self.watch.followed(wanted, travel.rims.scaled(1.0 / (radius * period)));
-        self.perception.correct(&mut self.estimator, &sensed, &mut self.watch);
-        self.estimator.belief()
+    /// One tick of the closed loop: the wheels turn as `wheels` \[rad/s] for a period, and what is sensed meanwhile
+    /// says how they turn next.
+    pub fn tick(
+        &mut self,
+        controller: &Controller<f64>,
+        progress: Progress<f64>,
+        wheels: Wheels<f64>,
+        goal: Pose<Map, Goal, f64>,
+    ) -> Tick<f64> {
+        self.live(wheels, controller.period, |rig, sensed| {
+            let Self { localiser, walls, watch, .. } = rig;
+            tick(controller, localiser, walls, progress, sensed, goal, watch)
+        })
+    }
+
+    /// The same without a goal: where the robot is after its wheels turned as `wheels` \[rad/s] for `period` \[s].
+    pub fn step(&mut self, wheels: Wheels<f64>, period: f64) -> Belief<f64> {
+        let told = self.world.model().drive.rims_from_turns(wheels).scaled(period);
+        self.live(wheels, period, |rig, sensed| {
+            let Self { localiser, walls, watch, .. } = rig;
+            localiser.sense(sensed, told, walls, watch)
+        })
+    }
+
+    /// Lets a period pass, and then the robot think of what it sensed.
+    fn live<T>(
+        &mut self,
+        wheels: Wheels<f64>,
+        period: f64,
+        think: impl FnOnce(&mut Self, &Sensed<'_, f64>) -> T,
+    ) -> T {
+        let sensed = self.world.step(wheels, period);
+        let (ekf, compass) = (*self.localiser.estimator.ekf(), self.compass);
+        translated(&sensed, &ekf, &compass, |sensed| think(self, sensed))
     }
 
     /// The world, with the truth in it.
@@ -70,7 +85,7 @@ impl Rig {
 
     /// Where the robot thinks it is.
     pub fn belief(&self) -> Belief<f64> {
-        self.estimator.belief()
+        self.localiser.estimator.belief()
     }
 
     /// What the supervisor lets the wheels do.
@@ -90,13 +105,18 @@ impl Rig {
 
     /// The walls of its map.
     pub fn walls(&self) -> &[Wall<f64>] {
-        self.perception.walls()
+        &self.walls
     }
 
     /// What became of the measurements.
     pub fn tally(&self) -> &Tally {
-        self.estimator.tally()
+        self.localiser.estimator.tally()
     }
+}
+
+/// The walls of a map; one without length is left out.
+pub fn walls_between(segments: &[Segment]) -> Vec<Wall<f64>> {
+    segments.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect()
 }
 
 /// `pose`, as somebody would tell it who knows it with these standard deviations.

@@ -32,7 +32,7 @@ fn law<S: Scalar>(which: Which) -> Law<S> {
 
 fn robot<S: Scalar>() -> (Drive<S>, Limits<S>) {
     let limits = Limits { wheel_speed: S::of(0.3), wheel_acceleration: S::of(1e9) };
-    (Drive { wheel_radius: S::of(0.05), track: S::of(0.6) }, limits)
+    (Drive::new(S::of(0.05), S::of(0.6)), limits)
 }
 
 /// One period of the law, from any pose and memory: the decision, and the pose it leads to.

@@ -72,11 +72,7 @@ impl Bench {
                 nearest: 0.0,
                 farthest: model.max_range,
             },
-            ekf: Ekf {
-                drive: Drive { wheel_radius: 0.05, track: 0.6 },
-                delta: 0.0025,
-                integration: Integration::Arc,
-            },
+            ekf: Ekf { drive: Drive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc },
             walls: arena.walls().iter().filter_map(|w| Wall::between(w.start, w.end).ok()).collect(),
             moments: (1..=600).map(&mut moment).collect(),
         })

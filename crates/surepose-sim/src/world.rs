@@ -51,7 +51,7 @@ impl WorldModel {
     pub fn paper(arena: Arena) -> Self {
         Self {
             arena,
-            drive: Drive { wheel_radius: 0.05, track: 0.60 },
+            drive: Drive::new(0.05, 0.60),
             motor: MotorModel::default(),
             slip: Slip { delta: 0.0025 },
             compass: Some((CompassModel::default(), Timing { period: 0.1, latency: 0.01 })),
@@ -136,7 +136,8 @@ impl World {
 
     /// True rim speeds of the wheels, before slip \[m/s].
     pub fn rim_speeds(&self) -> Wheels<f64> {
-        Wheels::new(self.wheels.right.rate(), self.wheels.left.rate()).scaled(self.model.drive.wheel_radius)
+        let rates = Wheels::new(self.wheels.right.rate(), self.wheels.left.rate());
+        self.model.drive.rims_from_turns(rates)
     }
 
     /// Lets the wheels' controllers hold the turn rates `wanted` \[rad/s] for `period` \[s], rounded to 10 ms.
@@ -161,10 +162,10 @@ impl World {
     /// Moves everything on by one substep.
     fn roll(&mut self, wanted: Wheels<f64>, slip: Wheels<f64>) {
         let motor = &self.model.motor;
-        let radius = self.model.drive.wheel_radius;
-        let right = self.wheels.right.turn(motor, wanted.right, SUBSTEP) * radius * slip.right;
-        let left = self.wheels.left.turn(motor, wanted.left, SUBSTEP) * radius * slip.left;
-        let motion = self.model.drive.motion_from_travel(Wheels::new(right, left));
+        let right = self.wheels.right.turn(motor, wanted.right, SUBSTEP) * slip.right;
+        let left = self.wheels.left.turn(motor, wanted.left, SUBSTEP) * slip.left;
+        let motion =
+            self.model.drive.motion_from_travel(self.model.drive.rims_from_turns(Wheels::new(right, left)));
         self.pose = self.pose.moved(motion, Integration::Arc);
         self.twist = Twist::new(motion.length / SUBSTEP, motion.turn / SUBSTEP);
         self.now = Stamp::from_nanoseconds(self.now.nanoseconds() + SUBSTEP_NANOSECONDS);
@@ -205,7 +206,7 @@ impl World {
         self.counted = counted;
         let disturbance = disturbance(&self.model.faults, Sensor::Encoders, self.now);
         let factor = if disturbance.silent { 0.0 } else { 1.0 + disturbance.offset };
-        turned.scaled(self.model.drive.wheel_radius * factor)
+        self.model.drive.rims_from_turns(turned).scaled(factor)
     }
 
     /// Puts the robot elsewhere where somebody does so now.

@@ -267,7 +267,7 @@ fn single_precision_sees_the_same_walls() {
 }
 
 fn ekf() -> Ekf<f64> {
-    Ekf { drive: Drive { wheel_radius: 0.05, track: 0.6 }, delta: 0.0025, integration: Integration::Arc }
+    Ekf { drive: Drive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc }
 }
 
 fn numbers(

@@ -50,7 +50,7 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let drive = Drive { wheel_radius: 0.05, track: 0.6 };
+        let drive = Drive::new(0.05, 0.6);
         let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
         let quarter = |k: f64| Angle::from_degrees(90.0 * k);
         Self {

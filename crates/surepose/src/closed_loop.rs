@@ -1,15 +1,21 @@
 //! The closed loop: what the robot senses, where it is, what it wants, how its wheels turn.
 //!
-//! A tick is a pure function of its arguments: no clock, no allocation, no failure, bounded work. The robot, the
-//! simulator and a replayed log run these lines; the certificate bounds the law they call.
+//! [`tick`] is all of it, and a pure function of its arguments: no clock, no allocation, no failure, bounded work. It
+//! has two halves, [`Localiser::sense`] and [`Controller::step`]; what has no goal of its own, a replayed log or a
+//! robot on a path, runs the first half alone. A [`Witness`] stands beside: the supervisor, for one.
 
 mod follower;
+mod localiser;
+mod witness;
 
 pub use follower::{Followed, Follower};
+pub use localiser::Localiser;
+pub use witness::{Sight, Witness};
 
 use crate::drive::{Drive, Twist, Wheels};
-use crate::estimate::{Belief, Estimator, Measurement, Stamp, Stamped};
-use crate::frame::{Goal, Map};
+use crate::estimate::{Belief, Measurement, Stamp, Stamped, Travel};
+use crate::frame::{Body, Goal, Map};
+use crate::laser::{Scan, Wall};
 use crate::law::{Arrival, Law, Memory, Phase, Tolerance};
 use crate::limit::Limits;
 use crate::navigation::Navigation;
@@ -70,7 +76,7 @@ impl<S: Scalar> Controller<S> {
     pub fn step(
         &self,
         progress: Progress<S>,
-        map_from_body: Pose<Map, crate::frame::Body, S>,
+        map_from_body: Pose<Map, Body, S>,
         map_from_goal: Pose<Map, Goal, S>,
     ) -> Step<S> {
         // Where is the goal, seen from here? The wheels rest once it is reached, and until a push takes it away.
@@ -94,10 +100,19 @@ impl<S: Scalar> Controller<S> {
 pub struct Sensed<'a, S> {
     /// Now.
     pub stamp: Stamp,
-    /// How far the rims rolled since the last tick \[m].
-    pub rims: Wheels<S>,
+    /// How far the rims rolled since the last tick, and how well that is known.
+    pub travel: Travel<S>,
     /// What arrived since the last tick, in any order, each with the time it was measured.
-    pub measurements: &'a [Stamped<Measurement<S>>],
+    pub signals: &'a [Stamped<Signal<'a, S>>],
+}
+
+/// What a sensor has to say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Signal<'a, S> {
+    /// What the filter understands as it is: a heading, a landmark, a position.
+    Measurement(Measurement<S>),
+    /// A scan, whose walls are to be found on the map first.
+    Scan(Scan<'a, S>),
 }
 
 /// One tick of the loop, seen from outside.
@@ -113,22 +128,22 @@ pub struct Tick<S: Scalar> {
 
 /// Carries the estimate one tick forward and says how to turn the wheels.
 ///
-/// Measurements that are refused are counted in the estimator's tally and change nothing; a broken travel is
-/// counted too, and the belief then stays where it was.
-pub fn tick<S: Float, const N: usize>(
+/// What is refused is counted in the estimator's tally and changes nothing. `progress` is what the tick before gave,
+/// its `granted` what the wheels were really told: less, where the supervisor said so.
+pub fn tick<S: Float, const N: usize, const BEAMS: usize>(
     controller: &Controller<S>,
-    estimator: &mut Estimator<S, N>,
+    localiser: &mut Localiser<S, N, BEAMS>,
+    walls: &[Wall<S>],
     progress: Progress<S>,
     sensed: &Sensed<'_, S>,
     map_from_goal: Pose<Map, Goal, S>,
+    witness: &mut impl Witness<S, N>,
 ) -> Tick<S> {
-    // Where am I? Odometry predicts; each measurement, gated, corrects. Refusals are in the estimator's tally.
-    let _counted = estimator.roll(sensed.stamp, sensed.rims);
-    for measured in sensed.measurements {
-        let _counted = estimator.measure(*measured);
-    }
-    let belief = estimator.belief();
+    // Where am I? Odometry predicts; each measurement and each wall seen, gated, corrects.
+    let told = controller.drive.rims_from_twist(progress.granted).scaled(controller.period);
+    let belief = localiser.sense(sensed, told, walls, witness);
 
+    // How do I turn my wheels towards the goal?
     let step = controller.step(progress, belief.pose, map_from_goal);
     let phase = step.progress.arrival.phase(&controller.tolerance);
     Tick { belief, step, phase }

@@ -13,6 +13,14 @@ pub struct Twist<S> {
     pub omega: S,
 }
 
+impl<S: Scalar> core::ops::Sub for Twist<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.v - other.v, self.omega - other.omega)
+    }
+}
+
 impl<S: Scalar> Twist<S> {
     /// The twist of `v` \[m/s] and `omega` \[rad/s].
     #[inline(always)]
@@ -80,13 +88,23 @@ impl<S: Scalar> Wheels<S> {
 /// The geometry that turns wheel rotation into motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive<S> {
-    /// Radius `R` of the drive wheels \[m].
-    pub wheel_radius: S,
+    /// Radius `R` of each drive wheel \[m].
+    ///
+    /// # Departure
+    /// [Tran2012] has one: wheels of a pair differ by what their tyres carry, and a robot with equal radii in mind then
+    /// drives circles.
+    pub radius: Wheels<S>,
     /// Distance `L` between the wheels' contact points \[m].
     pub track: S,
 }
 
 impl<S: Scalar> Drive<S> {
+    /// Two wheels of the same radius \[m], so far apart \[m].
+    #[inline(always)]
+    pub const fn new(wheel_radius: S, track: S) -> Self {
+        Self { radius: Wheels { right: wheel_radius, left: wheel_radius }, track }
+    }
+
     /// Motion from rim travels Δs_R, Δs_L \[m]: [Tran2012] Eq. (8).
     #[inline(always)]
     pub fn motion_from_travel(&self, travel: Wheels<S>) -> Motion<S> {
@@ -96,10 +114,17 @@ impl<S: Scalar> Drive<S> {
         }
     }
 
-    /// Rim travels \[m] from turn rates ω_R, ω_L \[rad/s] held for `period` \[s]: [Tran2012] Eq. (7).
+    /// Rim travels \[m] of wheels that turned by these angles \[rad]; rim speeds \[m/s] for turn rates \[rad/s]:
+    /// [Tran2012] Eq. (7).
     #[inline(always)]
-    pub fn travel_from_rates(&self, rates: Wheels<S>, period: S) -> Wheels<S> {
-        rates.scaled(self.wheel_radius * period)
+    pub fn rims_from_turns(&self, turns: Wheels<S>) -> Wheels<S> {
+        Wheels::new(turns.right * self.radius.right, turns.left * self.radius.left)
+    }
+
+    /// How far the wheels turn \[rad] for these rim travels \[m], or how fast for rim speeds: the inverse of Eq. (7).
+    #[inline(always)]
+    pub fn turns_from_rims(&self, rims: Wheels<S>) -> Wheels<S> {
+        Wheels::new(rims.right / self.radius.right, rims.left / self.radius.left)
     }
 
     /// Rim speeds \[m/s] that give `twist`: the inverse of Eq. (8), per second.
@@ -119,7 +144,7 @@ impl<S: Scalar> Drive<S> {
     /// Wheel turn rates \[rad/s] that give `twist`.
     #[inline(always)]
     pub fn rates_from_twist(&self, twist: Twist<S>) -> Wheels<S> {
-        self.rims_from_twist(twist).scaled(S::of(1.0) / self.wheel_radius)
+        self.turns_from_rims(self.rims_from_twist(twist))
     }
 }
 
@@ -127,7 +152,8 @@ impl Drive<f64> {
     /// The same geometry, rounded to another format.
     #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> Drive<T> {
-        Drive { wheel_radius: T::of(self.wheel_radius), track: T::of(self.track) }
+        let radius = Wheels::new(T::of(self.radius.right), T::of(self.radius.left));
+        Drive { radius, track: T::of(self.track) }
     }
 }
 

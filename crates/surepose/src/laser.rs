@@ -15,6 +15,8 @@
 //! [`Aligner`] lays a scan on the walls of a map beam by beam, where rooms are so full that few walls are long enough to be
 //! found without one.
 //!
+//! [`Eye`] is the whole way from a scan to what the filter is told, by lines or by beams.
+//!
 //! # The coordinates
 //! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
 //! meets it at the range 1/u, u(φ) = a·cos φ + b·sin φ: the *inverse* range is linear in the line, so that nothing is
@@ -27,6 +29,7 @@ mod beam;
 mod boundary;
 mod evidence;
 mod extract;
+mod eye;
 mod fit;
 mod glance;
 mod grow;
@@ -40,6 +43,7 @@ mod wall;
 
 pub use align::{Aligned, Aligner, AlignerMemory, Alignment};
 pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
+pub use eye::{Eye, Recognition, Seen};
 pub use glance::{Agreement, Glance};
 pub use matching::{Fate, Matched, Matcher};
 pub use scan::{RangeFinder, Scan, ScanRefusal};

@@ -54,7 +54,7 @@ proptest! {
 
     #[test]
     fn wheels_and_twist_are_inverse(v in -1.0..1.0, omega in -3.0..3.0, track in 0.1..1.0) {
-        let drive = Drive { wheel_radius: 0.05, track };
+        let drive = Drive::new(0.05, track);
         let back = drive.twist_from_rims(drive.rims_from_twist(Twist::new(v, omega)));
         prop_assert!((back.v - v).abs() < 1e-14 && (back.omega - omega).abs() < 1e-13);
     }
@@ -87,12 +87,22 @@ fn the_midpoint_is_of_second_order() {
 /// Figures of the paper's robot: 0.3 m/s on both wheels for 0.1 s is 3 cm straight on, Eq. (7), (8).
 #[test]
 fn wheel_increments_are_the_papers() {
-    let drive = Drive { wheel_radius: 0.05, track: 0.6 };
-    let straight = drive.motion_from_travel(drive.travel_from_rates(Wheels::new(6.0, 6.0), 0.1));
+    let drive = Drive::new(0.05, 0.6);
+    let straight = drive.motion_from_travel(drive.rims_from_turns(Wheels::new(0.6, 0.6)));
     assert!((straight.length - 0.03).abs() < 1e-15 && straight.turn.abs() < 1e-15);
     // One wheel slowed to 0.05 m/s turns the robot by (0.03 − 0.005)/0.6 rad.
-    let turning = drive.motion_from_travel(drive.travel_from_rates(Wheels::new(6.0, 1.0), 0.1));
+    let turning = drive.motion_from_travel(drive.rims_from_turns(Wheels::new(0.6, 0.1)));
     assert!((turning.turn - 0.025 / 0.6).abs() < 1e-15);
+}
+
+/// A robot that drives straight with a larger right wheel turns that wheel more slowly, and Eq. (7), (8) undo it.
+#[test]
+fn wheels_that_differ_turn_differently_for_the_same_way() {
+    let drive = Drive { radius: Wheels::new(0.06, 0.05), track: 0.6 };
+    let turns = drive.rates_from_twist(Twist::new(0.3, 0.0));
+    assert!((turns.right - 5.0).abs() < 1e-14 && (turns.left - 6.0).abs() < 1e-14, "{turns:?}");
+    let twist = drive.twist_from_rims(drive.rims_from_turns(drive.rates_from_twist(Twist::new(0.2, -0.7))));
+    assert!((twist.v - 0.2).abs() < 1e-15 && (twist.omega + 0.7).abs() < 1e-14, "{twist:?}");
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn aligner() -> Aligner<f64> {
 }
 
 fn ekf() -> Ekf<f64> {
-    let drive = Drive { wheel_radius: 0.05, track: 0.6 };
+    let drive = Drive::new(0.05, 0.6);
     Ekf { drive, delta: 0.0025, integration: Integration::Arc }
 }
 

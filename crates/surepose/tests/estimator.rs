@@ -8,7 +8,7 @@ use surepose::{
 
 fn estimator<S: Float>() -> Estimator<S, 64> {
     let ekf = Ekf {
-        drive: Drive { wheel_radius: S::of(0.05), track: S::of(0.6) },
+        drive: Drive::new(S::of(0.05), S::of(0.6)),
         delta: S::of(0.0025),
         integration: Integration::Arc,
     };

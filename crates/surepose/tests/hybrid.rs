@@ -10,7 +10,7 @@ use surepose::{
 const PI: f64 = core::f64::consts::PI;
 
 fn drive<S: Float>() -> Drive<S> {
-    Drive { wheel_radius: S::of(0.05), track: S::of(0.6) }
+    Drive::new(S::of(0.05), S::of(0.6))
 }
 
 fn limits<S: Float>(acceleration: f64) -> Limits<S> {

@@ -22,7 +22,7 @@ fn difference(a: MapFromBody, b: MapFromBody) -> [f64; 3] {
 }
 
 fn ekf(integration: Integration) -> Ekf<f64> {
-    Ekf { drive: Drive { wheel_radius: 0.05, track: 0.6 }, delta: 0.0025, integration }
+    Ekf { drive: Drive::new(0.05, 0.6), delta: 0.0025, integration }
 }
 
 /// The covariance after one prediction, with Jacobians by central differences of the pose.

@@ -6,7 +6,7 @@ use surepose::{
 };
 
 fn controller(direction: Direction) -> Controller<f64> {
-    let (drive, period) = (Drive { wheel_radius: 0.05, track: 0.6 }, 0.02);
+    let (drive, period) = (Drive::new(0.05, 0.6), 0.02);
     let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
     Controller {
         drive,

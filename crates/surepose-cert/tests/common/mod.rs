@@ -4,7 +4,7 @@
 use surepose::{Direction, Drive, Gains, HybridLaw, Law, Limits};
 use surepose_cert::{Noise, Request, Shipped, Subject};
 
-pub const DRIVE: Drive<f64> = Drive { wheel_radius: 0.05, track: 0.6 };
+pub const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
 pub const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 1e9 };
 
 /// The default law for a period \[s].

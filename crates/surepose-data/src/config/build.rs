@@ -6,7 +6,7 @@ use surepose::closed_loop::Controller;
 use surepose::param;
 use surepose::{
     Actuation, Angle, Belief, Body, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw,
-    Integration, Laser, Law, Limits, Map, PaperLaw, Pose, Rest, Stamp, Tolerance,
+    Integration, Laser, Law, Limits, Map, PaperLaw, Pose, Rest, Stamp, Tolerance, Wheels,
 };
 
 use super::{Config, Origin};
@@ -38,9 +38,11 @@ pub struct LaserMounting {
 }
 
 impl Config {
-    /// The wheels' geometry.
+    /// The wheels' geometry: the mean of their radii and the ratio of the right one to the left one make the two.
     pub fn drive(&self) -> Drive<f64> {
-        Drive { wheel_radius: self.number(&param::WHEEL_RADIUS), track: self.number(&param::TRACK) }
+        let ratio = self.number(&param::WHEEL_RADIUS_RATIO);
+        let left = 2.0 * self.number(&param::WHEEL_RADIUS) / (1.0 + ratio);
+        Drive { radius: Wheels::new(ratio * left, left), track: self.number(&param::TRACK) }
     }
 
     /// These values, with the gains that nobody set fitted to the law, the period and the wheels.

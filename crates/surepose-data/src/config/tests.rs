@@ -30,6 +30,15 @@ fn every_value_knows_where_it_came_from() {
 }
 
 #[test]
+fn radii_have_the_mean_and_the_ratio_that_were_set() {
+    let radius = |text: &str| read(text).expect("right").drive().radius;
+    let apart = radius("[robot]\nwheel_radius_m = 0.06\nwheel_radius_ratio = 1.04\n");
+    assert!((0.5 * (apart.right + apart.left) - 0.06).abs() < 1e-15, "{apart:?}");
+    assert!((apart.right / apart.left - 1.04).abs() < 1e-15, "{apart:?}");
+    assert_eq!(radius("[robot]\nwheel_radius_m = 0.07\n"), surepose::Wheels::new(0.07, 0.07));
+}
+
+#[test]
 fn a_wrong_unit_is_converted_for_the_user() {
     let found = complaints("[robot]\nwheel_radius_mm = 50\n");
     assert_eq!(

@@ -1,8 +1,7 @@
 //! What is measured, as residuals of poses, walls and geometry, with their derivatives.
 
 use surepose::{
-    Angle, Belief, Body, Drive, Dual, Ekf, Integration, Laser, Line, Map, Motion, Pose, Scalar, Travel,
-    Wheels,
+    Angle, Belief, Body, Dual, Ekf, Integration, Laser, Line, Map, Motion, Pose, Scalar, Travel, Wheels,
 };
 
 use super::parameter::{COUNT, Geometry, Parameter};
@@ -47,16 +46,9 @@ pub(super) fn unknown_geometry(geometry: &Geometry<f64>) -> Geometry<Local> {
 
 /// The motion of a step by its encoders: [Tran2012] Eq. (7), (8), with a radius for each wheel.
 pub(super) fn motion<S: Scalar>(geometry: &Geometry<S>, turned: Wheels<f64>) -> Motion<S> {
-    let rims = rims(geometry, turned);
-    let radius = geometry.get(Parameter::RightWheelRadius);
-    Drive { wheel_radius: radius, track: geometry.get(Parameter::Track) }.motion_from_travel(rims)
-}
-
-fn rims<S: Scalar>(geometry: &Geometry<S>, turned: Wheels<f64>) -> Wheels<S> {
-    Wheels::new(
-        geometry.get(Parameter::RightWheelRadius) * S::of(turned.right),
-        geometry.get(Parameter::LeftWheelRadius) * S::of(turned.left),
-    )
+    let turned = Wheels::new(S::of(turned.right), S::of(turned.left));
+    let drive = geometry.drive();
+    drive.motion_from_travel(drive.rims_from_turns(turned))
 }
 
 /// What is left between the motion of the poses and that of the wheels: (x \[m], y \[m], θ \[rad]) in the body after.
@@ -77,18 +69,16 @@ pub(super) fn odometry_covariance(
     turned: Wheels<f64>,
     tick: f64,
 ) -> [[[f64; 3]; 3]; 2] {
-    let drive = Drive {
-        wheel_radius: geometry.get(Parameter::RightWheelRadius),
-        track: geometry.get(Parameter::Track),
-    };
+    let drive = geometry.drive();
     let ekf = Ekf { drive, delta: 1.0, integration: Integration::Arc };
-    let rims = rims(geometry, turned);
+    let rims = drive.rims_from_turns(turned);
     let turn = drive.motion_from_travel(rims).turn;
     let start = Belief::new(Pose::new(0.0, 0.0, Angle::wrapped(-turn)), [0.0; 3]);
     // Each end of a step is rounded to a tick.
-    let rounding = (tick * drive.wheel_radius).powi(2) / 6.0;
+    let rounding = |radius: f64| (tick * radius).powi(2) / 6.0;
+    let rounding = Wheels::new(rounding(drive.radius.right), rounding(drive.radius.left));
     let by_slip = ekf.predict(start, ekf.travel(rims)).covariance;
-    let by_ticks = ekf.predict(start, Travel { rims, variance: Wheels::new(rounding, rounding) }).covariance;
+    let by_ticks = ekf.predict(start, Travel { rims, variance: rounding }).covariance;
     let matrix = |covariance: surepose::Covariance<f64, 3>| -> [[f64; 3]; 3] {
         core::array::from_fn(|i| core::array::from_fn(|j| covariance.entry(i, j)))
     };

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
+use surepose::Wheels;
 use surepose::param::{self, Kind, Unit};
 
 use super::parameter::{COUNT, Geometry, Parameter};
@@ -77,16 +78,30 @@ impl Calibration {
         }
     }
 
-    /// The mean radius of the two wheels: that of a robot whose configuration has one.
+    /// The mean radius of the two wheels.
     pub fn wheel_radius(&self) -> Estimate {
+        let Wheels { right, left } = self.geometry.drive().radius;
+        self.of_radii(0.5 * (right + left), Wheels::new(0.5, 0.5), Unit::Metre)
+    }
+
+    /// The radius of the right wheel over that of the left one: off 1, a robot that takes them for equal drives circles.
+    pub fn wheel_radius_ratio(&self) -> Estimate {
+        let Wheels { right, left } = self.geometry.drive().radius;
+        let ratio = right / left;
+        self.of_radii(ratio, Wheels::new(1.0 / left, -ratio / left), Unit::One)
+    }
+
+    /// A function of both radii with this `value` and this derivative by each, where both are known.
+    fn of_radii(&self, value: f64, slope: Wheels<f64>, unit: Unit) -> Estimate {
         let (l, r) = (Parameter::LeftWheelRadius, Parameter::RightWheelRadius);
         if self.estimate(l).value.is_none() || self.estimate(r).value.is_none() {
-            return not_excited(l.unit(), l.excitation());
+            return not_excited(unit, l.excitation());
         }
         let (i, j) = (l as usize, r as usize);
         let c = &self.covariance;
-        let variance = 0.25 * (c[(i, i)] + c[(j, j)] + 2.0 * c[(i, j)]);
-        estimate(0.5 * (self.geometry.get(l) + self.geometry.get(r)), variance.max(0.0).sqrt(), l.unit())
+        let own = slope.left * slope.left * c[(i, i)] + slope.right * slope.right * c[(j, j)];
+        let variance = own + 2.0 * slope.left * slope.right * c[(i, j)];
+        estimate(value, variance.max(0.0).sqrt(), unit)
     }
 
     /// δ of [Tran2012] Eq. (15), for the period of the recording's wheel counters.
@@ -101,12 +116,21 @@ impl Calibration {
     /// Every parameter by its name, as the command line's JSON has them.
     pub fn parameters(&self) -> BTreeMap<&'static str, Estimate> {
         let geometry = Parameter::ALL.iter().map(|parameter| (parameter.name(), self.estimate(*parameter)));
-        geometry.chain([("wheel_radius_m", self.wheel_radius()), ("delta", self.delta())]).collect()
+        let more = [
+            ("wheel_radius_m", self.wheel_radius()),
+            ("wheel_radius_ratio", self.wheel_radius_ratio()),
+            ("delta", self.delta()),
+        ];
+        geometry.chain(more).collect()
     }
 
     /// What was found, as the lines of a configuration; what was not, as remarks.
     pub fn configuration(&self) -> String {
-        let mut found = vec![(&param::WHEEL_RADIUS, self.wheel_radius()), (&param::DELTA, self.delta())];
+        let mut found = vec![
+            (&param::WHEEL_RADIUS, self.wheel_radius()),
+            (&param::WHEEL_RADIUS_RATIO, self.wheel_radius_ratio()),
+            (&param::DELTA, self.delta()),
+        ];
         let keyed = |parameter: &Parameter| Some((parameter.key()?, self.estimate(*parameter)));
         found.extend(Parameter::ALL.iter().filter_map(keyed));
         // In the order of the table, so that each section comes once.
@@ -118,9 +142,6 @@ impl Calibration {
                 let gap = if section.is_empty() { "" } else { "\n" };
                 section = key.section;
                 let _ = writeln!(text, "{gap}[{section}]");
-            }
-            if key.key == param::WHEEL_RADIUS.key {
-                self.remark_wheels(&mut text);
             }
             if let (Some(value), Some(std), Kind::Number { range, .. }) =
                 (estimate.value, estimate.std_error, key.kind)
@@ -134,15 +155,6 @@ impl Calibration {
             }
         }
         text
-    }
-
-    fn remark_wheels(&self, text: &mut String) {
-        for wheel in [Parameter::LeftWheelRadius, Parameter::RightWheelRadius] {
-            if let Estimate { value: Some(value), std_error: Some(std), .. } = self.estimate(wheel) {
-                let (value, std) = rounded(value, std);
-                let _ = writeln!(text, "# {} = {value} ± {std}", wheel.name());
-            }
-        }
     }
 }
 

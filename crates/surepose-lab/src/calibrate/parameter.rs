@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use surepose::param;
 use surepose::param::Unit;
-use surepose::{Angle, Body, Laser, Pose, Scalar};
+use surepose::{Angle, Body, Drive, Laser, Pose, Scalar, Wheels};
 
 /// How many parameters of the geometry there are.
 pub const COUNT: usize = 9;
@@ -73,7 +73,7 @@ impl Parameter {
         }
     }
 
-    /// The key of the configuration that holds it; both radii together are one key, see [`super::Calibration`].
+    /// The key of the configuration that holds it; the radii have their mean and their ratio instead, see [`super::Calibration`].
     pub const fn key(self) -> Option<&'static param::Parameter> {
         match self {
             Self::LeftWheelRadius | Self::RightWheelRadius => None,
@@ -127,6 +127,12 @@ impl<S: Scalar> Geometry<S> {
     /// The value of `parameter`.
     pub fn get(&self, parameter: Parameter) -> S {
         self.0[parameter as usize]
+    }
+
+    /// The wheels.
+    pub fn drive(&self) -> Drive<S> {
+        let (right, left) = (self.get(Parameter::RightWheelRadius), self.get(Parameter::LeftWheelRadius));
+        Drive { radius: Wheels::new(right, left), track: self.get(Parameter::Track) }
     }
 
     /// Where the laser sits.

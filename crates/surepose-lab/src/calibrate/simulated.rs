@@ -30,15 +30,20 @@ impl Simulated {
     /// What is true, by the names and in the units of [`super::Calibration::parameters`].
     pub fn truths(&self) -> Vec<(&'static str, f64)> {
         let geometry = Parameter::ALL.iter().map(|p| (p.name(), self.truth.get(*p) / p.unit().to_si()));
-        let radii = self.truth.get(Parameter::LeftWheelRadius) + self.truth.get(Parameter::RightWheelRadius);
-        geometry.chain([("wheel_radius_m", 0.5 * radii), ("delta", self.delta)]).collect()
+        let Wheels { right, left } = self.truth.drive().radius;
+        let more = [
+            ("wheel_radius_m", 0.5 * (right + left)),
+            ("wheel_radius_ratio", right / left),
+            ("delta", self.delta),
+        ];
+        geometry.chain(more).collect()
     }
 }
 
 /// What the paper's robot is said to be: [`WorldModel::paper`], its laser 10 cm ahead.
 pub fn nominal() -> Geometry<f64> {
     let paper = WorldModel::paper(Arena::paper());
-    let (radius, track) = (paper.drive.wheel_radius, paper.drive.track);
+    let (radius, track) = (paper.drive.radius.right, paper.drive.track);
     Geometry([radius, radius, track, 0.1, 0.0, 0.0, 0.04, 0.0, 0.01])
 }
 
@@ -65,7 +70,7 @@ fn record(seed: Seed, duration: f64, held: Option<Wheels<f64>>) -> Simulated {
 
     let mut model = WorldModel::paper(Arena::paper());
     let paper = model.drive;
-    model.drive = Drive { wheel_radius: paper.wheel_radius, track: truth.get(Parameter::Track) };
+    model.drive = Drive::new(paper.radius.right, truth.get(Parameter::Track));
     let timing = Timing { period: PERIOD, latency: 0.0 };
     let offset = truth.get(Parameter::CompassOffset);
     model.compass = Some((CompassModel { offset, ..CompassModel::default() }, timing));

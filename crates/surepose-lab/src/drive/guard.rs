@@ -15,14 +15,15 @@ pub(super) struct Guard {
 }
 
 impl Guard {
-    /// `step`, as far as `verdict` allows it at time `now` \[s].
+    /// `step`, as far as `verdict` allows it at time `now` \[s], after the wheels were told `last`.
     ///
-    /// A robot that is lost turns in place if it `can_look`: what it sees may tell it where it is.
+    /// Wheels slow down and stop as hard as they can, and no harder. A robot that is lost turns in place if it `can_look`: what it sees may tell it where it is.
     pub(super) fn allow(
         &mut self,
         verdict: Verdict,
         controller: &Controller<f64>,
         step: Step<f64>,
+        last: Twist<f64>,
         now: f64,
         can_look: bool,
     ) -> Step<f64> {
@@ -31,11 +32,12 @@ impl Guard {
             (Verdict::Stop(reason), None) => Some((reason, now)),
             _ => None,
         };
-        let granted = match verdict {
+        let allowed = match verdict {
             Verdict::Go => return step,
             Verdict::Stop(Reason::Lost) if can_look => Twist::new(0.0, SEARCH_RATE),
             _ => step.granted.scaled(verdict.pace()),
         };
+        let granted = controller.limits.grant(&controller.drive, allowed, last, controller.period);
         // What the law remembers of a goal seen from a wrong place is worth nothing.
         let remembered = if self.held.is_some() { Progress::fresh() } else { step.progress };
         let wheels = controller.drive.rates_from_twist(granted);

@@ -49,6 +49,8 @@ pub struct Summary {
     pub closest_wall_m: f64,
     /// Largest rim speed asked of the wheels.
     pub wheel_speed_max_m_s: f64,
+    /// Largest change of a rim's speed asked of the wheels, per second.
+    pub wheel_acceleration_max_m_s2: f64,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
     /// Measurements that the filter refused.

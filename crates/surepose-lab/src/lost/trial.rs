@@ -3,11 +3,11 @@
 use core::f64::consts::{PI, TAU};
 
 use surepose::param::{START_HEADING, START_X, START_Y};
-use surepose::{Angle, Belief, Body, Drive, Glance, Health, Map, Pose, RangeFinder, Scan, Twist, Wheels};
+use surepose::{Belief, Body, Drive, Glance, Health, Map, Pose, RangeFinder, Twist, Wheels};
 use surepose_data::Config;
 use surepose_sim::{Clutter, Fault, Kind, LaserModel, Seed, Stream};
 
-use crate::rig::{Reading, Rig, SEARCH_RATE, Scenario, Sensors};
+use crate::rig::{Reading, Rig, SEARCH_RATE, Scenario, Sensors, scan_of};
 
 use super::place::Place;
 
@@ -190,12 +190,7 @@ impl Robot {
             nearest: 0.0,
             farthest: eye.max_range,
         };
-        let scan = Scan {
-            first_bearing: Angle::wrapped(seen.first_bearing),
-            bearing_step: seen.bearing_step,
-            ranges: &seen.ranges,
-        };
-        let Ok(glance) = Glance::<f64, AROUND>::of(&finder, &scan) else { return false };
+        let Ok(glance) = Glance::<f64, AROUND>::of(&finder, &scan_of(&seen)) else { return false };
         self.rig.hypotheses().any(|known| {
             let pose = known.belief.pose;
             let turned = (pose.heading - truth.heading).radians().abs();

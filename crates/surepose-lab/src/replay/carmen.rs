@@ -119,7 +119,7 @@ pub fn replay_log(
         let stamp = Stamp::from_seconds(at);
         let seen = follower.see(stamp, scan);
         report.skip(seen.skipped_as());
-        if let Some(belief) = follower.estimator.belief_at(stamp) {
+        if let Some(belief) = follower.localiser.estimator.belief_at(stamp) {
             score.add(belief.error(truth));
             score.add_nees(belief.nees(truth));
         }
@@ -132,7 +132,7 @@ pub fn replay_log(
     report.duration_s = log.duration();
     report.judge(score.summary());
     report.judge_dead_reckoning(dead_reckoning.summary());
-    report.count(follower.estimator.tally());
+    report.count(follower.localiser.estimator.tally());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }

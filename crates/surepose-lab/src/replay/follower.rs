@@ -1,8 +1,9 @@
 //! What all replays with a laser share: odometry rolls the estimate on, scans laid on the walls correct it.
 
+use surepose::closed_loop::{Localiser, Sensed, Sight, Signal, Witness};
 use surepose::{
-    Aligned, Aligner, AlignerMemory, Alignment, Angle, Belief, Body, Drive, Ekf, Estimator, Gate,
-    Integration, Laser, Map, Measurement, Motion, Outcome, Point, Pose, RangeFinder, Scan, Stamp, Stamped,
+    Aligned, Aligner, Alignment, Angle, Belief, Body, Drive, Ekf, Estimator, Eye, Gate, Integration, Laser,
+    Map, Measurement, Motion, Outcome, Point, Pose, RangeFinder, Recognition, Refusal, Scan, Stamp, Stamped,
     Travel, Twist, Wall, Wheels, param,
 };
 use surepose_data::Config;
@@ -38,8 +39,7 @@ impl FollowerSettings {
     /// What fits recordings of robots with a laser better than the defaults, before the user's own values.
     ///
     /// Odometry is trusted for 12 cm and 12° over a metre, several times its usual scatter: logs skip (belgioioso has jumps
-    /// of 0.45 m and of 32°), and the laser puts the pose right to centimetres anyway. For the same reason the gate is
-    /// wide.
+    /// of 0.45 m and of 32°), and the laser puts the pose right to centimetres anyway.
     pub fn preset(name: &'static str) -> Config {
         Self::scattering(name, 0.03)
     }
@@ -52,7 +52,6 @@ impl FollowerSettings {
             (&param::RIM_VARIANCE_PER_RADIAN, rim_variance),
             (&param::LASER_RANGE_STD, 0.03),
             (&param::LASER_BEARING_STD, 0.3),
-            (&param::GATE_PROBABILITY, 0.999_999),
         ];
         Config::default().with_preset(name, &values)
     }
@@ -84,10 +83,9 @@ impl FollowerSettings {
 /// An estimate that follows a robot with a laser among known walls.
 #[derive(Debug)]
 pub(super) struct Follower {
-    pub(super) estimator: Estimator<f64>,
+    pub(super) localiser: Box<Localiser<f64, 64, MOST_BEAMS>>,
     settings: FollowerSettings,
     walls: Vec<Wall<f64>>,
-    memory: Box<AlignerMemory<f64, MOST_BEAMS>>,
 }
 
 /// What became of a scan.
@@ -99,7 +97,9 @@ pub(super) enum Seen {
     Unconvincing,
     /// No wall of the map was in sight.
     NoWall,
-    /// The scan cannot be read, or the time at which it was taken is not remembered.
+    /// The time at which it was taken is not remembered: the estimator counted that.
+    OutOfTime,
+    /// It cannot be read.
     Unusable,
 }
 
@@ -107,7 +107,7 @@ impl Seen {
     /// The name under which a report counts a scan that the filter never saw.
     pub(super) fn skipped_as(&self) -> Option<&'static str> {
         match self {
-            Self::Tried(..) => None,
+            Self::Tried(..) | Self::OutOfTime => None,
             Self::Unconvincing => Some("unconvincing_scan"),
             Self::NoWall => Some("no_wall_in_sight"),
             Self::Unusable => Some("unusable_scan"),
@@ -145,14 +145,23 @@ impl Follower {
         stamp: Stamp,
         pose: Pose<Map, Body, f64>,
     ) -> Self {
-        let drive = Drive { wheel_radius: 1.0, track: settings.track };
+        let drive = Drive::new(1.0, settings.track);
         // The variance of each travel is given with it, so δ plays no part.
         let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };
         let gate = Gate::new(settings.gate_probability);
         let belief = Belief::new(pose, settings.start_std);
         // The history is as long as its memory: some replays count records, where others count seconds.
         let estimator = Estimator::new(ekf, gate, f64::INFINITY, stamp, belief);
-        Self { estimator, settings, walls, memory: Box::default() }
+        // Where its laser is, each scan says.
+        let laser = RangeFinder {
+            body_from_laser: Pose::identity(),
+            range_std: settings.range_std,
+            bearing_std: settings.bearing_std,
+            nearest: NEAREST,
+            farthest: FARTHEST,
+        };
+        let eye = Eye::new(laser, Recognition::Beams(settings.aligner));
+        Self { localiser: Box::new(Localiser { estimator, eye }), settings, walls }
     }
 
     /// Takes other walls for the map.
@@ -162,39 +171,52 @@ impl Follower {
 
     /// Rolls on by `motion` until `stamp`.
     pub(super) fn roll(&mut self, stamp: Stamp, motion: Motion<f64>) {
-        let rims = self.estimator.ekf().drive.rims_from_twist(Twist::new(motion.length, motion.turn));
+        let rims =
+            self.localiser.estimator.ekf().drive.rims_from_twist(Twist::new(motion.length, motion.turn));
         let variance = self.settings.rim_variance_per_metre * motion.length.abs()
             + self.settings.rim_variance_per_radian * motion.turn.abs();
         // A refusal is in the estimator's tally, and so in the report.
-        let _ = self.estimator.roll_by(stamp, Travel { rims, variance: Wheels::new(variance, variance) });
+        let travel = Travel { rims, variance: Wheels::new(variance, variance) };
+        self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, rims, &[], &mut ());
     }
 
     /// Corrects the belief by a scan that was taken at `stamp`.
     pub(super) fn see(&mut self, stamp: Stamp, scan: &recording::Scan) -> Seen {
-        let Some(belief) = self.estimator.belief_at(stamp) else { return Seen::Unusable };
-        let laser = RangeFinder {
-            body_from_laser: mounted(scan.mount),
-            range_std: self.settings.range_std,
-            bearing_std: self.settings.bearing_std,
-            nearest: NEAREST,
-            farthest: FARTHEST,
-        };
+        let is_remembered = self.localiser.estimator.belief_at(stamp).is_some();
+        self.localiser.eye.laser.body_from_laser = mounted(scan.mount);
         let scan = Scan {
             first_bearing: Angle::wrapped(scan.angle_min),
             bearing_step: scan.angle_increment,
             ranges: &scan.ranges,
         };
-        let ekf = *self.estimator.ekf();
-        let aligner = &self.settings.aligner;
-        match aligner.align(&mut self.memory, &ekf, &belief, &laser, &scan, &self.walls) {
-            Err(_) => Seen::Unusable,
-            Ok(Alignment::Nowhere) => Seen::NoWall,
-            Ok(Alignment::Unconvincing(_)) => Seen::Unconvincing,
-            Ok(Alignment::Found(aligned)) => {
-                let measured = Stamped::new(stamp, Measurement::Pose(aligned.fix));
-                Seen::Tried(self.estimator.measure(measured), aligned)
-            }
+        let mut note = Note::default();
+        self.localiser.hear(&Stamped::new(stamp, Signal::Scan(scan)), &self.walls, &mut note);
+        match (note.alignment, note.outcome) {
+            (None, _) if !is_remembered => Seen::OutOfTime,
+            (None, _) => Seen::Unusable,
+            (Some(Alignment::Nowhere), _) => Seen::NoWall,
+            (Some(Alignment::Found(aligned)), Some(outcome)) => Seen::Tried(outcome, aligned),
+            (Some(_), _) => Seen::Unconvincing,
         }
+    }
+}
+
+/// What became of the scan that was heard last.
+#[derive(Default)]
+struct Note {
+    outcome: Option<Outcome>,
+    alignment: Option<Alignment<f64>>,
+}
+
+impl<const N: usize> Witness<f64, N> for Note {
+    fn rolled(&mut self, _: Stamp, _: Wheels<f64>, _: Travel<f64>, _: Result<(), Refusal>) {}
+
+    fn measured(&mut self, _: &Stamped<Measurement<f64>>, outcome: Outcome) {
+        self.outcome = Some(outcome);
+    }
+
+    fn looked(&mut self, _: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
+        self.alignment = sight.seen.alignment;
     }
 }
 

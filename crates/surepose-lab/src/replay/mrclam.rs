@@ -7,9 +7,10 @@ mod settings;
 use std::path::Path;
 use std::time::Instant;
 
+use surepose::closed_loop::{Localiser, Sensed, Signal};
 use surepose::{
-    Belief, Drive, Ekf, Estimator, Gate, Integration, Measurement, Motion, Point, Stamp, Stamped, Travel,
-    Twist, Wheels,
+    Belief, Drive, Ekf, Estimator, Eye, Gate, Integration, Measurement, Motion, Point, Stamp, Stamped,
+    Travel, Twist, Wheels,
 };
 use surepose_data::mrclam::{self as data, RobotLog, Sighting, Target};
 use surepose_data::recording::StampedTwist;
@@ -53,7 +54,7 @@ impl Default for Settings {
             rim_variance_per_metre: 1.5e-4,
             rim_variance_per_radian: 7e-4,
             camera: Camera::default(),
-            gate_probability: 0.999,
+            gate_probability: 0.999_999,
             history: 0.5,
             start_std: [0.01, 0.01, 1.0_f64.to_radians()],
         }
@@ -100,7 +101,7 @@ pub fn replay_log(log: &RobotLog, settings: &Settings) -> Result<ReplayReport, R
         replay.advance(effective);
         replay.command = twist(command);
         if let Some(truth) = reference.at(effective) {
-            let belief = replay.estimator.belief();
+            let belief = replay.localiser.estimator.belief();
             score.add(belief.error(truth));
             score.add_nees(belief.nees(truth));
         }
@@ -115,7 +116,7 @@ pub fn replay_log(log: &RobotLog, settings: &Settings) -> Result<ReplayReport, R
     report.distance_m = reference.distance(begin.time, end.time);
     report.judge(score.summary());
     report.judge_dead_reckoning(dead_reckoning(commands, &reference).summary());
-    report.count(replay.estimator.tally());
+    report.count(replay.localiser.estimator.tally());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }
@@ -126,7 +127,7 @@ struct Replay<'a> {
     settings: &'a Settings,
     /// The command in effect.
     command: Twist<f64>,
-    estimator: Estimator<f64>,
+    localiser: Localiser<f64, 64, 0>,
     report: ReplayReport,
 }
 
@@ -141,14 +142,17 @@ impl<'a> Replay<'a> {
         let time = begin.time + settings.response.dead_time;
         let belief = Belief::new(reference.at(time)?, settings.start_std);
         // The travel of the rims is derived from commands, so neither the radius of the wheels nor δ plays a part.
-        let drive = Drive { wheel_radius: 1.0, track: settings.track };
+        let drive = Drive::new(1.0, settings.track);
         let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };
         let gate = Gate::new(settings.gate_probability);
         Some(Self {
             log,
             settings,
             command: twist(begin),
-            estimator: Estimator::new(ekf, gate, settings.history, Stamp::from_seconds(time), belief),
+            localiser: Localiser {
+                estimator: Estimator::new(ekf, gate, settings.history, Stamp::from_seconds(time), belief),
+                eye: Eye::blind(),
+            },
             report: ReplayReport::default(),
         })
     }
@@ -156,17 +160,18 @@ impl<'a> Replay<'a> {
     /// Predicts up to `time` \[s] under the command that holds; the past stays as it is.
     fn advance(&mut self, time: f64) {
         let stamp = Stamp::from_seconds(time);
-        let period = stamp.since(self.estimator.stamp());
+        let period = stamp.since(self.localiser.estimator.stamp());
         if period > 0.0 {
             let travel = self.travel(self.settings.response.twist(self.command).over(period));
             // A refusal is in the estimator's tally, and so in the report.
-            let _ = self.estimator.roll_by(stamp, travel);
+            self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, travel.rims, &[], &mut ());
         }
     }
 
     /// The rims' travel that makes `motion`, and how well it is known.
     fn travel(&self, motion: Motion<f64>) -> Travel<f64> {
-        let rims = self.estimator.ekf().drive.rims_from_twist(Twist::new(motion.length, motion.turn));
+        let rims =
+            self.localiser.estimator.ekf().drive.rims_from_twist(Twist::new(motion.length, motion.turn));
         let variance = self.settings.rim_variance_per_metre * motion.length.abs()
             + self.settings.rim_variance_per_radian * motion.turn.abs();
         Travel { rims, variance: Wheels::new(variance, variance) }
@@ -185,7 +190,8 @@ impl<'a> Replay<'a> {
         let at = Point::new(landmark.x, landmark.y);
         let seen = camera.sighting(at, sighting.range, sighting.bearing);
         let stamp = Stamp::from_seconds(sighting.time - camera.latency);
-        self.estimator.measure(Stamped::new(stamp, Measurement::Landmark(seen)));
+        let signal = Stamped::new(stamp, Signal::Measurement(Measurement::Landmark(seen)));
+        self.localiser.hear(&signal, &[], &mut ());
     }
 
     fn skip(&mut self, kind: &'static str) {

@@ -77,7 +77,7 @@ pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings) ->
             shares.add(&seen);
             report.skip(seen.skipped_as());
         }
-        let pose = follower.estimator.belief().pose;
+        let pose = follower.localiser.estimator.belief().pose;
         way.push(pose);
         dead_reckoning.push(dead);
         let is_new = views.last().is_none_or(|(_, at)| {
@@ -90,7 +90,7 @@ pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings) ->
         }
     }
     report.beams_on_walls = shares.mean();
-    report.count(follower.estimator.tally());
+    report.count(follower.localiser.estimator.tally());
     report.wall_s = begun.elapsed().as_secs_f64();
     Explored { report, mapped: from_log::walls_of(views, &mapping), way, dead_reckoning }
 }
@@ -98,9 +98,9 @@ pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings) ->
 /// The motion that the wheels' counters tell.
 fn motion(before: &StampedTicks, after: &StampedTicks) -> Motion<f64> {
     let rover = data::ROVER;
-    let drive = Drive { wheel_radius: rover.wheel_radius, track: rover.track };
+    let drive = Drive::new(rover.wheel_radius, rover.track);
     let turned = |from: i64, to: i64| (to - from) as f64 / rover.ticks_per_turn * std::f64::consts::TAU;
     let angles = Wheels::new(turned(before.right, after.right), turned(before.left, after.left));
     // Angles instead of rates: the period is one.
-    drive.motion_from_travel(drive.travel_from_rates(angles, 1.0))
+    drive.motion_from_travel(drive.rims_from_turns(angles))
 }

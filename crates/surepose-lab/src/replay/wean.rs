@@ -81,10 +81,10 @@ pub fn replay_log(
         let seen = follower.see(stamp, scan);
         shares.add(&seen);
         report.skip(seen.skipped_as());
-        way.push(follower.estimator.belief().pose);
+        way.push(follower.localiser.estimator.belief().pose);
     }
     report.beams_on_walls = shares.mean();
-    report.count(follower.estimator.tally());
+    report.count(follower.localiser.estimator.tally());
     report.wall_s = begun.elapsed().as_secs_f64();
     (report, way)
 }

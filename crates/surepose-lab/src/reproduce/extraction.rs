@@ -1,12 +1,12 @@
 //! How well lines are extracted, judged by the truth of the loop world.
 
+use surepose::closed_loop::{Sight, Witness};
 use surepose::{
-    Body, Estimator, Fate, Gate, LineExtractor, Map, Matcher, Measurement, Pose, SeenLine, Stamp, Stamped,
-    Wall,
+    Body, Estimator, Fate, Map, Measurement, Outcome, Pose, Refusal, SeenLine, Stamp, Stamped, Travel, Wall,
+    Wheels,
 };
 
-use super::localisation::{GATE_PROBABILITY, MOST_BEAMS};
-use super::loop_world::{LoopWorld, as_scan};
+use super::loop_world::{LoopWorld, Tick};
 use super::seeds::for_each;
 
 /// A visible wall has at least so many beams aimed at it, all in a row …
@@ -54,62 +54,66 @@ impl Extraction {
     }
 }
 
-/// Extracts and matches, with encoders, compass and laser, every scan of the runs with the seeds 0 to `runs` − 1.
+/// Judges every scan of the runs with the seeds 1 to `runs`, as the filter with encoders, compass and laser sees it.
 pub fn extraction(world: &LoopWorld, runs: u64) -> Extraction {
     let results = for_each(runs, |seed| {
         let mut run = world.run(seed);
-        let gate = Gate::new(GATE_PROBABILITY);
-        let start = Stamp::from_seconds(0.0);
-        let mut estimator = Estimator::<f64, 64>::new(world.ekf(), gate, 1.0, start, run.first_belief());
-        let mut extractor = Box::<LineExtractor<f64, MOST_BEAMS>>::default();
+        let mut robot = run.robot();
         let mut sum = Extraction::default();
-        for tick in run {
-            let stamp = Stamp::from_seconds(tick.time);
-            let _ = estimator.roll(stamp, tick.rims);
-            estimator.measure(Stamped { stamp, value: Measurement::Compass(tick.compass) });
-            let laser = world.range_finder();
-            let Ok(seen) = extractor.extract(&laser, &as_scan(&tick.scan)) else { continue };
-            let belief = estimator.belief();
-            let mount = &laser.body_from_laser;
-            let matched =
-                Matcher::default().matched(estimator.ekf(), &belief, mount, seen.lines, world.map());
-            for sighting in matched.sightings() {
-                estimator.measure(Stamped { stamp, value: Measurement::Wall(*sighting) });
-            }
-
-            let aims = world.seen_walls(tick.truth, &tick.scan);
-            let mut votes = vec![vec![0_usize; world.map().len()]; seen.lines.len()];
-            for (beam, line) in seen.beams() {
-                if let Some(wall) = aims[beam] {
-                    votes[line][wall] += 1;
-                }
-            }
-            let mut found = vec![false; world.map().len()];
-            for ((line, votes), fate) in seen.lines.iter().zip(&votes).zip(matched.fates()) {
-                let most = votes.iter().enumerate().max_by_key(|(_, n)| **n);
-                let Some((wall, _)) = most.filter(|(_, n)| 2 * **n > usize::from(line.beams)) else {
-                    sum.spurious += 1;
-                    continue;
-                };
-                let nees = line_nees(line, &world.map()[wall], tick.truth);
-                sum.lines += 1;
-                sum.line_nees_sum += nees;
-                found[wall] |= nees < FOUND;
-                if let Fate::Wall { number, .. } = fate {
-                    sum.matched += 1;
-                    sum.wrong += u64::from(*number != wall);
-                }
-            }
-            for (wall, found) in found.iter().enumerate() {
-                if is_visible(&aims, wall, &tick.scan.ranges, tick.scan.bearing_step) {
-                    sum.visible += 1;
-                    sum.found += u64::from(*found);
-                }
-            }
+        while let Some(Tick { truth, sensed }) = run.next() {
+            let aims = sensed.scans.iter().flat_map(|scan| world.seen_walls(truth, &scan.value)).collect();
+            run.sense(&mut robot, &sensed, &mut Judge { truth, aims, sum: &mut sum });
         }
         sum
     });
     results.into_iter().fold(Extraction::default(), Extraction::and)
+}
+
+/// Who knows the truth, and judges by it what is seen in a scan.
+struct Judge<'a> {
+    truth: Pose<Map, Body, f64>,
+    /// Which wall each beam is aimed at, by number.
+    aims: Vec<Option<usize>>,
+    sum: &'a mut Extraction,
+}
+
+impl<const N: usize> Witness<f64, N> for Judge<'_> {
+    fn rolled(&mut self, _: Stamp, _: Wheels<f64>, _: Travel<f64>, _: Result<(), Refusal>) {}
+
+    fn measured(&mut self, _: &Stamped<Measurement<f64>>, _: Outcome) {}
+
+    fn looked(&mut self, _: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
+        let (seen, walls, sum) = (sight.seen, sight.walls, &mut self.sum);
+        let lines = seen.extracted.lines;
+        let mut votes = vec![vec![0_usize; walls.len()]; lines.len()];
+        for (beam, line) in seen.extracted.beams() {
+            if let Some(wall) = self.aims[beam] {
+                votes[line][wall] += 1;
+            }
+        }
+        let mut found = vec![false; walls.len()];
+        for ((line, votes), fate) in lines.iter().zip(&votes).zip(seen.matched.fates()) {
+            let most = votes.iter().enumerate().max_by_key(|(_, n)| **n);
+            let Some((wall, _)) = most.filter(|(_, n)| 2 * **n > usize::from(line.beams)) else {
+                sum.spurious += 1;
+                continue;
+            };
+            let nees = line_nees(line, &walls[wall], self.truth);
+            sum.lines += 1;
+            sum.line_nees_sum += nees;
+            found[wall] |= nees < FOUND;
+            if let Fate::Wall { number, .. } = fate {
+                sum.matched += 1;
+                sum.wrong += u64::from(*number != wall);
+            }
+        }
+        for (wall, found) in found.iter().enumerate() {
+            if is_visible(&self.aims, wall, sight.scan.ranges, sight.scan.bearing_step) {
+                sum.visible += 1;
+                sum.found += u64::from(*found);
+            }
+        }
+    }
 }
 
 /// The normalised error squared of a line, χ² with 2 degrees of freedom; the laser is at the body's centre here.

@@ -1,24 +1,13 @@
 //! Fig. 4 and Fig. 5 of the paper: how far odometry, compass and laser leave the estimate from the truth.
 
-use surepose::{
-    Belief, Body, Estimator, Gate, LineExtractor, Map, Matcher, Measurement, Pose, Stamp, Stamped,
-};
+use surepose::{Belief, Body, Map, Pose};
 use surepose_sim::Seed;
 
-use super::loop_world::{LoopWorld, Tick, as_scan};
+use super::loop_world::{LoopWorld, Tick};
 use super::seeds::for_each;
 
 /// Errors count from here on \[s]: what is known of the start is forgotten by then.
 const SETTLED: f64 = 10.0;
-
-/// The gate of the filter, nearly 5 standard deviations of a compass reading.
-///
-/// Nothing in this world is broken. A narrow gate would refuse the very readings that tell the filter of a large slip
-/// of a wheel: at 99.9 % the heading with encoders and compass is off by 6 % more, and NEES grows to 3.5.
-pub(super) const GATE_PROBABILITY: f64 = 0.999_999;
-
-/// The most beams of a scan here.
-pub(super) const MOST_BEAMS: usize = 1024;
 
 /// Which sensors the filter is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,41 +91,16 @@ pub fn deviations(world: &LoopWorld, configuration: Configuration, seed: Seed) -
 /// Drives the course and shows every moment of it.
 fn drive(world: &LoopWorld, configuration: Configuration, seed: Seed, mut show: impl FnMut(Moment)) {
     let mut run = world.run(seed);
-    let gate = Gate::new(GATE_PROBABILITY);
-    let start = Stamp::from_seconds(0.0);
-    let mut estimator = Estimator::<f64, 64>::new(world.ekf(), gate, 1.0, start, run.first_belief());
-    let mut pipeline = Pipeline::default();
-    for tick in run {
-        let stamp = Stamp::from_seconds(tick.time);
-        // A refused travel is counted by the estimator; the belief then stays where it was.
-        let _ = estimator.roll(stamp, tick.rims);
-        if configuration.has_compass() {
-            estimator.measure(Stamped { stamp, value: Measurement::Compass(tick.compass) });
+    let mut robot = run.robot();
+    while let Some(Tick { truth, mut sensed }) = run.next() {
+        if !configuration.has_compass() {
+            sensed.headings.clear();
         }
-        if configuration.has_laser() {
-            pipeline.correct(world, &mut estimator, stamp, &tick);
+        if !configuration.has_laser() {
+            sensed.scans.clear();
         }
-        show(Moment { time: tick.time, truth: tick.truth, belief: estimator.belief() });
-    }
-}
-
-/// Scan → lines → walls → filter.
-#[derive(Default)]
-struct Pipeline {
-    extractor: Box<LineExtractor<f64, MOST_BEAMS>>,
-    matcher: Matcher<f64>,
-}
-
-impl Pipeline {
-    fn correct(&mut self, world: &LoopWorld, estimator: &mut Estimator<f64, 64>, stamp: Stamp, tick: &Tick) {
-        let laser = world.range_finder();
-        let Ok(seen) = self.extractor.extract(&laser, &as_scan(&tick.scan)) else { return };
-        let Some(belief) = estimator.belief_at(stamp) else { return };
-        let mount = &laser.body_from_laser;
-        let matched = self.matcher.matched(estimator.ekf(), &belief, mount, seen.lines, world.map());
-        for sighting in matched.sightings() {
-            estimator.measure(Stamped { stamp, value: Measurement::Wall(*sighting) });
-        }
+        let belief = run.sense(&mut robot, &sensed, &mut ());
+        show(Moment { time: sensed.stamp.seconds(), truth, belief });
     }
 }
 

@@ -1,13 +1,17 @@
 //! The loop world: a known course between known walls, odometry with 5 % wheel noise, a compass and a laser.
 
+use surepose::closed_loop::Witness;
 use surepose::{
-    Angle, Belief, Body, Compass, Drive, Ekf, Integration, Map, Motion, NotAPath, NotAWall, Path, Pose,
-    RangeFinder, Scan, Wall, Wheels,
+    Angle, Belief, Body, Integration, Map, Motion, NotAPath, Path, Pose, Stamp, Stamped, Twist, Wall, Wheels,
+    param,
 };
+use surepose_data::Config;
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
 
+use crate::rig::{HISTORY, Localisation, Reading, localisation, translated, walls_between};
+
 /// One tick's time \[s].
-pub(super) const PERIOD: f64 = 0.1;
+const PERIOD: f64 = 0.1;
 /// The length of a run \[s].
 const DURATION: f64 = 60.0;
 /// How well the start is known: x, y \[m] and heading \[rad].
@@ -23,46 +27,33 @@ pub struct LoopWorld {
     walls: Vec<Wall<f64>>,
     laser: LaserModel,
     compass: CompassModel,
-    drive: Drive<f64>,
+    robot: Config,
 }
 
 impl LoopWorld {
     /// The world with a laser of so many beams over 180°, and with things in its way that are on no map.
     ///
     /// # Errors
-    /// Never in truth: the world's measures are constants that make a path and walls.
-    pub fn new(beams: usize, clutter: Clutter) -> Result<Self, LoopWorldError> {
-        let arena = Arena::loop_world();
-        let walls = arena.walls().iter().map(|wall| Wall::between(wall.start, wall.end));
+    /// Never in truth: the world's measures are constants that make a path.
+    pub fn new(beams: usize, clutter: Clutter) -> Result<Self, NotAPath> {
+        let (arena, compass) = (Arena::loop_world(), CompassModel::default());
+        let laser = LaserModel { clutter, ..LaserModel::half_circle(beams) };
+        let known = [
+            (&param::WHEEL_RADIUS, 0.05),
+            (&param::TRACK, 0.6),
+            (&param::DELTA, DELTA),
+            (&param::COMPASS_STD, compass.std.to_degrees()),
+            (&param::LASER_RANGE_STD, laser.range_std),
+            (&param::LASER_BEARING_STD, laser.bearing_std.to_degrees()),
+        ];
         Ok(Self {
             course: loop_course()?,
-            walls: walls.collect::<Result<_, _>>()?,
+            walls: walls_between(arena.walls()),
             arena,
-            laser: LaserModel { clutter, ..LaserModel::half_circle(beams) },
-            compass: CompassModel::default(),
-            drive: Drive { wheel_radius: 0.05, track: 0.6 },
+            laser,
+            compass,
+            robot: Config::default().with_preset("fig4", &known),
         })
-    }
-
-    /// The walls as the robot's map has them.
-    pub fn map(&self) -> &[Wall<f64>] {
-        &self.walls
-    }
-
-    /// The laser as the robot knows it.
-    pub fn range_finder(&self) -> RangeFinder<f64> {
-        RangeFinder {
-            body_from_laser: self.laser.body_from_laser,
-            range_std: self.laser.range_std,
-            bearing_std: self.laser.bearing_std,
-            nearest: 0.0,
-            farthest: self.laser.max_range,
-        }
-    }
-
-    /// The filter with the constants of this robot.
-    pub fn ekf(&self) -> Ekf<f64> {
-        Ekf { drive: self.drive, delta: DELTA, integration: Integration::Arc }
     }
 
     /// One run round the course.
@@ -110,17 +101,6 @@ impl LoopWorld {
     }
 }
 
-/// The loop world could not be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LoopWorldError {
-    /// Its course is none.
-    #[error("the loop world's course: {0}")]
-    Course(#[from] NotAPath),
-    /// One of its walls is none.
-    #[error("the loop world's walls: {0}")]
-    Wall(#[from] NotAWall),
-}
-
 /// A run round the course, tick by tick.
 pub(super) struct Run<'a> {
     world: &'a LoopWorld,
@@ -134,21 +114,34 @@ pub(super) struct Run<'a> {
 
 /// What a tick brings.
 pub(super) struct Tick {
-    /// Since the start \[s].
-    pub time: f64,
+    /// Where the robot is.
     pub truth: Pose<Map, Body, f64>,
-    /// How far the rims rolled, by the encoders \[m].
-    pub rims: Wheels<f64>,
-    pub compass: Compass<f64>,
-    pub scan: surepose_sim::Scan,
+    /// What its sensors say: one heading and one scan, measured now.
+    pub sensed: surepose_sim::Sensed,
 }
 
 impl Run<'_> {
-    /// What the robot believes at the start: the truth with the errors that it is told to expect.
-    pub(super) fn first_belief(&mut self) -> Belief<f64> {
+    /// The robot, told where it starts with the error that it is told to expect.
+    pub(super) fn robot(&mut self) -> Box<Localisation> {
         let [x, y, heading] = START_STD.map(|std| std * self.start.normal());
         let truth = self.truth;
-        Belief::new(Pose::new(truth.x + x, truth.y + y, truth.heading.turned(heading)), START_STD)
+        let told = Pose::new(truth.x + x, truth.y + y, truth.heading.turned(heading));
+        localisation(&self.world.robot, Reading::Lines, Belief::new(told, START_STD))
+    }
+
+    /// Where `robot` believes to be after a tick, at which `witness` hears of everything.
+    pub(super) fn sense(
+        &self,
+        robot: &mut Localisation,
+        sensed: &surepose_sim::Sensed,
+        witness: &mut impl Witness<f64, HISTORY>,
+    ) -> Belief<f64> {
+        let ekf = *robot.estimator.ekf();
+        // Nobody tells the wheels anything here, and their encoders are never refused.
+        let told = Wheels::new(0.0, 0.0);
+        translated(sensed, &ekf, &self.world.robot.compass(), |sensed| {
+            robot.sense(sensed, told, &self.world.walls, witness)
+        })
     }
 }
 
@@ -168,27 +161,23 @@ impl Iterator for Run<'_> {
         let turn: Angle<f64> = world.at(self.tick).heading - self.truth.heading;
         let motion = Motion { length: LOOP_SPEED * PERIOD, turn: turn.radians() };
         self.truth = self.truth.moved(motion, Integration::Arc);
-        let swing = motion.turn * world.drive.track / 2.0;
-        let travel = Wheels::new(motion.length + swing, motion.length - swing);
+        let travel = world.robot.drive().rims_from_twist(Twist::new(motion.length, motion.turn));
+        let stamp = Stamp::from_seconds(f64::from(self.tick) * PERIOD);
         Some(Tick {
-            time: f64::from(self.tick) * PERIOD,
             truth: self.truth,
-            rims: Slip { delta: DELTA }.apply(travel, &mut self.slip),
-            compass: Compass {
-                heading: world.compass.read(self.truth.heading, &mut self.compass),
-                std: world.compass.std,
+            sensed: surepose_sim::Sensed {
+                stamp,
+                rims: Slip { delta: DELTA }.apply(travel, &mut self.slip),
+                headings: vec![Stamped::new(
+                    stamp,
+                    world.compass.read(self.truth.heading, &mut self.compass),
+                )],
+                scans: vec![Stamped::new(
+                    stamp,
+                    world.laser.scan(world.arena.walls(), self.truth, &mut self.laser),
+                )],
             },
-            scan: world.laser.scan(world.arena.walls(), self.truth, &mut self.laser),
         })
-    }
-}
-
-/// The core's view of a simulated scan.
-pub(super) fn as_scan(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
-    Scan {
-        first_bearing: Angle::wrapped(scan.first_bearing),
-        bearing_step: scan.bearing_step,
-        ranges: &scan.ranges,
     }
 }
 

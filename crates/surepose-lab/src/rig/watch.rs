@@ -1,9 +1,9 @@
 //! The supervisor at work: it hears of everything, and looks for the robot when that is lost.
 
+use surepose::closed_loop::{Sight, Witness};
 use surepose::{
-    Belief, Certainty, Compass, Estimator, Finding, Glance, Health, Hypothesis, Matcher, Outcome,
-    RangeFinder, Refusal, Relocaliser, Scan, SeenLine, Stamp, Stamped, Supervisor, Travel, Verdict,
-    Vigilance, Wall, Wheels,
+    Belief, Certainty, Drive, Estimator, Finding, Glance, Health, Hypothesis, Matcher, Measurement, Outcome,
+    Refusal, Relocaliser, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wheels, param,
 };
 use surepose_data::Config;
 
@@ -24,27 +24,14 @@ pub struct Watch {
     supervisor: Supervisor<f64>,
     relocaliser: Box<Relocaliser<f64, HYPOTHESES>>,
     reading: Reading,
+    drive: Drive<f64>,
+    period: f64,
     /// Whether the relocaliser is at work.
     searching: bool,
 }
 
 /// How well a pose is known at least that lines found in a map of short walls: x, y \[m] and heading \[rad].
 const ROUGHLY: [f64; 3] = [0.05, 0.05, 0.02];
-
-/// A scan with what was found in it.
-#[derive(Clone, Copy, Debug)]
-pub struct Sight<'a> {
-    /// When it was taken.
-    pub stamp: Stamp,
-    /// By what.
-    pub laser: &'a RangeFinder<f64>,
-    /// The scan.
-    pub scan: &'a Scan<'a, f64>,
-    /// The lines in it.
-    pub lines: &'a [SeenLine<f64>],
-    /// The walls of the map.
-    pub walls: &'a [Wall<f64>],
-}
 
 impl Watch {
     /// The watch over a robot that starts at `stamp`; `aided` where it has sensors that see where it is.
@@ -58,6 +45,8 @@ impl Watch {
             supervisor: Supervisor::new(vigilance, stamp),
             relocaliser: Box::new(relocaliser),
             reading,
+            drive: config.drive(),
+            period: config.number(&param::PERIOD),
             searching: false,
         }
     }
@@ -83,48 +72,6 @@ impl Watch {
         self.search(now);
     }
 
-    /// The robot rolled by `travel` until `stamp`, or by a guess of it where odometry was refused.
-    pub fn rolled(&mut self, stamp: Stamp, travel: Travel<f64>, outcome: Result<(), Refusal>) {
-        self.supervisor.rolled(stamp, outcome);
-        if self.searching {
-            self.relocaliser.roll(stamp, travel);
-        }
-    }
-
-    /// How fast the wheels were told to turn, and how fast they did \[rad/s].
-    pub fn followed(&mut self, told: Wheels<f64>, did: Wheels<f64>) {
-        self.supervisor.followed(told, did);
-    }
-
-    /// A heading, and what became of it.
-    pub fn turned(&mut self, heading: Stamped<Compass<f64>>, outcome: Outcome) {
-        self.supervisor.measured(heading.stamp, outcome, 1);
-        if self.searching {
-            self.relocaliser.turn_to(heading);
-        }
-    }
-
-    /// What became of a line taken for a wall, or of a scan laid on all: a measurement with `rows` rows.
-    pub fn matched(&mut self, stamp: Stamp, outcome: Outcome, rows: usize) {
-        self.supervisor.measured(stamp, outcome, rows);
-    }
-
-    /// A scan, after its lines corrected `estimator`: does the map explain it? If the robot is lost, where is it?
-    pub fn looked<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_>) {
-        if let Some(belief) = estimator.belief_at(sight.stamp)
-            && let Ok(glance) = Glance::<f64, BEAMS>::of(sight.laser, sight.scan)
-        {
-            self.supervisor.looked(&glance.from(belief.pose, &belief.covariance, sight.walls));
-        }
-        let now = estimator.stamp();
-        if self.health(now, &estimator.belief()) == Health::Lost {
-            if !self.searching {
-                self.search(now);
-            }
-            self.look_for(estimator, sight);
-        }
-    }
-
     fn search(&mut self, now: Stamp) {
         self.searching = true;
         self.relocaliser.forget(now);
@@ -142,8 +89,9 @@ impl Watch {
         }
     }
 
-    fn look_for<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_>) {
-        let Sight { stamp, laser, scan, lines, walls } = *sight;
+    fn look_for<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
+        let Sight { stamp, laser, scan, seen, walls } = *sight;
+        let lines = seen.extracted.lines;
         if let Finding::Found(belief) = self.relocaliser.look(stamp, laser, scan, lines, walls) {
             estimator.restart(self.relocaliser.stamp(), self.told(belief));
             for (end, travel) in self.relocaliser.since_scan() {
@@ -152,6 +100,42 @@ impl Watch {
             }
             self.supervisor.found(estimator.stamp());
             self.searching = false;
+        }
+    }
+}
+
+impl<const N: usize> Witness<f64, N> for Watch {
+    fn rolled(&mut self, stamp: Stamp, told: Wheels<f64>, travel: Travel<f64>, outcome: Result<(), Refusal>) {
+        self.supervisor.rolled(stamp, outcome);
+        let rates = |rims| self.drive.turns_from_rims(rims).scaled(1.0 / self.period);
+        self.supervisor.followed(rates(told), rates(travel.rims));
+        if self.searching {
+            self.relocaliser.roll(stamp, travel);
+        }
+    }
+
+    fn measured(&mut self, measured: &Stamped<Measurement<f64>>, outcome: Outcome) {
+        self.supervisor.measured(measured.stamp, outcome, measured.value.rows());
+        if let Measurement::Compass(heading) = measured.value
+            && self.searching
+        {
+            self.relocaliser.turn_to(Stamped::new(measured.stamp, heading));
+        }
+    }
+
+    /// Does the map explain the scan? If the robot is lost, where is it?
+    fn looked(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
+        if let Some(belief) = estimator.belief_at(sight.stamp)
+            && let Ok(glance) = Glance::<f64, BEAMS>::of(sight.laser, sight.scan)
+        {
+            self.supervisor.looked(&glance.from(belief.pose, &belief.covariance, sight.walls));
+        }
+        let now = estimator.stamp();
+        if self.health(now, &estimator.belief()) == Health::Lost {
+            if !self.searching {
+                self.search(now);
+            }
+            self.look_for(estimator, sight);
         }
     }
 }

@@ -8,7 +8,7 @@ use surepose_lanes::uniform;
 use super::Start;
 
 /// The robot's geometry.
-pub const DRIVE: Drive<f64> = Drive { wheel_radius: 0.05, track: 0.6 };
+pub const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
 
 /// Largest speed of a wheel's rim \[m/s].
 const WHEEL_SPEED: f64 = 0.3;

@@ -69,6 +69,18 @@ impl<S: Float, const N: usize> Estimator<S, N> {
         }
     }
 
+    /// As [`Estimator::belief_at`], for something measured then: that it comes too late or too early is counted.
+    ///
+    /// # Errors
+    /// [`Refusal::Stale`] or [`Refusal::Future`].
+    pub(crate) fn recall(&mut self, stamp: Stamp) -> Result<Belief<S>, Refusal> {
+        self.belief_at(stamp).ok_or_else(|| {
+            let reason = if stamp > self.stamp() { Refusal::Future } else { Refusal::Stale };
+            self.tally.count(Outcome::Refused(reason));
+            reason
+        })
+    }
+
     /// Forgets everything and starts anew, from a pose that somebody is sure of. The tally is kept.
     pub fn restart(&mut self, stamp: Stamp, belief: Belief<S>) {
         self.history = History::starting(stamp, belief);
@@ -173,17 +185,14 @@ impl<S: Float, const N: usize> Estimator<S, N> {
     }
 
     fn correct(&self, belief: Belief<S>, measurement: &Measurement<S>) -> (Belief<S>, S, bool) {
-        let pair = self.gate.threshold(2);
+        let threshold = self.gate.threshold(measurement.rows());
+        let ekf = &self.ekf;
         let correction = match measurement {
-            Measurement::Compass(compass) => {
-                self.ekf.correct(belief, &compass.innovation(&belief), self.gate.threshold(1))
-            }
-            Measurement::Wall(wall) => self.ekf.correct(belief, &wall.innovation(&belief), pair),
-            Measurement::Landmark(landmark) => self.ekf.correct(belief, &landmark.innovation(&belief), pair),
-            Measurement::Position(position) => self.ekf.correct(belief, &position.innovation(&belief), pair),
-            Measurement::Pose(pose) => {
-                self.ekf.correct(belief, &pose.innovation(&belief), self.gate.threshold(3))
-            }
+            Measurement::Compass(compass) => ekf.correct(belief, &compass.innovation(&belief), threshold),
+            Measurement::Wall(wall) => ekf.correct(belief, &wall.innovation(&belief), threshold),
+            Measurement::Landmark(landmark) => ekf.correct(belief, &landmark.innovation(&belief), threshold),
+            Measurement::Position(position) => ekf.correct(belief, &position.innovation(&belief), threshold),
+            Measurement::Pose(pose) => ekf.correct(belief, &pose.innovation(&belief), threshold),
         };
         (correction.belief, correction.nis, correction.accepted)
     }

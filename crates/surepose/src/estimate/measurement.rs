@@ -84,6 +84,17 @@ pub enum Measurement<S> {
     Pose(PoseFix<S>),
 }
 
+impl<S> Measurement<S> {
+    /// How many numbers it measures.
+    pub const fn rows(&self) -> usize {
+        match self {
+            Self::Compass(_) => 1,
+            Self::Wall(_) | Self::Landmark(_) | Self::Position(_) => 2,
+            Self::Pose(_) => 3,
+        }
+    }
+}
+
 impl<S: Scalar> Compass<S> {
     /// ν = z − θ, wrapped.
     #[inline]

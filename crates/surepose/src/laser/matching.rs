@@ -54,6 +54,13 @@ pub struct Matched<S> {
     len: usize,
 }
 
+impl<S: Float> Matched<S> {
+    /// No lines.
+    pub(super) fn none() -> Self {
+        Self { fates: [Fate::Unknown; MOST_LINES], len: 0 }
+    }
+}
+
 impl<S> Matched<S> {
     /// The fate of each line, in their order.
     pub fn fates(&self) -> &[Fate<S>] {
@@ -122,7 +129,7 @@ impl<S: Float> Matcher<S> {
         for (slot, line) in open.iter_mut().zip(lines) {
             *slot = Some(now.first_look(line));
         }
-        let mut result = Matched { fates: [Fate::Unknown; MOST_LINES], len: lines.len() };
+        let mut result = Matched { len: lines.len(), ..Matched::none() };
         loop {
             let mut next = None;
             let mut most = 0;

@@ -43,9 +43,12 @@ const PLACE: &str = "a place farther than 10 km away is a mistake of unit";
 const TURN: &str = "an angle beyond one turn is a mistake of unit";
 
 parameters! {
-    /// Radius of the drive wheels.
+    /// Radius of the drive wheels; where they differ, the mean of the two.
     WHEEL_RADIUS = "robot" "wheel_radius_m", Metre,
         positive(1.0, 0.05, "a wheel has a radius, and one above 1 m is a mistake of unit");
+    /// Radius of the right drive wheel over that of the left one.
+    WHEEL_RADIUS_RATIO = "robot" "wheel_radius_ratio", One,
+        within(0.5, 2.0, 1.0, "wheels that differ by a factor of two are no pair");
     /// Distance between the contact points of the two drive wheels.
     TRACK = "robot" "track_m", Metre,
         positive(5.0, 0.6, "two wheels cannot share one contact point, and a track above 5 m is a mistake of unit");
@@ -93,7 +96,7 @@ parameters! {
         positive(1.0, 0.0025, "a variance is positive; above 1 odometry says nothing");
     /// Probability that a measurement the model explains passes the χ² gate.
     GATE_PROBABILITY = "filter" "gate_probability", One,
-        within(0.5, 0.999_999_999, 0.999, "below 0.5 good measurements are lost, and a gate of 1 refuses nothing");
+        within(0.5, 0.999_999_999, 0.999_999, "below 0.5 good measurements are lost, and a gate of 1 refuses nothing");
     /// How far back a late measurement is still put in its place.
     HISTORY = "filter" "history_s", Second,
         within(0.0, 10.0, 1.0, "a history is not negative, and beyond 10 s the memory would not hold it");

@@ -8,7 +8,7 @@ use super::{Camera, Response, Settings};
 impl Settings {
     /// The configuration that fits the format better than the defaults, before the user's own values.
     pub fn preset() -> Config {
-        let values = [(&param::TRACK, 0.26), (&param::GATE_PROBABILITY, 0.999), (&param::HISTORY, 0.5)];
+        let values = [(&param::TRACK, 0.26), (&param::HISTORY, 0.5)];
         Config::default().with_preset("mrclam", &values)
     }
 

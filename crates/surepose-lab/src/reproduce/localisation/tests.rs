@@ -29,7 +29,10 @@ fn laser_alone_and_twice_the_beams() {
 }
 
 /// Without a laser the position error grows all along a run: a run is not much more than one sample of it, and 500 runs
-/// give its RMSE to 3 %. The figures are the Cramér–Rao bounds of this world.
+/// give its RMSE to 2 %. The figures are the Cramér–Rao bounds of this world: the filter's own covariance, propagated along
+/// the true course. Over 20 000 runs with encoders and compass the position's RMSE is 22.72 ± 0.07 mm, half a per cent above
+/// the bound of 22.61: the filter takes the variance of a travel from what the encoders read, the same noise is in the
+/// heading's residual, and what they have in common leaves a bias of 2.8 mm. A hundred runs give it to ± 1.0 mm.
 #[test]
 fn dead_reckoning_and_compass_are_at_the_bound() {
     let world = world(3, Clutter::default());

@@ -1,0 +1,83 @@
+//! The simulated robot's sensors, as the core's loop hears them.
+
+use surepose::closed_loop::{Localiser, Sensed, Signal};
+use surepose::{Aligner, Angle, Belief, Compass, Ekf, Eye, Gate, Matcher, Measurement, RangeFinder};
+use surepose::{Recognition, Scan, Stamp, Stamped};
+use surepose_data::Config;
+use surepose_data::config::CompassMounting;
+
+use super::scenario::Reading;
+
+/// The most beams that the configuration allows.
+const MOST_BEAMS: usize = 4096;
+
+/// How many events the filter remembers: over a second of odometry at 50 Hz with headings and walls at 10 Hz.
+pub const HISTORY: usize = 128;
+
+/// What finds out where a simulated robot is.
+pub type Localisation = Localiser<f64, HISTORY, MOST_BEAMS>;
+
+/// Nearer returns are the robot's own \[m].
+const NEAREST: f64 = 0.05;
+
+/// Farther returns are none \[m].
+const FARTHEST: f64 = 80.0;
+
+/// What finds out where the robot of `config` is, starting from `belief`.
+pub fn localisation(config: &Config, reading: Reading, belief: Belief<f64>) -> Box<Localisation> {
+    let laser = config.laser();
+    let laser = RangeFinder {
+        body_from_laser: laser.body_from_laser,
+        range_std: laser.range_std,
+        bearing_std: laser.bearing_std,
+        nearest: NEAREST,
+        farthest: FARTHEST,
+    };
+    let recognition = match reading {
+        Reading::Lines => Recognition::Lines(Matcher::default()),
+        Reading::Beams => Recognition::Beams(aligner()),
+    };
+    let estimator = config.estimator(Stamp::default(), belief);
+    Box::new(Localiser { estimator, eye: Eye::new(laser, recognition) })
+}
+
+/// Gives `then` what the simulated sensors say, in the core's words.
+pub fn translated<T>(
+    sensed: &surepose_sim::Sensed,
+    ekf: &Ekf<f64>,
+    mounting: &CompassMounting,
+    then: impl FnOnce(&Sensed<'_, f64>) -> T,
+) -> T {
+    let headings = sensed.headings.iter().map(|read| {
+        let compass = Compass { heading: read.value - mounting.offset, std: mounting.std };
+        Stamped::new(read.stamp, Signal::Measurement(Measurement::Compass(compass)))
+    });
+    let scans = sensed.scans.iter().map(|scan| Stamped::new(scan.stamp, Signal::Scan(scan_of(&scan.value))));
+    let signals: Vec<_> = headings.chain(scans).collect();
+    then(&Sensed { stamp: sensed.stamp, travel: ekf.travel(sensed.rims), signals: &signals })
+}
+
+/// The core's view of a simulated scan.
+pub fn scan_of(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
+    Scan {
+        first_bearing: Angle::wrapped(scan.first_bearing),
+        bearing_step: scan.bearing_step,
+        ranges: &scan.ranges,
+    }
+}
+
+/// Scans laid on walls that a grid was traced with.
+///
+/// What puts one scan off, a beam given to the wrong of two walls a cell apart, puts the next one off as well: a scan
+/// counts for far less than its beams by themselves.
+fn aligner() -> Aligner<f64> {
+    Aligner {
+        gate: Gate::new(0.999),
+        farthest_off: 0.5,
+        fewest_beams: 3,
+        least_share: 0.4,
+        wall_offset_std: 0.01,
+        wall_direction_std: 0.005,
+        scan_std: [0.03, 0.03, 0.3_f64.to_radians()],
+    }
+}
