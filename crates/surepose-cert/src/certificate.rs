@@ -247,7 +247,7 @@ impl<L: Subject> Request<'_, L> {
         }
     }
 
-    fn bare(&self, weight: Weight) -> Descent<'_, L> {
+    pub(crate) fn bare(&self, weight: Weight) -> Descent<'_, L> {
         Descent { noise: Noise::default(), limited: false, ..self.descent(weight) }
     }
 
