@@ -3,7 +3,7 @@
 use std::collections::BinaryHeap;
 
 use crate::annulus::ratio;
-use crate::certificate::{Certificate, Reason, Request};
+use crate::certificate::{Certificate, Reason, Request, WANTED};
 use crate::descent::Descent;
 use crate::interval::Interval;
 use crate::region::Region;
@@ -46,6 +46,8 @@ pub struct Margins {
     pub ranges: Vec<MarginMap>,
 }
 
+/// The fall that is wished for first \[1/s]: twice what certificates usually show.
+const WISH: f64 = 2.0 * WANTED[0];
 /// Into how many times more boxes a cell is cut in which the fall is not shown yet.
 const PATIENCE: usize = 4;
 
@@ -126,9 +128,12 @@ pub fn margin_map<L: Subject>(
 fn least_fall<L: Subject>(descent: &Descent<'_, L>, region: Region, boxes: usize, known: f64) -> f64 {
     // What is known of the whole is known of its parts.
     let bounded = |region: Region, known: f64| {
-        let fall = descent.fall(&region, 0.0);
-        let shown = fall.rate < 0.0 && fall.jump <= 0.0;
-        Part { least: if shown { known.max(-fall.rate) } else { known }, region }
+        // The more is wanted, the finer is what is looked at; and a bound is one only where the wish came true.
+        let shown = [WISH, 0.0].into_iter().find_map(|wanted| {
+            let fall = descent.fall(&region, wanted);
+            (fall.rate <= -wanted && fall.jump <= 0.0).then_some(-fall.rate)
+        });
+        Part { least: known.max(shown.unwrap_or(known)), region }
     };
     let mut parts = BinaryHeap::from([bounded(region, known)]);
     let mut least = known;

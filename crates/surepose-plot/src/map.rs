@@ -99,7 +99,7 @@ const LEGEND: f64 = 196.0;
 /// Height of an entry of the legend \[px].
 const ENTRY: f64 = 18.0;
 /// Radius of a dot \[px].
-const DOT: f64 = 3.5;
+const DOT: f64 = 4.0;
 /// More walls than this are a building.
 const CROWDED: usize = 50;
 /// The longest side of a map \[px], and of one with more cells along a side than can be seen on that.

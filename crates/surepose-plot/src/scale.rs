@@ -19,7 +19,7 @@ pub struct Scale {
 /// Shades of the ramp: as many as can be told apart, so that neighbouring cells often share one.
 const SHADES: f64 = 48.0;
 /// The part of the ramp that is used: its lightest end could be taken for paper.
-const LIGHTEST: f64 = 0.12;
+const LIGHTEST: f64 = 0.22;
 /// Space between the axes and the bar, and the bar's width \[px].
 const GAP: f64 = 18.0;
 const WIDTH: f64 = 18.0;

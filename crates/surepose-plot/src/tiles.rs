@@ -48,7 +48,7 @@ enum Shade {
 impl Tiles {
     /// Rows of cells.
     pub fn rows(&self) -> usize {
-        if self.columns == 0 { 0 } else { self.cells.len() / self.columns }
+        self.cells.len().checked_div(self.columns).unwrap_or(0)
     }
 
     /// The upper right corner.

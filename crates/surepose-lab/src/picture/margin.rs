@@ -11,7 +11,7 @@ use crate::sweep::Spread;
 const NOT_SHOWN: Color = Color::Vermilion;
 
 /// The margin over (α, φ), at the capture radius and at its least over all distances; and a situation in which W rises,
-/// if one is known.
+/// if one is known. Where the fall is not shown everywhere, the first is that of the farthest distances with a gap.
 pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
     let least = margins.least();
     // One scale for both, so that they can be compared, and on it the small margins, which are those that count.
@@ -42,11 +42,15 @@ pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
             None => map.cell(),
         }
     };
-    let (near, far) = least.rho;
-    beside(vec![
-        map(format!("Margin at {} m from the goal", short(near)), &margins.nearest),
-        map(format!("Least margin from {} m to {} m", short(near), short(far)), &least),
-    ])
+    let whole = |of: &&MarginMap| of.fall.iter().all(|fall| *fall > 0.0);
+    let edge = margins.ranges.iter().rev().find(|range| !whole(range));
+    let first = match edge {
+        Some(range) => map(format!("The farthest gap: {}", distances(range)), range),
+        None => {
+            map(format!("Margin at the capture radius, {}", distances(&margins.nearest)), &margins.nearest)
+        }
+    };
+    beside(vec![first, map(format!("Least margin from {}", distances(&least)), &least)])
 }
 
 /// The least margin over the distance.
@@ -74,6 +78,8 @@ fn seen(at: &Situation) -> (f64, f64) {
     (seen.alpha.radians(), seen.phi.radians())
 }
 
-fn short(metres: f64) -> String {
-    format!("{:.3}", metres).trim_end_matches('0').trim_end_matches('.').to_owned()
+fn distances(of: &MarginMap) -> String {
+    let (near, far) = of.rho;
+    let short = |metres: f64| format!("{metres:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    if near < far { format!("{} m to {} m", short(near), short(far)) } else { format!("{} m", short(near)) }
 }

@@ -103,10 +103,10 @@ fn end_tiles(ends: &[(f64, f64)], map: &WallMap) -> Option<Tiles> {
     let mut cells = vec![Tile::Nothing; columns * rows];
     for (x, y) in ends {
         let (column, row) = ((x - bounds.low.0) / side, (y - bounds.low.1) / side);
-        if column >= 0.0 && row >= 0.0 && (column as usize) < columns {
-            if let Some(tile) = cells.get_mut(row as usize * columns + column as usize) {
-                *tile = Tile::Plain(SEEN);
-            }
+        let inside = column >= 0.0 && row >= 0.0 && (column as usize) < columns;
+        let tile = if inside { cells.get_mut(row as usize * columns + column as usize) } else { None };
+        if let Some(tile) = tile {
+            *tile = Tile::Plain(SEEN);
         }
     }
     Some(Tiles { low: bounds.low, side, columns, cells })
