@@ -44,8 +44,10 @@ pub(crate) fn average(config: &Config, noise: Noise) -> Option<Drift> {
     asked(config, noise, 0.0, drift)
 }
 
-/// Cells of a quadrant of the margin's pictures, 5° each, and boxes that each is cut into.
+/// Cells of a quadrant of the margin's pictures, and boxes that each is cut into: cells of 5°, and of 10° where the fall
+/// is not shown everywhere, because all work is spent on each gap.
 const MARGIN: (usize, usize) = (18, 8);
+const MARGIN_WITH_GAPS: (usize, usize) = (9, 8);
 
 /// The margin of a certificate of the same loop and noise; `watch` is told the part that is done, and says whether to go
 /// on.
@@ -55,7 +57,8 @@ pub(crate) fn margin(
     certificate: &Certificate,
     watch: impl FnMut(f64) -> bool,
 ) -> Option<Margins> {
-    asked(config, noise, 0.0, |request| margins(request, certificate, MARGIN, watch))
+    let fineness = if certificate.certified { MARGIN } else { MARGIN_WITH_GAPS };
+    asked(config, noise, 0.0, |request| margins(request, certificate, fineness, watch))
 }
 
 fn judge(config: &Config, noise: Noise, longest_period: f64) -> Certificate {

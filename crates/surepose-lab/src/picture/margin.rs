@@ -37,7 +37,12 @@ pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
                 "direction of approach as seen φ [°]",
             )
             .numbered_every(45.0);
-        match rises {
+        // On the map of its own distance only.
+        let inside = |at: &&Situation| {
+            let rho = at.x.hypot(at.y);
+            of.rho.0 <= rho && rho <= of.rho.1
+        };
+        match rises.filter(inside) {
             Some(at) => map.dots("W rises in a tick", vec![seen(at)], DotPaint::Plain(Color::Black)).cell(),
             None => map.cell(),
         }
