@@ -113,7 +113,7 @@ impl Annulus {
 }
 
 /// By what factor the distances of one search differ: little where the noise makes the difference.
-fn ratio(rho: f64, noise: f64) -> f64 {
+pub(crate) fn ratio(rho: f64, noise: f64) -> f64 {
     if rho > 0.6 && rho > 40.0 * noise {
         3.0
     } else if rho > 0.1 && rho > 10.0 * noise {

@@ -249,7 +249,7 @@ impl<L: Subject> Request<'_, L> {
         .with_minds_found()
     }
 
-    fn bare(&self, weight: Weight) -> Descent<'_, L> {
+    pub(crate) fn bare(&self, weight: Weight) -> Descent<'_, L> {
         Descent { noise: Noise::default(), limited: false, ..self.descent(weight) }
     }
 

@@ -26,7 +26,7 @@ pub use counterexample::Counterexample;
 pub use drift::{Drift, drift};
 pub use fork::explore;
 pub use interval::Interval;
-pub use map::{MarginMap, margin_map};
+pub use map::{MarginAsked, MarginMap, Margins, margin_map, margins};
 pub use mind::Mind;
 pub use noise::Noise;
 pub use settle::Settling;

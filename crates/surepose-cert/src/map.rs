@@ -1,51 +1,176 @@
 //! The margin over the angles, for a picture: how fast W falls at the least, for each way of seeing the goal.
 
-use core::f64::consts::PI;
+use std::collections::BinaryHeap;
 
-use crate::certificate::Request;
+use crate::annulus::ratio;
+use crate::certificate::{Certificate, Reason, Request, WANTED};
+use crate::descent::Descent;
 use crate::interval::Interval;
 use crate::region::Region;
 use crate::subject::Subject;
 use crate::weight::Weight;
 
-/// Lower bounds of −Ẇ over (α̂, φ̂), at one distance.
+/// Lower bounds of −Ẇ over (α̂, φ̂), at a range of distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarginMap {
-    /// The true distance \[m].
-    pub rho: f64,
+    /// Nearest and farthest true distance \[m].
+    pub rho: (f64, f64),
     /// Number of cells along each angle, from −π to π.
     pub side: usize,
-    /// Lower bounds of −Ẇ \[1/s], α̂ by α̂, φ̂ within; negative infinity where none was found.
+    /// Lower bounds of −Ẇ \[1/s], α̂ by α̂, φ̂ within; negative infinity where the fall was not shown.
     pub fall: Vec<f64>,
 }
 
-/// Into how many parts a cell is cut along each angle, for tighter bounds.
-const PARTS: usize = 3;
-
-/// The margin with `weight` at the true distance `rho` \[m], in `side`² cells.
-pub fn margin_map<L: Subject>(request: &Request<'_, L>, weight: Weight, rho: f64, side: usize) -> MarginMap {
-    let mut descent = request.descent(weight);
-    let rho_set = Interval::point(rho);
-    descent.prepare(rho_set);
-    let circle = Interval::new((-PI).next_up(), PI);
-    let fine = side * PARTS;
-    let bound = |a: usize, p: usize| {
-        let region = Region {
-            rho: rho_set,
-            drift: Interval::symmetric(request.noise.position),
-            alpha: circle.piece(a, fine),
-            phi: circle.piece(p, fine),
-        };
-        let (low, high) = region.drift.halves();
-        [low, high]
-            .into_iter()
-            .map(|drift| -descent.fall(&Region { drift, ..region }, 0.0).rate)
-            .fold(f64::INFINITY, f64::min)
-    };
-    let cell = |a: usize, p: usize| {
-        let parts = (0..PARTS * PARTS).map(|k| bound(a * PARTS + k / PARTS, p * PARTS + k % PARTS));
-        parts.fold(f64::INFINITY, f64::min)
-    };
-    let fall = (0..side * side).map(|k| cell(k / side.max(1), k % side.max(1))).collect();
-    MarginMap { rho, side, fall }
+/// What the margin is of, and how finely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarginAsked {
+    /// Nearest and farthest true distance \[m].
+    pub rho: (f64, f64),
+    /// Number of cells along each angle in a quadrant.
+    pub per_quadrant: usize,
+    /// Boxes that a cell is cut into, at most; more of them where the fall is not shown yet. The more, the tighter the
+    /// bounds, and the longer it takes.
+    pub boxes: usize,
+    /// Without noise and without the wheels' limits.
+    pub bare: bool,
+    /// What is shown of all cells already \[1/s]: a certificate's own rate, where there is one.
+    pub shown: Option<f64>,
 }
+
+/// The margin of what a certificate says, or of what it could not show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Margins {
+    /// At the capture radius, or at the largest useful one where there is none.
+    pub nearest: MarginMap,
+    /// From there to the edge of the workspace, range by range.
+    pub ranges: Vec<MarginMap>,
+}
+
+/// The fall that is wished for first \[1/s]: twice what certificates usually show.
+const WISH: f64 = 2.0 * WANTED[0];
+/// Into how many times more boxes a cell is cut in which the fall is not shown yet.
+const PATIENCE: usize = 4;
+
+/// The margin outside of the radius of `certificate`, which answered `request`; none if `watch` ended it, which is
+/// told the part that is done, and says whether to go on.
+pub fn margins<L: Subject>(
+    request: &Request<'_, L>,
+    certificate: &Certificate,
+    (per_quadrant, boxes): (usize, usize),
+    mut watch: impl FnMut(f64) -> bool,
+) -> Option<Margins> {
+    let bare = certificate.reason == Some(Reason::UnstableByItself);
+    let radius = certificate.capture_radius.unwrap_or(request.largest_capture_radius);
+    let mut edges = vec![radius];
+    let mut far = radius;
+    while far < request.workspace {
+        far = (far * ratio(far, request.noise.position)).min(request.workspace);
+        edges.push(far);
+    }
+    let wanted = core::iter::once((radius, radius)).chain(edges.windows(2).map(|pair| (pair[0], pair[1])));
+    let count = edges.len() as f64;
+    let mut maps = Vec::new();
+    for (done, rho) in wanted.enumerate() {
+        let asked = MarginAsked { rho, per_quadrant, boxes, bare, shown: certificate.decrease_rate };
+        let watch = |part: f64| watch((done as f64 + part) / count);
+        maps.push(margin_map(request, certificate.weight, asked, watch)?);
+    }
+    let mut maps = maps.into_iter();
+    Some(Margins { nearest: maps.next()?, ranges: maps.collect() })
+}
+
+impl Margins {
+    /// The least of each cell's over all distances.
+    pub fn least(&self) -> MarginMap {
+        let mut least = self.nearest.clone();
+        for range in &self.ranges {
+            least.rho.1 = least.rho.1.max(range.rho.1);
+            for (least, here) in least.fall.iter_mut().zip(&range.fall) {
+                *least = least.min(*here);
+            }
+        }
+        least
+    }
+}
+
+/// The margin with `weight`, one value of α̂ after the other; none if `watch` ended it, which is told the part that is
+/// done, and says whether to go on.
+///
+/// In each cell the worst box is halved until the boxes are spent, so that the bounds approach the truth from below.
+pub fn margin_map<L: Subject>(
+    request: &Request<'_, L>,
+    weight: Weight,
+    asked: MarginAsked,
+    mut watch: impl FnMut(f64) -> bool,
+) -> Option<MarginMap> {
+    let MarginAsked { rho, per_quadrant, boxes, bare, shown } = asked;
+    let known = shown.unwrap_or(f64::NEG_INFINITY);
+    let mut descent = if bare { request.bare(weight) } else { request.descent(weight) };
+    let rho_set = Interval::new(rho.0, rho.1);
+    descent.prepare(rho_set);
+    let drift = Interval::symmetric(descent.noise.position);
+    // A region lies within one quadrant of each angle.
+    let cells: Vec<Interval> = Region::quadrants()
+        .flat_map(|angle| (0..per_quadrant).map(move |i| angle.piece(i, per_quadrant)))
+        .collect();
+    let mut fall = Vec::with_capacity(cells.len() * cells.len());
+    for (a, &alpha) in cells.iter().enumerate() {
+        let region = |&phi: &Interval| Region { rho: rho_set, drift, alpha, phi };
+        fall.extend(cells.iter().map(region).map(|region| least_fall(&descent, region, boxes, known)));
+        if !watch((a + 1) as f64 / cells.len() as f64) {
+            return None;
+        }
+    }
+    Some(MarginMap { rho, side: cells.len(), fall })
+}
+
+/// A lower bound of −Ẇ in `region`, where it is at least `known`, by `boxes` halvings of the worst part.
+fn least_fall<L: Subject>(descent: &Descent<'_, L>, region: Region, boxes: usize, known: f64) -> f64 {
+    // What is known of the whole is known of its parts.
+    let bounded = |region: Region, known: f64| {
+        // The more is wanted, the finer is what is looked at; and a bound is one only where the wish came true.
+        let shown = [WISH, 0.0].into_iter().find_map(|wanted| {
+            let fall = descent.fall(&region, wanted);
+            (fall.rate <= -wanted && fall.jump <= 0.0).then_some(-fall.rate)
+        });
+        Part { least: known.max(shown.unwrap_or(known)), region }
+    };
+    let mut parts = BinaryHeap::from([bounded(region, known)]);
+    let mut least = known;
+    for round in 0..PATIENCE * boxes {
+        let Some(worst) = parts.pop() else { break };
+        least = worst.least;
+        if round >= boxes && least > 0.0 {
+            return least;
+        }
+        let (low, high) = worst.region.halves();
+        parts.extend([low, high].map(|half| bounded(half, least)));
+    }
+    parts.peek().map_or(least, |worst| worst.least)
+}
+
+/// A box of a cell, the one with the least margin first.
+struct Part {
+    least: f64,
+    region: Region,
+}
+
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> core::cmp::Ordering {
+        other.least.total_cmp(&self.least).then(self.region.size().total_cmp(&other.region.size()))
+    }
+}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Part {}

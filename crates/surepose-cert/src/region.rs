@@ -26,16 +26,16 @@ impl Region {
     /// All situations at distances `rho`, quadrant by quadrant of both angles.
     pub(crate) fn around(rho: Interval, noise: &Noise) -> impl Iterator<Item = Self> + use<> {
         let drift = Interval::symmetric(noise.position);
-        let quadrant = |k: i32| {
-            // A seen angle is a float in (−π, π].
-            let at = |k: i32| (f64::from(k) * FRAC_PI_2).clamp((-PI).next_up(), PI);
-            Interval::new(at(k), at(k + 1))
-        };
-        (-2..2).flat_map(move |a| {
-            (-2..2).flat_map(move |p| {
-                (0..4).map(move |i| Self { rho, drift, alpha: quadrant(a).piece(i, 4), phi: quadrant(p) })
-            })
+        Self::quadrants().flat_map(move |alpha| {
+            Self::quadrants()
+                .flat_map(move |phi| (0..4).map(move |i| Self { rho, drift, alpha: alpha.piece(i, 4), phi }))
         })
+    }
+
+    /// The four quadrants of an angle as it is seen: a float in (−π, π].
+    pub(crate) fn quadrants() -> impl Iterator<Item = Interval> + use<> {
+        let at = |k: i32| (f64::from(k) * FRAC_PI_2).clamp((-PI).next_up(), PI);
+        (-2..2).map(move |k| Interval::new(at(k), at(k + 1)))
     }
 
     /// All angles at once: for what hardly depends on them.

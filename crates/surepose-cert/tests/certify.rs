@@ -4,7 +4,7 @@ mod common;
 
 use common::{DRIVE, hybrid, noise, paper_gains, request, shipped};
 use surepose::{HybridLaw, Rest};
-use surepose_cert::{Noise, Reason, Request, certify, drift, margin_map};
+use surepose_cert::{MarginAsked, Noise, Reason, Request, certify, drift, margin_map};
 
 #[test]
 fn the_default_law_is_certified_at_both_periods_and_noises() {
@@ -131,9 +131,16 @@ fn the_margin_is_positive_all_round_where_the_law_is_certified() {
     let subject = shipped(law);
     let asked = request(&subject, law.gains.h, 0.02, noise(0.007, 0.25));
     let weight = certify(&asked).weight;
-    let map = margin_map(&asked, weight, 0.1, 48);
+    let at = |rho: f64, per_quadrant, boxes| {
+        let asked_for = MarginAsked { rho: (rho, rho), per_quadrant, boxes, bare: false, shown: None };
+        margin_map(&asked, weight, asked_for, |_| true).expect("nobody ends it")
+    };
+    let map = at(0.1, 12, 24);
     assert_eq!(map.fall.len(), 48 * 48);
     assert!(map.fall.iter().all(|fall| *fall > 0.0));
-    let too_near = margin_map(&asked, weight, 0.012, 24);
+    // More work gives better bounds, everywhere.
+    let coarse = at(0.1, 12, 12);
+    assert!(map.fall.iter().zip(&coarse.fall).all(|(fine, coarse)| fine >= coarse));
+    let too_near = at(0.012, 6, 24);
     assert!(too_near.fall.iter().any(|fall| *fall < 0.0));
 }

@@ -1,7 +1,7 @@
 //! What the certificate says of the loop in use: for `certify`, and for the commands that warn without it.
 
 use surepose::param;
-use surepose_cert::{Certificate, Noise, Request, Shipped, certify};
+use surepose_cert::{Certificate, Drift, Margins, Noise, Request, Shipped, certify, drift, margins};
 use surepose_data::Config;
 
 /// Largest distance from which the robot starts \[m].
@@ -39,9 +39,41 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
     warnings
 }
 
+/// What holds of the configured loop where the bounds of `noise` are standard deviations of white Gaussian noise.
+pub(crate) fn average(config: &Config, noise: Noise) -> Option<Drift> {
+    asked(config, noise, 0.0, drift)
+}
+
+/// Cells of a quadrant of the margin's pictures, and boxes that each is cut into: cells of 5°, and of 10° where the fall
+/// is not shown everywhere, because all work is spent on each gap.
+const MARGIN: (usize, usize) = (18, 8);
+const MARGIN_WITH_GAPS: (usize, usize) = (9, 8);
+
+/// The margin of a certificate of the same loop and noise; `watch` is told the part that is done, and says whether to go
+/// on.
+pub(crate) fn margin(
+    config: &Config,
+    noise: Noise,
+    certificate: &Certificate,
+    watch: impl FnMut(f64) -> bool,
+) -> Option<Margins> {
+    let fineness = if certificate.certified { MARGIN } else { MARGIN_WITH_GAPS };
+    asked(config, noise, 0.0, |request| margins(request, certificate, fineness, watch))
+}
+
 fn judge(config: &Config, noise: Noise, longest_period: f64) -> Certificate {
+    asked(config, noise, longest_period, certify)
+}
+
+/// What `answer` says to the request about the configured loop.
+fn asked<T>(
+    config: &Config,
+    noise: Noise,
+    longest_period: f64,
+    answer: impl FnOnce(&Request<'_, Shipped>) -> T,
+) -> T {
     let (subject, period) = loop_of(config);
-    certify(&Request {
+    answer(&Request {
         subject: &subject,
         drive: subject.drive,
         limits: subject.limits,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use surepose_lab::picture::{Picture, PlotError};
 
+use crate::columns;
 use crate::failure::Failure;
 
 /// A folder that exists.
@@ -40,6 +41,16 @@ impl Folder {
             Ok(writer.flush()?)
         };
         write().map_err(|problem| failed(&path, std::io::Error::from(problem).into()))
+    }
+
+    /// Writes the same table in columns, as Apache Parquet.
+    pub(crate) fn columns<T: Serialize>(
+        &self,
+        name: &str,
+        rows: impl IntoIterator<Item = T>,
+    ) -> Result<(), Failure> {
+        let path = self.0.join(name);
+        columns::write(&path, rows).map_err(|problem| failed(&path, std::io::Error::other(problem).into()))
     }
 
     /// Writes a text.

@@ -3,6 +3,7 @@
 //! The program is thin: it reads options and files, calls the libraries, and prints. One file per command.
 
 mod certification;
+mod columns;
 mod command;
 mod exit;
 mod failure;

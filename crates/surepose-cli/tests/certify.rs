@@ -1,8 +1,10 @@
 //! `surepose certify`: keys and exit codes of what is certified and of what is refused.
 
+#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+
 mod common;
 
-use common::surepose;
+use common::{folder, surepose};
 
 #[test]
 fn the_default_gains_are_certified() {
@@ -39,12 +41,69 @@ fn the_paper_s_gains_are_refused_with_a_situation() {
     assert!(weight("w_after") > weight("w_before"), "{json}");
 }
 
+/// The margin that is drawn is at least what the certificate says, and a refusal is drawn with its gaps.
+#[test]
+fn the_margin_is_drawn_and_agrees_with_the_certificate() {
+    let drawn = |name: &str, arguments: &[&str], code: i32| {
+        let out = folder(name);
+        let path = out.to_str().expect("UTF-8");
+        let run = surepose(&[&["certify", "--json", "--out", path], arguments].concat());
+        assert_eq!(run.code, code, "{}", run.stderr);
+        for file in ["margin", "margin_over_distance"] {
+            for end in ["svg", "png"] {
+                let size = std::fs::metadata(out.join(format!("{file}.{end}"))).expect("written").len();
+                assert!((1000..300_000).contains(&size), "{file}.{end} has {size} bytes");
+            }
+        }
+        let mut csv = csv::Reader::from_path(out.join("margin.csv")).expect("written");
+        let cells: Vec<[Option<f64>; 4]> =
+            csv.deserialize().map(|cell| cell.expect("four numbers or nothing")).collect();
+        let side = if code == 0 { 72 } else { 36 };
+        assert_eq!(cells.len(), side * side);
+        let summary = std::fs::read_to_string(out.join("summary.json")).expect("written");
+        assert!(!summary.contains("wall_s") && summary.contains("certified"), "{summary}");
+        (run.json(), cells)
+    };
+    let (json, cells) = drawn("certify-margin", &["--noise-position", "0.02", "--noise-heading", "1.2"], 0);
+    let rate = json["decrease_rate_per_s"].as_f64().expect("certified");
+    let margins = || cells.iter().map(|cell| (cell[2].expect("shown"), cell[3].expect("shown")));
+    assert!(margins().all(|(nearest, least)| nearest >= least && least >= rate), "below {rate}");
+    assert!(margins().any(|(nearest, _)| nearest > 3.0 * rate), "it is the same everywhere");
+
+    let loud = ["--noise-position", "0.2", "--noise-heading", "5"];
+    let (json, cells) = drawn("certify-refused", &loud, 1);
+    assert!(json["counterexample"].is_object(), "{json}");
+    assert!(cells.iter().any(|cell| cell[3].is_none()), "W was shown to fall, and still refused");
+}
+
+#[test]
+fn gaussian_noise_is_certified_on_average_and_says_what_it_leaves_out() {
+    let asked = |part: &str| {
+        let bench = ["--noise-position", "0.005", "--noise-heading", "0.3", "--noise-speed-part", part];
+        surepose(&[&["certify", "--gaussian", "--json"][..], &bench].concat())
+    };
+    let run = asked("0");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    let number = |key: &str| json[key].as_f64().expect(key);
+    assert!(number("drift_radius_m") < 0.1 && number("drift_rate_per_s") > 0.1, "{json}");
+    assert!(number("exceeded_probability") < 1e-3 && number("expected_time_bound_s") > 0.0, "{json}");
+    assert!(json["left_out"].as_array().is_some_and(|words| words.len() >= 4), "{json}");
+    // Noise of the wheels costs radius; noise that is larger than the workspace is refused.
+    assert!(asked("0.05").json()["drift_radius_m"].as_f64().is_some_and(|radius| radius > 0.1));
+    let loud = surepose(&["certify", "--gaussian", "--noise-position", "2", "--json"]);
+    assert_eq!(loud.code, 1, "{}", loud.stderr);
+    assert!(loud.json()["reason"].is_string() && loud.json()["drift_radius_m"].is_null());
+}
+
 #[test]
 fn a_wrong_command_line_exits_with_2() {
     for arguments in [
         &["certify", "--noise-position", "-1"][..],
         &["certify", "--noise-heading", "nan"],
         &["certify", "--period", "0"],
+        &["certify", "--gaussian", "--out", "somewhere"],
+        &["certify", "--noise-speed-part", "-0.1"],
         &["certify", "--config", "no/such/file.toml"],
     ] {
         let run = surepose(arguments);

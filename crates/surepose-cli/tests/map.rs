@@ -41,6 +41,34 @@ fn the_walls_of_a_room_are_found_written_and_read_again() {
 }
 
 #[test]
+fn the_picture_has_the_grid_below_the_walls() {
+    let folder = folder("map-picture");
+    let grid = room(&folder);
+    let at = |name: &str| folder.join(name).to_str().expect("UTF-8").to_owned();
+    let (map, pictures, plain) = (at("walls.toml"), at("pictures"), at("plain"));
+    let made = surepose(&["map", "from-grid", &grid, "--out", &map, "--picture", &pictures]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    assert!(!folder.join("walls.svg").exists(), "the picture has a folder of its own");
+    let svg = |folder: &str| {
+        std::fs::read_to_string(std::path::Path::new(folder).join("walls.svg")).expect("written")
+    };
+    let made = svg(&pictures);
+    for label in ["walls", "occupied", "unknown", "x [m]", "y [m]"] {
+        assert!(made.contains(label), "no {label}");
+    }
+    // The room's 276 solid cells are drawn as the four walls that they are.
+    assert!(made.len() < 20_000, "{} bytes", made.len());
+
+    let shown = surepose(&["map", "show", &map, "--grid", &grid, "--out", &pictures]);
+    assert_eq!(shown.code, 0, "{}", shown.stderr);
+    assert_eq!(svg(&pictures), made, "the same map on the same grid");
+    surepose(&["map", "show", &map, "--out", &plain]);
+    assert!(!svg(&plain).contains("occupied"));
+    assert_eq!(surepose(&["map", "show", &map, "--grid", &grid]).code, 2, "a picture needs a place to go");
+    assert_eq!(surepose(&["map", "show", &map, "--grid", "no.yaml", "--out", &plain]).code, 3);
+}
+
+#[test]
 fn damaged_maps_and_logs_exit_with_3() {
     let folder = folder("map-damage");
     let grid = room(&folder);

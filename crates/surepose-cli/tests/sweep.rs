@@ -37,6 +37,102 @@ fn threads_change_nothing_but_the_time() {
     assert_eq!(alone, trials("sweep-2", "2"));
 }
 
+/// Everything that `--out` writes, by name.
+fn written(name: &str, arguments: &[&str]) -> Vec<(String, Vec<u8>)> {
+    let out = folder(name);
+    let path = out.to_str().expect("UTF-8");
+    let run = surepose(&[&["sweep", "--out", path], arguments].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let entries = std::fs::read_dir(out).expect("written").map(|entry| entry.expect("readable"));
+    let mut files: Vec<_> = entries
+        .map(|entry| {
+            (entry.file_name().into_string().expect("UTF-8"), std::fs::read(entry.path()).expect("readable"))
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn the_same_seed_writes_the_same_bytes_in_every_file() {
+    let arguments = ["--runs", "500", "--noise", "bench", "--threads"];
+    let once = written("sweep-once", &[&arguments[..], &["1"]].concat());
+    let names: Vec<&str> = once.iter().map(|(name, _)| name.as_str()).collect();
+    let pictures = ["spreads.png", "spreads.svg", "start_map.png", "start_map.svg"];
+    assert_eq!(names, [&pictures[..], &["summary.json", "trials.csv", "trials.parquet"]].concat());
+    let again = written("sweep-again", &[&arguments[..], &["2"]].concat());
+    for ((name, bytes), (_, other)) in once.iter().zip(&again) {
+        assert!(bytes == other, "{name} differs");
+    }
+    let other = written("sweep-other", &[&arguments[..], &["1", "--seed", "2"]].concat());
+    for ((name, bytes), (_, other)) in once.iter().zip(&other) {
+        assert!(bytes != other, "{name} does not depend on the seed");
+    }
+    let summary: serde_json::Value =
+        serde_json::from_slice(&once.iter().find(|(name, _)| name == "summary.json").expect("written").1)
+            .expect("JSON");
+    assert_eq!(summary["runs"], 500);
+    assert!(summary["wall_s"].is_null() && summary["steps_per_s"].is_null(), "{summary}");
+}
+
+/// Read by the same crate, but by its reader: the file's own metadata say where what is.
+#[test]
+fn the_parquet_file_holds_the_numbers_of_the_csv() {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    // The paper's law fails often under noise, so that some times are absent.
+    let arguments = ["--runs", "60", "--law", "paper", "--noise", "bench", "--period", "0.1"];
+    let files = written("sweep-parquet", &arguments);
+    let bytes = |wanted: &str| files.iter().find(|(name, _)| name == wanted).expect("written").1.clone();
+    let mut csv = csv::Reader::from_reader(std::io::Cursor::new(bytes("trials.csv")));
+    let header = csv.headers().expect("a header").clone();
+    let lines: Vec<csv::StringRecord> = csv.records().map(|line| line.expect("a line")).collect();
+    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes("trials.parquet"))).expect("Parquet");
+    let rows: Vec<_> = reader.get_row_iter(None).expect("rows").map(|row| row.expect("a row")).collect();
+    assert_eq!((rows.len(), lines.len()), (60, 60));
+    let mut absent = 0;
+    for (row, line) in rows.iter().zip(&lines) {
+        for (((name, field), column), text) in row.get_column_iter().zip(&header).zip(line) {
+            assert_eq!(name, column);
+            let same = match field {
+                Field::Null => text.is_empty(),
+                Field::Bool(truth) => text == truth.to_string(),
+                Field::Long(count) => text == count.to_string(),
+                Field::Double(number) => text.parse::<f64>().is_ok_and(|it| it.to_bits() == number.to_bits()),
+                _ => false,
+            };
+            assert!(same, "{name}: {field} is not {text}");
+            absent += usize::from(*field == Field::Null);
+        }
+    }
+    assert!(absent > 0, "no trial failed, so nothing was absent");
+}
+
+#[test]
+fn pictures_stay_small_and_few_starts_or_failures_draw_too() {
+    let sizes = |files: &[(String, Vec<u8>)], end: &str| -> Vec<usize> {
+        files.iter().filter(|(name, _)| name.ends_with(end)).map(|(_, bytes)| bytes.len()).collect()
+    };
+    let many = written("sweep-many", &["--runs", "20000"]);
+    assert!(sizes(&many, ".svg").iter().all(|size| *size < 300_000), "{:?}", sizes(&many, ".svg"));
+    for (name, arguments) in [
+        ("sweep-one", &["--runs", "1"][..]),
+        ("sweep-none", &["--runs", "0"]),
+        ("sweep-paper", &["--runs", "30", "--law", "paper", "--noise", "bench"]),
+    ] {
+        let files = written(name, arguments);
+        for (file, bytes) in &files {
+            let text = String::from_utf8_lossy(bytes);
+            assert!(
+                !file.ends_with("svg") || !text.contains("NaN") && !text.contains("inf"),
+                "{name}: {file}"
+            );
+        }
+        assert_eq!(sizes(&files, ".png").len(), 2, "{name}");
+    }
+}
+
 #[test]
 fn given_starts_are_driven_and_damaged_ones_exit_with_3() {
     let folder = folder("sweep-starts");

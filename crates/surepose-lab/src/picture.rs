@@ -3,10 +3,14 @@
 mod drive;
 mod figures;
 mod localisation;
+mod margin;
+mod sweep;
 mod walls;
 
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
 pub use figures::{fig3, fig6, fig7};
 pub use localisation::{Localised, fig4, fig5};
+pub use margin::{margin, margin_over_distance};
 pub use surepose_plot::{Picture, PlotError};
-pub use walls::wall_map;
+pub use sweep::{spreads, start_map};
+pub use walls::{Ground, wall_map};

@@ -23,7 +23,7 @@ use std::time::Instant;
 use surepose::Law;
 use surepose_lanes::Element;
 
-pub use bench::{DRIVE, Noise, fitted_law, limits};
+pub use bench::{DRIVE, HEADING_TOLERANCE, Noise, POSITION_TOLERANCE, fitted_law, limits};
 pub use report::{Spread, SweepReport};
 pub use trial::Trial;
 

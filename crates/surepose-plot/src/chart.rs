@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use kuva::TickFormat;
+use kuva::plot::Histogram;
 use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
 use kuva::plot::legend::LegendPosition;
 use kuva::render::layout::Layout;
@@ -16,6 +17,7 @@ use crate::style::{Color, Stroke};
 #[derive(Clone, Debug, Default)]
 pub struct Chart {
     x_label: String,
+    logarithmic: bool,
     panels: Vec<Panel>,
 }
 
@@ -25,6 +27,7 @@ pub struct Panel {
     title: String,
     y_label: String,
     series: Vec<Series>,
+    bars: Option<Bars>,
     marks: Vec<Mark>,
     shaded: Vec<(f64, f64)>,
     logarithmic: bool,
@@ -42,6 +45,14 @@ pub struct Series {
     pub stroke: Stroke,
 }
 
+/// How many values lie in each of some ranges.
+#[derive(Clone, Debug)]
+struct Bars {
+    edges: Vec<f64>,
+    counts: Vec<f64>,
+    color: Color,
+}
+
 /// A line across a panel.
 #[derive(Clone, Debug)]
 pub enum Mark {
@@ -51,8 +62,9 @@ pub enum Mark {
     Level(f64),
 }
 
-/// Left, right, upper and lower margins of a panel's axes \[px].
+/// Left, right, upper and lower margins of a panel's axes \[px]; the right one has the legend, where there is one.
 const MARGINS: [f64; 4] = [78.0, 212.0, 32.0, 24.0];
+const NO_LEGEND: f64 = 28.0;
 /// What the lowest panel needs below for the common axis \[px].
 const FOOT: f64 = 26.0;
 /// Size of a panel's axes \[px].
@@ -68,6 +80,13 @@ impl Panel {
     #[must_use]
     pub fn series(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, stroke: Stroke) -> Self {
         self.series.push(Series { label: label.into(), points, stroke });
+        self
+    }
+
+    /// With a bar for each count, from one of `edges` to the next: one edge more than counts.
+    #[must_use]
+    pub fn bars(mut self, edges: Vec<f64>, counts: Vec<f64>, color: Color) -> Self {
+        self.bars = Some(Bars { edges, counts, color });
         self
     }
 
@@ -113,6 +132,9 @@ impl Panel {
         if let Some(range) = self.range {
             return range;
         }
+        if let Some(bars) = &self.bars {
+            return (0.0, 1.08 * bars.counts.iter().fold(1.0, |most: f64, count| most.max(*count)));
+        }
         let (low, high) = self.values().fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
         if low > high {
             return if self.logarithmic { (0.1, 1.0) } else { (0.0, 1.0) };
@@ -128,7 +150,14 @@ impl Panel {
 impl Chart {
     /// An empty chart over this axis.
     pub fn over(x_label: impl Into<String>) -> Self {
-        Self { x_label: x_label.into(), panels: Vec::new() }
+        Self { x_label: x_label.into(), ..Self::default() }
+    }
+
+    /// With a logarithmic common axis: everything on it is positive.
+    #[must_use]
+    pub fn logarithmic(mut self) -> Self {
+        self.logarithmic = true;
+        self
     }
 
     /// With another panel below.
@@ -146,24 +175,34 @@ impl Chart {
     /// The panels as parts of a picture.
     pub fn cells(self) -> Vec<Cell> {
         let xs = self.panels.iter().flat_map(|p| &p.series).flat_map(|s| s.points.iter().map(|(x, _)| *x));
+        let edges = self.panels.iter().filter_map(|p| p.bars.as_ref()).flat_map(|bars| &bars.edges);
+        let xs = xs.chain(edges.copied());
         let (low, high) =
             xs.filter(|x| x.is_finite()).fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
         // An axis that nearly starts at 0 does.
-        let low = if low > 0.0 && low < 0.05 * high { 0.0 } else { low };
+        let low = if low > 0.0 && low < 0.05 * high && !self.logarithmic { 0.0 } else { low };
         let range = if low < high { (low, high) } else { (0.0, 1.0) };
         let last = self.panels.len().saturating_sub(1);
-        let x_label = self.x_label;
+        // All panels end at the same place, or their common axis would not be common.
+        let labelled = self.panels.iter().flat_map(|p| &p.series).any(|series| !series.label.is_empty());
+        let right = if labelled { MARGINS[1] } else { NO_LEGEND };
+        let (x_label, logarithmic) = (self.x_label, self.logarithmic);
         let cell = |(i, panel): (usize, Panel)| {
-            panel.cell(range, if i == last { Some(x_label.as_str()) } else { None })
+            let mut cell = panel.cell(range, right, if i == last { Some(x_label.as_str()) } else { None });
+            if logarithmic {
+                cell.layout =
+                    cell.layout.with_log_x().with_x_tick_format(TickFormat::Custom(Arc::new(decimal)));
+            }
+            cell
         };
         self.panels.into_iter().enumerate().map(cell).collect()
     }
 }
 
 impl Panel {
-    fn cell(self, (left, right): (f64, f64), x_label: Option<&str>) -> Cell {
+    fn cell(self, (left, right): (f64, f64), margin_right: f64, x_label: Option<&str>) -> Cell {
         let (low, high) = self.bounds();
-        let [margin_left, margin_right, top, bottom] = MARGINS;
+        let [margin_left, _, top, bottom] = MARGINS;
         let bottom = bottom + if x_label.is_some() { FOOT } else { 0.0 };
         let (width, height) = (PANEL.0 + margin_left + margin_right, PANEL.1 + top + bottom);
         let mut layout = Layout::new((left, right), (low, high))
@@ -209,9 +248,12 @@ impl Panel {
         let logarithmic = self.logarithmic;
         let visible =
             |points: Vec<(f64, f64)>| points.into_iter().filter(move |(_, y)| !logarithmic || *y > 0.0);
-        let plots: Vec<Plot> =
-            self.series.into_iter().map(|s| line(&s.label, visible(s.points), s.stroke)).collect();
-        Cell { plots, layout, width, height }
+        let bars = self.bars.map(|bars| {
+            Plot::Histogram(Histogram::from_bins(bars.edges, bars.counts).with_color(bars.color.hex()))
+        });
+        let lines = self.series.into_iter().map(|s| line(&s.label, visible(s.points), s.stroke));
+        let plots: Vec<Plot> = bars.into_iter().chain(lines).collect();
+        Cell { plots, layout, width, height, underlay: None }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Pictures: maps with equal axes and time series stacked over one axis, as SVG and as PNG.
+//! Pictures: maps with equal axes, heat maps among them, and time series and histograms over one axis; SVG and PNG.
 //!
 //! The same numbers give the same bytes: no clock, no system font, no system library. Values come in the units that
 //! the axes show; nothing here knows what they mean.
@@ -6,9 +6,13 @@
 mod chart;
 mod map;
 mod picture;
+mod scale;
 mod style;
+mod tiles;
 
 pub use chart::{Chart, Mark, Panel, Series};
-pub use map::{Arrow, Map, Outline, Trace};
-pub use picture::{Cell, Picture, PlotError, beside, beside_column};
+pub use map::{Arrow, DotPaint, Dots, Map, Outline, Trace};
+pub use picture::{Cell, Picture, PlotError, beside, beside_column, stacked};
+pub use scale::Scale;
 pub use style::{Color, Stroke};
+pub use tiles::{Tile, Tiles};

@@ -1,17 +1,24 @@
-//! A map from above: walls, ways, ellipses and poses, one metre as long upwards as sideways.
+//! A map from above: cells, walls, ways, ellipses, dots and poses, one metre as long upwards as sideways.
 
 use kuva::plot::legend::LegendPosition;
-use kuva::plot::{LinePlot, QuiverPlot};
+use kuva::plot::scatter::MarkerShape;
+use kuva::plot::{LinePlot, QuiverPlot, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
-use crate::picture::{Cell, Picture, beside};
+use crate::picture::{Cell, Picture, Underlay, beside};
+use crate::scale::Scale;
 use crate::style::{Color, Stroke};
+use crate::tiles::{Tile, Tiles};
 
 /// A map to be drawn \[m].
 #[derive(Clone, Debug, Default)]
 pub struct Map {
     title: String,
+    tiles: Option<Tiles>,
+    keys: Vec<(String, Color)>,
+    scale: Option<Scale>,
+    dots: Vec<Dots>,
     walls: Vec<[(f64, f64); 2]>,
     traces: Vec<Trace>,
     outlines: Vec<Outline>,
@@ -25,9 +32,30 @@ pub struct Map {
 struct Axes {
     per_metre: f64,
     labels: [&'static str; 2],
+    step: Option<f64>,
 }
 
-const METRES: Axes = Axes { per_metre: 1.0, labels: ["x [m]", "y [m]"] };
+const METRES: Axes = Axes { per_metre: 1.0, labels: ["x [m]", "y [m]"], step: None };
+
+/// Places of one kind.
+#[derive(Clone, Debug)]
+pub struct Dots {
+    /// What the legend calls them.
+    pub label: String,
+    /// The places.
+    pub points: Vec<(f64, f64)>,
+    /// What they are drawn in.
+    pub paint: DotPaint,
+}
+
+/// What dots are drawn in.
+#[derive(Clone, Debug)]
+pub enum DotPaint {
+    /// One colour.
+    Plain(Color),
+    /// The shade of a value for each, by the map's [`Scale`].
+    Values(Vec<f64>),
+}
 
 /// A way.
 #[derive(Clone, Debug)]
@@ -68,15 +96,43 @@ pub struct Arrow {
 const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
 /// Width of the legend \[px].
 const LEGEND: f64 = 196.0;
+/// Height of an entry of the legend \[px].
+const ENTRY: f64 = 18.0;
+/// Radius of a dot \[px].
+const DOT: f64 = 4.0;
 /// More walls than this are a building.
 const CROWDED: usize = 50;
-/// The longest side of a map \[px].
+/// The longest side of a map \[px], and of one with more cells along a side than can be seen on that.
 const LONGEST: f64 = 560.0;
+const LONGEST_FINE: f64 = 1000.0;
+const FINE: usize = 280;
 
 impl Map {
     /// An empty map.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), ..Self::default() }
+    }
+
+    /// With cells below everything else; `keys` say in the legend what their plain colours are.
+    #[must_use]
+    pub fn tiles(mut self, tiles: Tiles, keys: impl IntoIterator<Item = (String, Color)>) -> Self {
+        self.tiles = Some(tiles);
+        self.keys.extend(keys);
+        self
+    }
+
+    /// With shades for values, and a bar that explains them.
+    #[must_use]
+    pub fn scale(mut self, scale: Scale) -> Self {
+        self.scale = Some(scale);
+        self
+    }
+
+    /// With places.
+    #[must_use]
+    pub fn dots(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, paint: DotPaint) -> Self {
+        self.dots.push(Dots { label: label.into(), points, paint });
+        self
     }
 
     /// With walls.
@@ -122,7 +178,14 @@ impl Map {
     /// Labels the axes otherwise, `per_metre` of their unit being one metre.
     #[must_use]
     pub fn axes(mut self, per_metre: f64, x_label: &'static str, y_label: &'static str) -> Self {
-        self.axes = Some(Axes { per_metre, labels: [x_label, y_label] });
+        self.axes = Some(Axes { per_metre, labels: [x_label, y_label], step: None });
+        self
+    }
+
+    /// Numbers the axes every `step` of their unit.
+    #[must_use]
+    pub fn numbered_every(mut self, step: f64) -> Self {
+        self.axes = Some(Axes { step: Some(step), ..self.axes.unwrap_or(METRES) });
         self
     }
 
@@ -132,13 +195,15 @@ impl Map {
     }
 
     /// The map as a part of a picture.
-    pub fn cell(self) -> Cell {
+    pub fn cell(mut self) -> Cell {
         let [low, high] = self.extent();
         let (span_x, span_y) = (high.0 - low.0, high.1 - low.1);
-        let Axes { per_metre: scale, labels: [x_label, y_label] } = self.axes.unwrap_or(METRES);
-        let per_metre = LONGEST / span_x.max(span_y);
+        let Axes { per_metre: scale, labels: [x_label, y_label], step } = self.axes.unwrap_or(METRES);
+        let per_metre = self.pixels_per_metre(span_x.max(span_y));
         let [left, right, top, bottom] = MARGINS;
-        let legend = if self.has_legend() { LEGEND } else { 0.0 };
+        let entries = self.legend_entries();
+        let bar = if self.scale.is_some() { Scale::ROOM } else { 0.0 };
+        let legend = if entries > 0 { LEGEND.max(bar) } else { bar };
         let (width, height) = (span_x * per_metre + left + right + legend, span_y * per_metre + top + bottom);
 
         let arrow_length = 28.0 / per_metre;
@@ -160,18 +225,56 @@ impl Map {
             .with_width(width)
             .with_height(height);
         layout.show_legend = true;
-        Cell { plots: self.plots(scale, arrow_length), layout, width, height }
+        if let Some(step) = step {
+            layout = layout.with_x_tick_step(step).with_y_tick_step(step);
+        }
+        // The bar stands below the legend, beside the axes.
+        let legend_height = if entries > 0 { entries as f64 * ENTRY + 30.0 } else { 0.0 };
+        // On cells walls must stand out; and where there are many, wide ones would grow together.
+        let on_walls = match self.walls.len() {
+            CROWDED.. if self.tiles.is_some() => Stroke::thin(Color::Vermilion),
+            _ if self.tiles.is_some() => Stroke::solid(Color::Vermilion),
+            CROWDED.. => Stroke::solid(Color::Grey),
+            _ => Stroke::wide(Color::Grey),
+        };
+        let tiles = match (self.tiles.take(), &self.scale) {
+            // Something must stand where the bar shall go, even if nothing lies below the dots.
+            (None, Some(_)) => {
+                Some(Tiles { low, side: span_x.min(span_y), columns: 1, cells: vec![Tile::Nothing] })
+            }
+            (tiles, _) => tiles,
+        };
+        let stand_in = tiles.as_ref().map(|tiles| tiles.stand_in(scale));
+        let underlay = tiles.map(|tiles| Underlay {
+            tiles,
+            scale: self.scale.clone(),
+            axes: [left, top, span_x * per_metre, span_y * per_metre],
+            legend_height,
+        });
+        let plots = stand_in.into_iter().chain(self.plots(scale, arrow_length, on_walls)).collect();
+        Cell { plots, layout, width, height, underlay }
     }
 
-    fn plots(self, scale: f64, arrow_length: f64) -> Vec<Plot> {
+    /// Pixels of a metre where the longer side has `longest` \[m]: where there are cells, each gets so many half pixels
+    /// that its edges lie between those of the PNG.
+    fn pixels_per_metre(&self, longest: f64) -> f64 {
+        let Some(tiles) = &self.tiles else { return LONGEST / longest };
+        let fine = tiles.columns.max(tiles.rows()) > FINE;
+        let (side, wanted) = (tiles.side, if fine { LONGEST_FINE } else { LONGEST } / longest);
+        let halves = (2.0 * wanted * side).round();
+        if halves >= 1.0 { halves / (2.0 * side) } else { wanted }
+    }
+
+    fn plots(self, scale: f64, arrow_length: f64, on_walls: Stroke) -> Vec<Plot> {
         let scaled = |(x, y): (f64, f64)| (x * scale, y * scale);
         let mut plots = Vec::new();
-        // Where there are many walls, wide ones would grow together.
-        let stroke =
-            if self.walls.len() > CROWDED { Stroke::solid(Color::Grey) } else { Stroke::wide(Color::Grey) };
+        for (label, color) in &self.keys {
+            let key = ScatterPlot::new().with_color(color.hex()).with_marker(MarkerShape::Square);
+            plots.push(Plot::Scatter(key.with_legend(label.clone())));
+        }
         for (i, wall) in self.walls.into_iter().enumerate() {
             let label = if i == 0 { "walls" } else { "" };
-            plots.push(line(label, wall.into_iter().map(scaled), stroke));
+            plots.push(line(label, wall.into_iter().map(scaled), on_walls));
         }
         for outline in self.outlines {
             for (i, curve) in outline.curves.into_iter().enumerate() {
@@ -181,6 +284,21 @@ impl Map {
         }
         for trace in self.traces {
             plots.push(line(&trace.label, trace.points.into_iter().map(scaled), trace.stroke));
+        }
+        for Dots { label, points, paint } in self.dots {
+            let mut dots = ScatterPlot::new().with_data(points.into_iter().map(scaled)).with_size(DOT);
+            dots = match (paint, &self.scale) {
+                (DotPaint::Plain(color), _) => dots.with_color(color.hex()),
+                (DotPaint::Values(values), Some(scale)) => {
+                    let hex = |value: f64| scale.shade(value).map_or(Color::Silver.hex().into(), Scale::hex);
+                    dots.with_colors(values.into_iter().map(hex))
+                }
+                (DotPaint::Values(_), None) => dots,
+            };
+            if !label.is_empty() {
+                dots = dots.with_legend(label);
+            }
+            plots.push(Plot::Scatter(dots));
         }
         for Arrow { label, at, heading, color } in self.arrows {
             let (u, v) = (arrow_length * heading.cos(), arrow_length * heading.sin());
@@ -200,14 +318,17 @@ impl Map {
         plots
     }
 
-    fn has_legend(&self) -> bool {
+    fn legend_entries(&self) -> usize {
         let traces = self.traces.iter().map(|trace| &trace.label);
         let outlines = self.outlines.iter().map(|outline| &outline.label);
         let arrows = self.arrows.iter().map(|arrow| &arrow.label);
-        !self.walls.is_empty() || traces.chain(outlines).chain(arrows).any(|label| !label.is_empty())
+        let dots = self.dots.iter().map(|dots| &dots.label);
+        let keys = self.keys.iter().map(|(label, _)| label);
+        let labels = traces.chain(outlines).chain(arrows).chain(dots).chain(keys);
+        usize::from(!self.walls.is_empty()) + labels.filter(|label| !label.is_empty()).count()
     }
 
-    /// The window, or the corners of everything with a margin.
+    /// The window, or the cells, or the corners of everything with a margin.
     fn extent(&self) -> [(f64, f64); 2] {
         if let Some(window) = self.window {
             return window;
@@ -216,9 +337,17 @@ impl Map {
         let traces = self.traces.iter().flat_map(|trace| &trace.points);
         let outlines = self.outlines.iter().flat_map(|outline| outline.curves.iter().flatten());
         let arrows = self.arrows.iter().map(|arrow| &arrow.at);
+        let dots = self.dots.iter().flat_map(|dots| &dots.points);
+        if let Some(tiles) = &self.tiles {
+            return [tiles.low, tiles.high()];
+        }
         let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
-        for (x, y) in
-            walls.chain(traces).chain(outlines).chain(arrows).filter(|p| p.0.is_finite() && p.1.is_finite())
+        for (x, y) in walls
+            .chain(traces)
+            .chain(outlines)
+            .chain(arrows)
+            .chain(dots)
+            .filter(|p| p.0.is_finite() && p.1.is_finite())
         {
             low = (low.0.min(*x), low.1.min(*y));
             high = (high.0.max(*x), high.1.max(*y));

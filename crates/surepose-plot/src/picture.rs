@@ -7,7 +7,10 @@ use kuva::backend::svg::SvgBackend;
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
-use kuva::render::render::Scene;
+use kuva::render::render::{Primitive, Scene};
+
+use crate::scale::Scale;
+use crate::tiles::Tiles;
 
 /// Pixels of the PNG for each unit of the SVG.
 const PNG_SCALE: f32 = 2.0;
@@ -59,6 +62,17 @@ pub struct Cell {
     pub(crate) layout: Layout,
     pub(crate) width: f64,
     pub(crate) height: f64,
+    pub(crate) underlay: Option<Underlay>,
+}
+
+/// Cells below a part, in the place that their stand-in keeps, and the bar of their shades beside it.
+pub(crate) struct Underlay {
+    pub(crate) tiles: Tiles,
+    pub(crate) scale: Option<Scale>,
+    /// Left, upper end, width and height of the axes in the part \[px].
+    pub(crate) axes: [f64; 4],
+    /// What the legend takes of the bar's place \[px].
+    pub(crate) legend_height: f64,
 }
 
 /// Space between parts \[px].
@@ -77,6 +91,11 @@ pub fn beside_column(left: Cell, right: Vec<Cell>) -> Picture {
         figure = figure.with_row_height(row, cell.height);
     }
     finish(figure, std::iter::once(left).chain(right).collect())
+}
+
+/// Charts below each other, each over an axis of its own.
+pub fn stacked(charts: Vec<Vec<Cell>>) -> Picture {
+    below(charts.into_iter().flatten().collect())
 }
 
 /// The parts below each other.
@@ -105,8 +124,44 @@ pub fn beside(cells: Vec<Cell>) -> Picture {
 }
 
 fn finish(figure: Figure, cells: Vec<Cell>) -> Picture {
-    let (plots, layouts) = cells.into_iter().map(|cell| (cell.plots, cell.layout)).unzip();
-    Picture { scene: figure.with_plots(plots).with_layouts(layouts).render() }
+    let (mut plots, mut layouts, mut underlays) = (Vec::new(), Vec::new(), Vec::new());
+    for cell in cells {
+        plots.push(cell.plots);
+        layouts.push(cell.layout);
+        underlays.extend(cell.underlay);
+    }
+    let mut scene = figure.with_plots(plots).with_layouts(layouts).render();
+    scene.elements = underlaid(scene.elements, underlays);
+    Picture { scene }
+}
+
+/// The same drawing with the cells in the places of their stand-ins, in order, and each one's bar beside its axes.
+fn underlaid(elements: Vec<Primitive>, underlays: Vec<Underlay>) -> Vec<Primitive> {
+    let mut waiting = underlays.into_iter();
+    let mut bar = Vec::new();
+    let mut drawn = Vec::with_capacity(elements.len());
+    for element in elements {
+        match element {
+            // Nothing but a stand-in is drawn as a batch of rectangles.
+            Primitive::RectBatch { x, y, w, h, .. } => {
+                let Some(underlay) = waiting.next() else { continue };
+                let Underlay { tiles, scale, axes: [left, top, width, height], legend_height } = underlay;
+                let first = |list: Vec<f64>| list.first().copied().unwrap_or(0.0);
+                // The library makes what fills its place half a pixel larger.
+                let place = [first(x), first(y), first(w) - 0.5, first(h) - 0.5];
+                drawn.extend(tiles.drawn(scale.as_ref(), place));
+                let (right, bottom) = (left + width, top + height);
+                bar = scale.map_or(Vec::new(), |scale| scale.bar(right, top + legend_height, bottom));
+            }
+            // What lies outside of the axes is drawn once nothing is cut off any more.
+            Primitive::ClipEnd => {
+                drawn.push(Primitive::ClipEnd);
+                drawn.append(&mut bar);
+            }
+            other => drawn.push(other),
+        }
+    }
+    drawn
 }
 
 /// How the drawing library names its clip paths, before their number.

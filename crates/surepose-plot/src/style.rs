@@ -9,6 +9,8 @@ pub enum Color {
     Grey,
     /// What lies below something else.
     Silver,
+    /// What is not known.
+    Mist,
     /// The first of several.
     Blue,
     /// The second.
@@ -38,6 +40,7 @@ impl Color {
             Self::Black => "#222222",
             Self::Grey => "#777777",
             Self::Silver => "#b8b8b8",
+            Self::Mist => "#e2e2e2",
             Self::Blue => "#0072b2",
             Self::Vermilion => "#d55e00",
             Self::Green => "#009e73",

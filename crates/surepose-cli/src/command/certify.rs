@@ -1,23 +1,39 @@
 //! `surepose certify`: whether the robot is sure to arrive, for these gains, this period and this noise.
 
-use clap::Args;
-use serde_json::{Map, Value as Json, json};
-use surepose_cert::{Certificate, Counterexample, Noise};
-use surepose_data::Config;
+mod average;
 
-use crate::certification;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use serde_json::{Map, Value as Json, json};
+use surepose_cert::{Certificate, Counterexample, Margins, Noise};
+use surepose_data::Config;
+use surepose_lab::picture;
+
 use crate::exit::Exit;
 use crate::failure::Failure;
+use crate::folder::Folder;
 use crate::output::{Output, shown, table};
 use crate::settings::ConfigArgs;
+use crate::{certification, interrupt, progress};
 
 /// Certify that the loop arrives: the shipped law, evaluated with intervals.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose certify --noise-position 0.007 --noise-heading 0.25
   surepose certify --set law.k_v=10 --set law.k_alpha=100 --set law.h=1     refused, with a counterexample
+  surepose certify --out certificate                                        with pictures of the margin
+  surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3    on average, under white Gaussian noise
 
 Noise is bounded, in any direction, at every tick. The wheels are taken to follow their commands at once.
+
+Written to --out: margin and margin_over_distance, as SVG and PNG: how fast W falls at the least, over how the goal is
+seen (margin.csv has their numbers), and where that was not shown; summary.json, the JSON of the command without wall_s.
+
+--gaussian takes the noise options as standard deviations. No bound holds for ever then; W falls on average outside of
+the radius that is told, and the expected time of coming within it is bounded. What that leaves out is told with it.
+
 Exit codes: 0 certified, 1 refused.")]
 pub(crate) struct CertifyCommand {
     /// Time between two ticks, in seconds, over the configuration's
@@ -32,6 +48,15 @@ pub(crate) struct CertifyCommand {
     /// Bound of each rim's speed error, in metres per second
     #[arg(long, value_name = "M_S", default_value_t = 0.0, value_parser = bound)]
     noise_speed: f64,
+    /// Bound of each rim's speed error, as a part of that speed: 0.05 is 5 %
+    #[arg(long, value_name = "PART", default_value_t = 0.0, value_parser = bound)]
+    noise_speed_part: f64,
+    /// Take the noise options as standard deviations of white Gaussian noise (of each coordinate, of the heading, of each rim)
+    #[arg(long, conflicts_with = "out")]
+    gaussian: bool,
+    /// A folder for pictures of the margin; they take half a minute more
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     config: ConfigArgs,
 }
@@ -51,16 +76,22 @@ impl CertifyCommand {
         if let Some(period) = self.period {
             config = config.with_option(&format!("loop.period_s={period}"))?;
         }
-        let certificate = certification::certificate(
-            &config,
-            Noise {
-                position: self.noise_position,
-                heading: self.noise_heading.to_radians(),
-                rim_speed: self.noise_speed,
-                rim_speed_part: 0.0,
-            },
-        );
+        let noise = Noise {
+            position: self.noise_position,
+            heading: self.noise_heading.to_radians(),
+            rim_speed: self.noise_speed,
+            rim_speed_part: self.noise_speed_part,
+        };
+        if self.gaussian {
+            return Ok(average::run(&config, noise, output));
+        }
+        // A folder that cannot be written to is found before the work, not after it.
+        let folder = self.out.as_deref().map(Folder::at).transpose()?;
+        let certificate = certification::certificate(&config, noise);
         let json = json_of(&certificate);
+        if let Some(folder) = &folder {
+            write(folder, &config, noise, &certificate, (&json, output))?;
+        }
         output.result(&json, || {
             let mut table = table(&[]);
             for (key, value) in json.iter().filter(|(_, value)| !value.is_object()) {
@@ -69,10 +100,65 @@ impl CertifyCommand {
             if let Some(found) = &certificate.counterexample {
                 table.add_row(["counterexample".to_owned(), described(found)]);
             }
+            if let Some(path) = &self.out {
+                table.add_row(["pictures".to_owned(), path.display().to_string()]);
+            }
             table
         });
-        Ok(if certificate.certified { Exit::Done } else { Exit::Negative })
+        Ok(match certificate.certified {
+            _ if interrupt::asked() => Exit::Interrupted,
+            true => Exit::Done,
+            false => Exit::Negative,
+        })
     }
+}
+
+/// Writes the summary and the pictures of the margin; the summary alone if the user does not wait for them.
+fn write(
+    folder: &Folder,
+    config: &Config,
+    noise: Noise,
+    certificate: &Certificate,
+    (json, output): (&Map<String, Json>, Output),
+) -> Result<(), Failure> {
+    let lasting = json.iter().filter(|(key, _)| *key != "wall_s");
+    let summary: Map<String, Json> = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
+    folder.text("summary.json", &format!("{:#}\n", json!(summary)))?;
+
+    interrupt::listen();
+    let bar = progress::bar(output, "margin");
+    let margins = certification::margin(config, noise, certificate, |part| {
+        progress::show(&bar, part);
+        !interrupt::asked()
+    });
+    bar.finish_and_clear();
+    let Some(margins) = margins else { return Ok(()) };
+    let rises = certificate.counterexample.as_ref().map(|found| &found.situation);
+    folder.picture("margin", &picture::margin(&margins, rises))?;
+    folder.picture("margin_over_distance", &picture::margin_over_distance(&margins))?;
+    folder.table("margin.csv", cells(&margins))
+}
+
+/// A cell of the margin's pictures: the middle of its angles, and the least fall that was shown; none where none was.
+#[derive(Serialize)]
+struct Cell {
+    alpha_deg: f64,
+    phi_deg: f64,
+    nearest_per_s: Option<f64>,
+    least_per_s: Option<f64>,
+}
+
+fn cells(margins: &Margins) -> impl Iterator<Item = Cell> {
+    let least = margins.least();
+    let side = least.side;
+    let middle = move |k: usize| 360.0 * (k as f64 + 0.5) / side as f64 - 180.0;
+    let shown = |fall: f64| (fall > 0.0).then_some(fall);
+    margins.nearest.fall.iter().zip(least.fall).enumerate().map(move |(k, (nearest, least))| Cell {
+        alpha_deg: middle(k / side),
+        phi_deg: middle(k % side),
+        nearest_per_s: shown(*nearest),
+        least_per_s: shown(least),
+    })
 }
 
 /// The certificate under the contract's keys; what was not shown is absent.

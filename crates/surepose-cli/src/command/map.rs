@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 use surepose_data::{carmen, map_server, wall_map};
 use surepose_lab::mapping::{MapReport, Mapped, from_grid, from_log};
-use surepose_lab::picture;
-use surepose_lab::replay::carmen::map_of;
+use surepose_lab::picture::{self, Ground};
+use surepose_lab::replay::carmen::{map_of, views};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
@@ -23,13 +23,18 @@ pub(crate) struct MapCommand {
 #[derive(Debug, Subcommand)]
 enum What {
     /// The walls of an occupancy grid in the map_server form of ROS
-    #[command(after_help = "Example: surepose map from-grid turtlebot3_world.yaml --out walls.toml")]
+    #[command(after_help = "Examples:
+  surepose map from-grid turtlebot3_world.yaml --out walls.toml
+  surepose map from-grid turtlebot3_world.yaml --out walls.toml --picture pictures")]
     FromGrid {
         /// The grid's YAML file
         grid: PathBuf,
         /// The wall map to write, with a picture of the same name beside it
         #[arg(long, value_name = "MAP.toml")]
         out: PathBuf,
+        /// A folder for the picture, which has the walls and the grid below; beside the map unless given
+        #[arg(long, value_name = "DIR")]
+        picture: Option<PathBuf>,
     },
     /// The walls that a recording's scans show at its reference poses
     #[command(
@@ -43,12 +48,20 @@ enum What {
         /// The wall map to write, with a picture of the same name beside it
         #[arg(long, value_name = "MAP.toml")]
         out: PathBuf,
+        /// A folder for the picture, which has the walls and where the beams ended below; beside the map unless given
+        #[arg(long, value_name = "DIR")]
+        picture: Option<PathBuf>,
     },
     /// How many walls a map has, and how long they are
-    #[command(after_help = "Example: surepose map show walls.toml --out pictures")]
+    #[command(after_help = "Examples:
+  surepose map show walls.toml --out pictures
+  surepose map show walls.toml --grid turtlebot3_world.yaml --out pictures")]
     Show {
         /// The wall map
         map: PathBuf,
+        /// An occupancy grid to draw below the walls
+        #[arg(long, value_name = "GRID.yaml", requires = "out")]
+        grid: Option<PathBuf>,
         /// A folder for a picture of it
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
@@ -65,14 +78,21 @@ enum Format {
 impl MapCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let report = match self.what {
-            What::FromGrid { grid, out } => write(&from_grid::walls_of(&map_server::read(&grid)?), &out)?,
-            What::FromLog { format: Format::Carmen, path, out } => {
-                write(&map_of(&carmen::read(&path)?, 1, &from_log::Settings::default()), &out)?
+            What::FromGrid { grid, out, picture } => {
+                let grid = map_server::read(&grid)?;
+                write(&from_grid::walls_of(&grid), Ground::Grid(&grid), &out, picture)?
             }
-            What::Show { map, out } => {
+            What::FromLog { format: Format::Carmen, path, out, picture } => {
+                let (log, settings) = (carmen::read(&path)?, from_log::Settings::default());
+                let ends = from_log::ends_of(views(&log), &settings);
+                write(&map_of(&log, 1, &settings), Ground::Ends(&ends), &out, picture)?
+            }
+            What::Show { map, grid, out } => {
                 let walls = wall_map::read(&map)?;
+                let grid = grid.as_deref().map(map_server::read).transpose()?;
                 if let Some(folder) = &out {
-                    Folder::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls))?;
+                    let ground = grid.as_ref().map_or(Ground::Nothing, Ground::Grid);
+                    Folder::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls, ground))?;
                 }
                 MapReport::of(&walls)
             }
@@ -94,13 +114,19 @@ impl MapCommand {
     }
 }
 
-/// Writes the map and its picture.
-fn write(mapped: &Mapped, out: &Path) -> Result<MapReport, Failure> {
+/// Writes the map, and its picture beside it or into a folder of its own.
+fn write(
+    mapped: &Mapped,
+    ground: Ground<'_>,
+    out: &Path,
+    pictures: Option<PathBuf>,
+) -> Result<MapReport, Failure> {
     let text = mapped.map.to_toml(out)?;
     let folder = Folder::at(out.parent().unwrap_or(Path::new("")))?;
+    let pictures = pictures.map_or_else(|| Ok(folder.clone()), |path| Folder::at(&path))?;
     let file = out.file_name().map_or_else(|| "map.toml".into(), |name| name.to_string_lossy());
     folder.text(&file, &text)?;
-    folder.picture(&name_of(out), &picture::wall_map(&mapped.map))?;
+    pictures.picture(&name_of(out), &picture::wall_map(&mapped.map, ground))?;
     Ok(mapped.report)
 }
 

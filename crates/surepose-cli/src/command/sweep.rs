@@ -4,8 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use serde_json::{Map, Value as Json, json};
 use surepose::param;
 use surepose_data::{Config, starts};
+use surepose_lab::picture;
 use surepose_lab::sweep::{Noise, Precision, Spread, Starts, Sweep, SweepReport, Watch};
 
 use crate::exit::Exit;
@@ -23,7 +25,10 @@ use crate::{interrupt, progress};
   surepose sweep --starts starts.csv --out out          x_m,y_m,heading_deg on each line
 
 The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for
-1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.")]
+1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.
+
+Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; summary.json,
+which is the JSON of the command without wall_s and steps_per_s. The same command line gives the same bytes.")]
 pub(crate) struct SweepCommand {
     /// How many random starts
     #[arg(long, default_value_t = 10_000, conflicts_with = "starts")]
@@ -49,7 +54,7 @@ pub(crate) struct SweepCommand {
     /// What all noise and all random starts are drawn from
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// A folder for the summary and the trials, one line each
+    /// A folder for the summary, the trials, a map of their starts and histograms
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -102,7 +107,7 @@ impl SweepCommand {
 
         let json = object(&report);
         if let Some(folder) = &folder {
-            folder.table("trials.csv", &report.trials)?;
+            write(folder, &report, &json)?;
         }
         output.result(&json, || shown(&report));
         Ok(if interrupt::asked() { Exit::Interrupted } else { Exit::Done })
@@ -146,6 +151,19 @@ impl SweepCommand {
             seed: self.seed,
         })
     }
+}
+
+/// What in the summary is of this machine, and of this moment: left out of the file, whose bytes are of the seed alone.
+const TIMING: [&str; 2] = ["wall_s", "steps_per_s"];
+
+fn write(folder: &Folder, report: &SweepReport, json: &Map<String, Json>) -> Result<(), Failure> {
+    folder.table("trials.csv", &report.trials)?;
+    folder.columns("trials.parquet", &report.trials)?;
+    folder.picture("start_map", &picture::start_map(&report.trials))?;
+    folder.picture("spreads", &picture::spreads(&report.trials))?;
+    let lasting = json.iter().filter(|(key, _)| !TIMING.contains(&key.as_str()));
+    let summary: Map<String, Json> = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
+    folder.text("summary.json", &format!("{:#}\n", json!(summary)))
 }
 
 fn cores() -> usize {

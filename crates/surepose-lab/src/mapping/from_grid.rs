@@ -61,6 +61,16 @@ pub fn walls_of(grid: &Grid) -> Mapped {
     Mapped { map, report }
 }
 
+/// Whether a cell of this occupancy stops a beam.
+pub(crate) fn is_solid(occupancy: Option<f32>) -> bool {
+    occupancy.is_some_and(|p| p > SOLID)
+}
+
+/// Whether a beam passes through a cell of this occupancy. What is unknown is neither.
+pub(crate) fn is_free(occupancy: Option<f32>) -> bool {
+    occupancy.is_some_and(|p| p < 1.0 - SOLID)
+}
+
 /// What a solid cell shows.
 struct Surface {
     /// The sum of the directions to the free cells around it.
@@ -70,12 +80,12 @@ struct Surface {
 
 /// What the cell shows, if it is solid and borders a free one.
 fn surface(grid: &Grid, column: usize, row: usize) -> Option<Surface> {
-    if !grid.occupancy(column, row).is_some_and(|p| p > SOLID) {
+    if !is_solid(grid.occupancy(column, row)) {
         return None;
     }
     let free = |dx: i32, dy: i32| {
         let at = column.checked_add_signed(dx as isize).zip(row.checked_add_signed(dy as isize));
-        at.and_then(|(column, row)| grid.occupancy(column, row)).is_some_and(|p| p < 1.0 - SOLID)
+        is_free(at.and_then(|(column, row)| grid.occupancy(column, row)))
     };
     if ![(1, 0), (-1, 0), (0, 1), (0, -1)].iter().any(|&(dx, dy)| free(dx, dy)) {
         return None;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use surepose::{Body, Map, Point, Pose};
+use surepose::{Body, Frame, Map, Point, Pose};
 use surepose_data::recording::Scan;
 use surepose_data::wall_map::WallMap;
 
@@ -54,15 +54,10 @@ pub fn walls_of<'a>(
     for (view, (scan, map_from_body)) in (0_u32..).zip(views) {
         let map_from_laser = map_from_body * mounted(scan.mount);
         seen_from.push((map_from_laser.x, map_from_laser.y));
-        for (beam, &range) in scan.ranges.iter().enumerate() {
-            if range <= settings.farthest {
-                let bearing = scan.angle(beam);
-                let end = Point::new(range * libm::cos(bearing), range * libm::sin(bearing));
-                let end = map_from_laser * end;
-                let normal = (0.0, 0.0);
-                let roughness = f64::INFINITY;
-                points.push(SurfacePoint { x: end.x, y: end.y, normal, both_sides: false, roughness, view });
-            }
+        for end in ends(scan, map_from_laser, settings) {
+            let normal = (0.0, 0.0);
+            let roughness = f64::INFINITY;
+            points.push(SurfacePoint { x: end.x, y: end.y, normal, both_sides: false, roughness, view });
         }
     }
     let mut cloud = Cloud::new(points, CELL);
@@ -75,6 +70,31 @@ pub fn walls_of<'a>(
     let map = WallMap { name: None, walls: written.collect() };
     let report = MapReport::of_grown(&map, &grown, cloud.points().len());
     Mapped { map, report }
+}
+
+/// Where the beams that walls are made of ended \[m].
+pub fn ends_of<'a>(
+    views: impl IntoIterator<Item = (&'a Scan, Pose<Map, Body, f64>)>,
+    settings: &Settings,
+) -> Vec<(f64, f64)> {
+    let mut found = Vec::new();
+    for (scan, map_from_body) in views {
+        found.extend(ends(scan, map_from_body * mounted(scan.mount), settings).map(|end| (end.x, end.y)));
+    }
+    found
+}
+
+/// Where the beams of a scan ended, but for those that end too far away.
+fn ends<F: Frame>(
+    scan: &Scan,
+    map_from_laser: Pose<Map, F, f64>,
+    settings: &Settings,
+) -> impl Iterator<Item = Point<Map, f64>> {
+    let near = scan.ranges.iter().enumerate().filter(|(_, range)| **range <= settings.farthest);
+    near.map(move |(beam, &range)| {
+        let bearing = scan.angle(beam);
+        map_from_laser * Point::new(range * libm::cos(bearing), range * libm::sin(bearing))
+    })
 }
 
 /// Variance of a wall's offset o \[m²], its covariance with the slope s \[m], variance of the slope, both at the middle.

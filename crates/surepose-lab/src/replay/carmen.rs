@@ -6,10 +6,10 @@
 use std::path::Path;
 use std::time::Instant;
 
-use surepose::Stamp;
+use surepose::{Body, Map, Pose, Stamp};
 use surepose_data::Config;
 use surepose_data::carmen as data;
-use surepose_data::recording::{Recording, StampedPose};
+use surepose_data::recording::{Recording, Scan, StampedPose};
 use surepose_data::wall_map::WallMap;
 
 use super::follower::{Follower, FollowerSettings, walls_of};
@@ -66,8 +66,12 @@ pub fn replay(path: &Path, map: Option<&WallMap>, settings: &Settings) -> Result
 
 /// The walls that the scans of a log show at their reference poses: all of them, or every second one, the first included.
 pub fn map_of(log: &Recording<StampedPose>, every: usize, settings: &from_log::Settings) -> Mapped {
-    let views = log.scans.iter().zip(log.reference.iter().map(pose_of));
-    from_log::walls_of(views.step_by(every.max(1)), settings)
+    from_log::walls_of(views(log).step_by(every.max(1)), settings)
+}
+
+/// The scans of a log at their reference poses.
+pub fn views(log: &Recording<StampedPose>) -> impl Iterator<Item = (&Scan, Pose<Map, Body, f64>)> {
+    log.scans.iter().zip(log.reference.iter().map(pose_of))
 }
 
 /// Replays a log, from the reference pose of its first scan on.

@@ -46,9 +46,10 @@ pub fn fitted_law(period: f64, direction: Direction, noise: Noise) -> Law<f64> {
     Law::Hybrid(HybridLaw { rest, ..law })
 }
 
-/// How far from the goal counts as there \[m], and how far turned \[rad].
-pub(super) const POSITION_TOLERANCE: f64 = 0.01;
-pub(super) const HEADING_TOLERANCE: f64 = PI / 180.0;
+/// How far from the goal counts as there \[m].
+pub const POSITION_TOLERANCE: f64 = 0.01;
+/// How far turned counts as there \[rad].
+pub const HEADING_TOLERANCE: f64 = PI / 180.0;
 /// How long the pose must be held \[s].
 pub(super) const HOLD: f64 = 1.0;
 /// When a trial is given up \[s].

@@ -1,0 +1,90 @@
+//! The margin of the certificate: how fast W falls at the least, over how the goal is seen, and over the distance.
+
+use core::f64::consts::PI;
+
+use surepose::{Angle, Body, Goal, Map as MapFrame, Navigation, Pose};
+use surepose_cert::{MarginMap, Margins, Situation};
+use surepose_plot::{Chart, Color, DotPaint, Map, Panel, Picture, Scale, Stroke, Tile, Tiles, beside};
+
+use crate::sweep::Spread;
+
+const NOT_SHOWN: Color = Color::Vermilion;
+
+/// The margin over (α, φ), at the capture radius and at its least over all distances; and a situation in which W rises,
+/// if one is known. Where the fall is not shown everywhere, the first is that of the farthest distances with a gap.
+pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
+    let least = margins.least();
+    // One scale for both, so that they can be compared, and on it the small margins, which are those that count.
+    let shown = |of: &MarginMap| Spread::of(of.fall.iter().copied().filter(|fall| *fall > 0.0));
+    let most = shown(&least).or(shown(&margins.nearest)).map_or(1.0, |spread| spread.p95);
+    let scale = Scale::new(format!("least fall of W shown [1/s]; darkest: {most:.2} or more"), 0.0, most);
+    let map = |title: String, of: &MarginMap| {
+        let side = of.side.max(1);
+        let cell = |k: usize| {
+            // The map has α̂ by α̂; a picture has row by row, which are those of φ̂.
+            let fall = of.fall.get((k % side) * side + k / side).copied().unwrap_or(f64::NAN);
+            if fall > 0.0 { Tile::Value(fall) } else { Tile::Plain(NOT_SHOWN) }
+        };
+        let cells: Vec<Tile> = (0..of.fall.len()).map(cell).collect();
+        let gaps = cells.contains(&Tile::Plain(NOT_SHOWN));
+        let tiles = Tiles { low: (-PI, -PI), side: 2.0 * PI / side as f64, columns: side, cells };
+        let map = Map::new(title)
+            .tiles(tiles, gaps.then(|| ("not shown".to_owned(), NOT_SHOWN)))
+            .scale(scale.clone())
+            .axes(
+                1f64.to_degrees(),
+                "bearing of the goal as seen α [°]",
+                "direction of approach as seen φ [°]",
+            )
+            .numbered_every(45.0);
+        // On the map of its own distance only.
+        let inside = |at: &&Situation| {
+            let rho = at.x.hypot(at.y);
+            of.rho.0 <= rho && rho <= of.rho.1
+        };
+        match rises.filter(inside) {
+            Some(at) => map.dots("W rises in a tick", vec![seen(at)], DotPaint::Plain(Color::Black)).cell(),
+            None => map.cell(),
+        }
+    };
+    let whole = |of: &&MarginMap| of.fall.iter().all(|fall| *fall > 0.0);
+    let edge = margins.ranges.iter().rev().find(|range| !whole(range));
+    let first = match edge {
+        Some(range) => map(format!("The farthest gap: {}", distances(range)), range),
+        None => {
+            map(format!("Margin at the capture radius, {}", distances(&margins.nearest)), &margins.nearest)
+        }
+    };
+    beside(vec![first, map(format!("Least margin from {}", distances(&least)), &least)])
+}
+
+/// The least margin over the distance.
+pub fn margin_over_distance(margins: &Margins) -> Picture {
+    let worst = |map: &MarginMap| map.fall.iter().copied().fold(f64::INFINITY, f64::min);
+    let (mut steps, mut most) = (Vec::new(), 0.1);
+    for range in &margins.ranges {
+        // Where nothing is shown the line is on the ground.
+        let fall = worst(range).max(0.0);
+        steps.extend([(range.rho.0, fall), (range.rho.1, fall)]);
+        most = fall.max(most);
+    }
+    let panel = Panel::new("Least fall of W shown, over all directions", "−dW/dt [1/s]")
+        .range(0.0, 1.08 * most)
+        .series("", steps, Stroke::solid(Color::Blue));
+    Chart::over("true distance from the goal ρ [m]").logarithmic().panel(panel).picture()
+}
+
+/// How the goal is seen in a situation: bearing and direction of approach \[rad].
+fn seen(at: &Situation) -> (f64, f64) {
+    let heading = Angle::wrapped(at.heading + at.noise_heading);
+    let estimate: Pose<MapFrame, Body, f64> = Pose::new(at.x + at.noise_x, at.y + at.noise_y, heading);
+    let goal: Pose<MapFrame, Goal, f64> = Pose::identity();
+    let seen = Navigation::of(estimate, goal);
+    (seen.alpha.radians(), seen.phi.radians())
+}
+
+fn distances(of: &MarginMap) -> String {
+    let (near, far) = of.rho;
+    let short = |metres: f64| format!("{metres:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    if near < far { format!("{} m to {} m", short(near), short(far)) } else { format!("{} m", short(near)) }
+}

@@ -1,0 +1,261 @@
+//! A sweep: where its trials started and how they went, and how their figures are spread.
+
+use core::f64::consts::{PI, TAU};
+
+use surepose::{Angle, Body, Goal, Map as MapFrame, Navigation, Pose};
+use surepose_plot::{
+    Cell, Chart, Color, DotPaint, Map, Panel, Picture, Scale, Stroke, Tile, Tiles, beside, stacked,
+};
+
+use crate::sweep::{HEADING_TOLERANCE, POSITION_TOLERANCE, Spread, Trial};
+
+/// With fewer trials than this each one is a dot; with more, they are counted in cells.
+const CROWD: usize = 400;
+/// Trials in a cell, on average, and the range of cells along a side.
+const PER_CELL: f64 = 15.0;
+const SIDES: (f64, f64) = (8.0, 60.0);
+/// By how much a square is larger than what lies in it.
+const MARGIN: f64 = 1.02;
+/// Bars of a histogram.
+const BARS: usize = 60;
+/// Errors are shown up to so many tolerances.
+const TOLERANCES_SHOWN: f64 = 3.0;
+
+const FAILED: Color = Color::Vermilion;
+
+/// Success and time over the start's place, and time over the directions in which start and goal lie.
+pub fn start_map(trials: &[Trial]) -> Picture {
+    let places: Vec<_> = trials.iter().map(|trial| (trial.start_x_m, trial.start_y_m)).collect();
+    let directions: Vec<_> = trials.iter().map(directions).collect();
+    let plane = square_around(&places);
+    let circle = Square { low: (-PI, -PI), side: TAU };
+
+    let successes: Vec<_> = trials.iter().map(|trial| Some(if trial.success { 1.0 } else { 0.0 })).collect();
+    let success = Shown::of(&places, &successes, plane, mean);
+    let ratios: Vec<_> = trials.iter().map(Trial::time_ratio).collect();
+    let by_place = Shown::of(&places, &ratios, plane, median);
+    let by_direction = Shown::of(&directions, &ratios, circle, median);
+
+    let rate = Scale::new("trials that succeeded [%]", 0.0, 1.0).times(100.0);
+    // One scale for both, so that they can be compared.
+    let medians: Vec<f64> = by_place.values().into_iter().chain(by_direction.values()).collect();
+    let (ratio, most) = ratio_scale(medians, trials.len() >= CROWD);
+    let timed = Map::new(format!("Time over the least possible; darkest: {most:.2} or more"));
+    let failed = |at: &[(f64, f64)]| -> Vec<_> {
+        at.iter().zip(trials).filter(|(_, trial)| !trial.success).map(|(at, _)| *at).collect()
+    };
+    let ran = trials.iter().filter(|trial| trial.success).count();
+    let title = format!("Success over the start: {ran} of {} trials", trials.len());
+    let directed = Map::new("The same over the directions at the start")
+        .axes(1f64.to_degrees(), "bearing of the goal α [°]", "direction of approach φ [°]")
+        .numbered_every(45.0);
+    beside(vec![
+        success.drawn(Map::new(title), rate, failed(&places)),
+        by_place.drawn(timed, ratio.clone(), failed(&places)),
+        by_direction.drawn(directed, ratio, failed(&directions)),
+    ])
+}
+
+/// How time and final errors are spread over the trials.
+pub fn spreads(trials: &[Trial]) -> Picture {
+    let all = |value: fn(&Trial) -> Option<f64>| trials.iter().filter_map(value).collect::<Vec<_>>();
+    let tolerances = |tolerance: f64| TOLERANCES_SHOWN * tolerance;
+    let (position, heading) = (1e3 * POSITION_TOLERANCE, HEADING_TOLERANCE.to_degrees());
+    stacked(vec![
+        histogram(
+            "Time over the least possible",
+            "time / least possible",
+            &all(Trial::time_ratio),
+            1.0,
+            None,
+        ),
+        histogram(
+            "Distance from the goal in the end",
+            "final position error [mm]",
+            &all(|trial| Some(1e3 * trial.final_position_error_m)),
+            0.0,
+            Some((position, tolerances(position))),
+        ),
+        histogram(
+            "Heading error in the end",
+            "final heading error [°]",
+            &all(|trial| Some(trial.final_heading_error_deg)),
+            0.0,
+            Some((heading, tolerances(heading))),
+        ),
+    ])
+}
+
+/// How the goal lies, seen from the start: its bearing, and the direction of approach \[rad].
+fn directions(trial: &Trial) -> (f64, f64) {
+    let heading = Angle::from_degrees(trial.start_heading_deg);
+    let start: Pose<MapFrame, Body, f64> = Pose::new(trial.start_x_m, trial.start_y_m, heading);
+    let goal: Pose<MapFrame, Goal, f64> = Pose::identity();
+    let seen = Navigation::of(start, goal);
+    (seen.alpha.radians(), seen.phi.radians())
+}
+
+/// A part of a plane.
+#[derive(Clone, Copy)]
+struct Square {
+    low: (f64, f64),
+    side: f64,
+}
+
+/// Values over a square.
+enum Shown {
+    /// A summary of each cell's.
+    Cells(Tiles),
+    /// Each one in its place.
+    Dots(Square, Vec<(f64, f64)>, Vec<f64>),
+}
+
+impl Shown {
+    /// `values` in their `places`, or where they are many the `summary` of each cell's.
+    fn of(
+        places: &[(f64, f64)],
+        values: &[Option<f64>],
+        square: Square,
+        summary: fn(&mut [f64]) -> f64,
+    ) -> Self {
+        let known = places.iter().zip(values).filter_map(|(at, value)| value.map(|value| (*at, value)));
+        if places.len() < CROWD {
+            let (places, values) = known.unzip();
+            return Self::Dots(square, places, values);
+        }
+        let Square { low, side } = square;
+        let columns = (places.len() as f64 / PER_CELL).sqrt().floor().clamp(SIDES.0, SIDES.1);
+        let cell = side / columns;
+        let columns = columns as usize;
+        let cell_of = |(x, y): (f64, f64)| {
+            let at = |value: f64, low: f64| (((value - low) / cell) as usize).min(columns - 1);
+            at(y, low.1) * columns + at(x, low.0)
+        };
+        let mut lists = vec![Vec::new(); columns * columns];
+        let mut cells = vec![Tile::Nothing; columns * columns];
+        for place in places {
+            if let Some(tile) = cells.get_mut(cell_of(*place)) {
+                *tile = Tile::Plain(FAILED);
+            }
+        }
+        for (place, value) in known {
+            if let Some(list) = lists.get_mut(cell_of(place)) {
+                list.push(value);
+            }
+        }
+        for (tile, list) in cells.iter_mut().zip(&mut lists).filter(|(_, list)| !list.is_empty()) {
+            *tile = Tile::Value(summary(list));
+        }
+        Self::Cells(Tiles { low, side: cell, columns, cells })
+    }
+
+    fn values(&self) -> Vec<f64> {
+        match self {
+            Self::Dots(_, _, values) => values.clone(),
+            Self::Cells(tiles) => {
+                let value = |tile: &Tile| if let Tile::Value(value) = tile { Some(*value) } else { None };
+                tiles.cells.iter().filter_map(value).collect()
+            }
+        }
+    }
+
+    /// On `map`, with those that `failed` as long as they can be told apart.
+    fn drawn(self, map: Map, scale: Scale, failed: Vec<(f64, f64)>) -> Cell {
+        let map = map.scale(scale);
+        let map = match self {
+            Self::Cells(tiles) => {
+                let none = tiles.cells.contains(&Tile::Plain(FAILED));
+                map.tiles(tiles, none.then(|| ("no success here".to_owned(), FAILED)))
+            }
+            Self::Dots(Square { low, side }, places, values) => {
+                let high = (low.0 + side, low.1 + side);
+                map.window(low, high).dots("", places, DotPaint::Values(values))
+            }
+        };
+        if failed.is_empty() || failed.len() > CROWD {
+            return map.cell();
+        }
+        map.dots("failed", failed, DotPaint::Plain(FAILED)).cell()
+    }
+}
+
+/// From what is least to what nearly all that is shown has at most, which is returned too.
+fn ratio_scale(mut shown: Vec<f64>, of_cells: bool) -> (Scale, f64) {
+    shown.sort_by(f64::total_cmp);
+    let least = shown.first().copied().unwrap_or(1.0);
+    let most = Spread::of(shown).map_or(1.1, |spread| spread.p95);
+    let what = if of_cells { "time / least possible, median of a cell" } else { "time / least possible" };
+    let most = most.max(least + 0.02);
+    (Scale::new(what, least, most), most)
+}
+
+fn mean(values: &mut [f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    Spread::of(values.iter().copied()).map_or(f64::NAN, |spread| spread.p50)
+}
+
+/// A square around all places.
+fn square_around(places: &[(f64, f64)]) -> Square {
+    let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
+    for (x, y) in places {
+        low = (low.0.min(*x), low.1.min(*y));
+        high = (high.0.max(*x), high.1.max(*y));
+    }
+    if low.0 > high.0 {
+        return Square { low: (-1.0, -1.0), side: 2.0 };
+    }
+    let side = (high.0 - low.0).max(high.1 - low.1).max(0.1) * MARGIN;
+    Square { low: (0.5 * (low.0 + high.0 - side), 0.5 * (low.1 + high.1 - side)), side }
+}
+
+/// Counts of `values` from `least` on, up to what nearly all have at most, or as far as the tolerance is of interest.
+fn histogram(
+    title: &str,
+    label: &str,
+    values: &[f64],
+    least: f64,
+    tolerance: Option<(f64, f64)>,
+) -> Vec<Cell> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let quantile = |q: f64| sorted.get((q * sorted.len() as f64) as usize).or(sorted.last()).copied();
+    let nearly_all = quantile(0.995).unwrap_or(least + 1.0);
+    let most = tolerance.map_or(nearly_all, |(_, shown)| nearly_all.min(shown)).max(least + 1e-3);
+    let low = sorted.first().map_or(least, |first| first.min(least));
+    let width = (most - low) / BARS as f64;
+    let edges: Vec<f64> = (0..=BARS).map(|k| low + k as f64 * width).collect();
+    let mut counts = vec![0.0; BARS];
+    let mut beyond = 0;
+    for value in &sorted {
+        match counts.get_mut(((value - low) / width) as usize) {
+            Some(count) => *count += 1.0,
+            None => beyond += 1,
+        }
+    }
+    let rest = if beyond > 0 { format!(", {beyond} beyond the right edge") } else { String::new() };
+    let top = 1.08 * counts.iter().fold(1.0, |most: f64, count| most.max(*count));
+    let title = format!("{title}: {} trials{rest}", sorted.len());
+    let mut panel = Panel::new(title, "trials").range(0.0, top).bars(edges, counts, Color::Sky);
+    let spread = Spread::of(sorted);
+    let marks = [
+        ("median", spread.map(|spread| spread.p50), Color::Black),
+        ("95 % below", spread.map(|spread| spread.p95), Color::Blue),
+        ("tolerance", tolerance.map(|(tolerance, _)| tolerance), Color::Vermilion),
+    ];
+    for (name, at, color) in marks {
+        // What lies beyond the right edge is told in the legend alone.
+        let Some(at) = at else { continue };
+        let line = if at < most { vec![(at, 0.0), (at, top)] } else { Vec::new() };
+        panel = panel.series(format!("{name}: {}", short(at)), line, Stroke::solid(color));
+    }
+    Chart::over(label).panel(panel).cells()
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    let before_point = value.abs().max(1e-9).log10().floor() + 1.0;
+    format!("{value:.*}", (3.0 - before_point).clamp(0.0, 4.0) as usize)
+}
