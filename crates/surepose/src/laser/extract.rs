@@ -186,29 +186,51 @@ fn judge<S: Float>(
         return Err(Flaw::NotStraight);
     }
 
-    // r = 1/√(a²+b²) and ψ = atan2(b, a): ∂r = −r²·n·∂(a, b), ∂ψ = r·t·∂(a, b), with n = (cos ψ, sin ψ) and t to its left.
-    let (nx, ny) = (candidate.line.a * distance, candidate.line.b * distance);
-    let spread = &candidate.spread;
-    let two = S::of(2.0);
-    let normal = spread.aa * nx.squared() + two * spread.ab * nx * ny + spread.bb * ny.squared();
-    let tangential = spread.aa * ny.squared() - two * spread.ab * nx * ny + spread.bb * nx.squared();
-    let mixed = (spread.bb - spread.aa) * nx * ny + spread.ab * (nx.squared() - ny.squared());
     let widened = S::select(is_plain, S::of(1.0), roughness);
-    let squared = distance.squared() * widened;
-    let seen = SeenLine {
-        line: Line::new(distance, Angle::of_vector(candidate.line.a, candidate.line.b)),
-        distance_variance: normal * squared * distance.squared(),
-        direction_variance: tangential * squared,
-        covariance: -(mixed * squared * distance),
-        extent,
-        beams: evidence.count,
-        roughness,
-    };
+    let seen = polar(candidate, widened, extent, evidence.count, roughness);
     let sharp = seen.direction_variance <= S::of(VAGUEST * VAGUEST)
         && seen.distance_variance > S::of(0.0)
         && seen.direction_variance > S::of(0.0)
         && seen.distance_variance.is_finite();
     if sharp && extent.1 - extent.0 >= S::of(SHORTEST) { Ok(seen) } else { Err(Flaw::TooVague) }
+}
+
+/// The line in (r, ψ), with the covariance of (a, b) times `widened`.
+///
+/// To first order ∂r = −r²·n·∂(a, b) and ∂ψ = r·t·∂(a, b), with n = (cos ψ, sin ψ) and t to its left. That is not enough
+/// for a short wall far beside the foot of its perpendicular: its beams know to a centimetre where it passes them and
+/// hardly which way it goes. Turned by δ about them, its distance changes by −l·δ − ½·r·δ², with l from the foot to them;
+/// the second term, of mean −½·r·σ² and variance ½·r²·σ⁴ for a normal δ, may be larger than the centimetre. With the first
+/// term only, lines of 8 beams in the loop world had a mean NEES of 2.7 for 2, and the filter that used them 3.16 for 3.
+fn polar<S: Float>(
+    candidate: &Candidate<S>,
+    widened: S,
+    extent: (S, S),
+    beams: u16,
+    roughness: S,
+) -> SeenLine<S> {
+    let (line, spread) = (&candidate.line, &candidate.spread);
+    let distance = S::of(1.0) / (line.a.squared() + line.b.squared()).sqrt();
+    let (nx, ny) = (line.a * distance, line.b * distance);
+    let (two, half) = (S::of(2.0), S::of(0.5));
+    let normal = spread.aa * nx.squared() + two * spread.ab * nx * ny + spread.bb * ny.squared();
+    let tangential = spread.aa * ny.squared() - two * spread.ab * nx * ny + spread.bb * nx.squared();
+    let mixed = (spread.bb - spread.aa) * nx * ny + spread.ab * (nx.squared() - ny.squared());
+    let squared = distance.squared() * widened;
+    let direction_variance = tangential * squared;
+    let bent = half * direction_variance.squared();
+    SeenLine {
+        line: Line::new(
+            distance * (S::of(1.0) - half * direction_variance),
+            Angle::of_vector(line.a, line.b),
+        ),
+        distance_variance: distance.squared() * (normal * squared + bent),
+        direction_variance,
+        covariance: -(mixed * squared * distance),
+        extent,
+        beams,
+        roughness,
+    }
 }
 
 /// How many beams it takes to believe in a line.
