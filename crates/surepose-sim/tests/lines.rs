@@ -156,6 +156,29 @@ fn a_wall_seen_in_two_pieces_is_one_line() {
     }
 }
 
+/// Its line goes on to cross the wall behind it not far from its end: no corner, and that wall's beams are not its own.
+#[test]
+fn a_plate_takes_no_beams_from_the_wall_behind_it() {
+    let laser = LaserModel::half_circle(181);
+    let place = at(1.5, 1.9, -90.0);
+    let (floor, plate) = (Segment::between((0.0, 0.0), (6.0, 0.0)), ((5.2, 0.6), (5.2, 1.6)));
+    let (plate, wall) = wall(plate.0, plate.1);
+    let mut noise = Seed(6).stream("laser");
+    let (mut nees, mut count) = (0.0, 0.0);
+    for _ in 0..2000 {
+        let scan = laser.scan(&[floor, plate], place, &mut noise);
+        for line in &lines(&laser, &scan) {
+            let ([_, direction], squared) = error(line, &wall, place * laser.body_from_laser);
+            if direction.abs() < 0.5 {
+                nees += squared;
+                count += 1.0;
+            }
+        }
+    }
+    assert!(count > 1900.0, "{count}");
+    assert!((nees / count - 2.0).abs() < NEES_BAND, "{}", nees / count);
+}
+
 /// Cutting clutter off at a gate leaves the wall several standard errors short in the mean; the mixture does not.
 #[test]
 fn clutter_does_not_pull_walls_towards_the_laser() {

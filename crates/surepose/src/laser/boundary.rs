@@ -3,7 +3,7 @@
 use crate::scalar::Float;
 
 use super::beam::{Beam, BeamNoise};
-use super::grow::WINDOW;
+use super::grow::{WINDOW, agreeing};
 use super::join::{Candidate, Candidates, Piece, Pieces};
 
 /// How far from a corner a beam must be to be sure of its wall, in standard deviations of its bearing.
@@ -76,13 +76,34 @@ fn part<S: Float>(
     let high = (next.first + REACH).min(next.last);
     let apart = this.line.minus(other.line);
     let side = |i: usize| apart.at(&beams[i]).0 > S::of(0.0);
-    let Some(corner) = (low..high).find(|&i| side(i) != side(i + 1)).map(|i| i + 1) else {
+    let crossing = (low..high).find(|&i| side(i) != side(i + 1)).map(|i| i + 1);
+    let Some(corner) =
+        crossing.filter(|&corner| is_corner(noise, beams, (piece, this), (next, other), corner))
+    else {
         return at_edges;
     };
     let sure = |i: usize| is_sure(noise, &beams[i], this, other);
     let end = (low..corner).rev().find(|&i| sure(i)).map_or(low, |i| i + 1);
     let begin = (corner..high).find(|&i| sure(i)).unwrap_or(high);
     (end, begin)
+}
+
+/// Whether the two walls meet where their lines cross: then most beams that growing took in beyond lie on the other line.
+///
+/// The line of a plate may go on to cross the wall behind it near its end; the beams between are the wall's own.
+fn is_corner<S: Float>(
+    noise: &BeamNoise<S>,
+    beams: &[Beam<S>],
+    (piece, this): (&Piece, &Candidate<S>),
+    (next, other): (&Piece, &Candidate<S>),
+    crossing: usize,
+) -> bool {
+    let (between, line) = if crossing <= piece.last {
+        (&beams[crossing..=piece.last], &other.line)
+    } else {
+        (&beams[next.first.min(crossing)..crossing], &this.line)
+    };
+    2 * agreeing(noise, between, line) >= between.len()
 }
 
 /// Whether the two walls' inverse ranges differ at the beam by more than bearing noise and their own errors do.
