@@ -1,7 +1,7 @@
 //! How well lines are extracted, judged by the truth of the loop world.
 
 use surepose::{
-    Body, Estimator, Fate, Gate, LineExtractor, Map, Matcher, Measurement, Pose, SeenLine, Stamp, Stamped,
+    Estimator, Fate, Gate, Laser, LineExtractor, Map, Matcher, Measurement, Pose, SeenLine, Stamp, Stamped,
     Wall,
 };
 
@@ -36,9 +36,19 @@ pub struct Extraction {
 }
 
 impl Extraction {
+    /// The part of the visible walls that a line was found for.
+    pub fn walls_found_share(&self) -> Option<f64> {
+        share(self.found as f64, self.visible)
+    }
+
     /// The mean of the lines' normalised errors squared.
-    pub fn line_nees_mean(&self) -> f64 {
-        self.line_nees_sum / self.lines as f64
+    pub fn line_nees_mean(&self) -> Option<f64> {
+        share(self.line_nees_sum, self.lines)
+    }
+
+    /// The part of the matched lines that were matched to a wrong wall.
+    pub fn wrong_match_share(&self) -> Option<f64> {
+        share(self.wrong as f64, self.matched)
     }
 
     fn and(self, other: Self) -> Self {
@@ -54,7 +64,11 @@ impl Extraction {
     }
 }
 
-/// Extracts and matches, with encoders, compass and laser, every scan of the runs with the seeds 0 to `runs` − 1.
+fn share(part: f64, of: u64) -> Option<f64> {
+    (of > 0).then(|| part / of as f64)
+}
+
+/// Extracts and matches, with encoders, compass and laser, every scan of the runs with the seeds 1 to `runs`.
 pub fn extraction(world: &LoopWorld, runs: u64) -> Extraction {
     let results = for_each(runs, |seed| {
         let mut run = world.run(seed);
@@ -91,7 +105,7 @@ pub fn extraction(world: &LoopWorld, runs: u64) -> Extraction {
                     sum.spurious += 1;
                     continue;
                 };
-                let nees = line_nees(line, &world.map()[wall], tick.truth);
+                let nees = line_nees(line, &world.map()[wall], tick.truth * *mount);
                 sum.lines += 1;
                 sum.line_nees_sum += nees;
                 found[wall] |= nees < FOUND;
@@ -112,9 +126,9 @@ pub fn extraction(world: &LoopWorld, runs: u64) -> Extraction {
     results.into_iter().fold(Extraction::default(), Extraction::and)
 }
 
-/// The normalised error squared of a line, χ² with 2 degrees of freedom; the laser is at the body's centre here.
-fn line_nees(line: &SeenLine<f64>, wall: &Wall<f64>, truth: Pose<Map, Body, f64>) -> f64 {
-    let right = truth.inverse() * *wall.line();
+/// The normalised error squared of a line, χ² with 2 degrees of freedom.
+fn line_nees(line: &SeenLine<f64>, wall: &Wall<f64>, map_from_laser: Pose<Map, Laser, f64>) -> f64 {
+    let right = map_from_laser.inverse() * *wall.line();
     let side = if right.distance < 0.0 { -1.0 } else { 1.0 };
     let turned = line.line.direction - right.direction;
     let direction =

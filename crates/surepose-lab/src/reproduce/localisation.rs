@@ -17,8 +17,8 @@ const SETTLED: f64 = 10.0;
 /// of a wheel: at 99.9 % the heading with encoders and compass is off by 6 % more, and NEES grows to 3.5.
 pub(super) const GATE_PROBABILITY: f64 = 0.999_999;
 
-/// The most beams of a scan here.
-pub(super) const MOST_BEAMS: usize = 1024;
+/// The most beams of a scan here: as many as the configuration admits.
+pub(super) const MOST_BEAMS: usize = 4096;
 
 /// Which sensors the filter is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,10 @@
 //! The loop world: a known course between known walls, odometry with 5 % wheel noise, a compass and a laser.
 
 use surepose::{
-    Angle, Belief, Body, Compass, Drive, Ekf, Integration, Map, Motion, NotAPath, NotAWall, Path, Pose,
-    RangeFinder, Scan, Wall, Wheels,
+    Angle, Belief, Body, Compass, Ekf, Integration, Map, Motion, NotAPath, NotAWall, Path, Pose, RangeFinder,
+    Scan, Wall, Wheels,
 };
+use surepose_data::Config;
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
 
 /// One tick's time \[s].
@@ -12,8 +13,6 @@ pub(super) const PERIOD: f64 = 0.1;
 const DURATION: f64 = 60.0;
 /// How well the start is known: x, y \[m] and heading \[rad].
 const START_STD: [f64; 3] = [0.01, 0.01, 0.5 * core::f64::consts::PI / 180.0];
-/// δ of the wheels: 5 % noise.
-const DELTA: f64 = 0.0025;
 
 /// The world in which localisation is judged, and its robot.
 #[derive(Clone, Debug)]
@@ -23,24 +22,33 @@ pub struct LoopWorld {
     walls: Vec<Wall<f64>>,
     laser: LaserModel,
     compass: CompassModel,
-    drive: Drive<f64>,
+    ekf: Ekf<f64>,
 }
 
 impl LoopWorld {
-    /// The world with a laser of so many beams over 180°, and with things in its way that are on no map.
+    /// The world with the wheels, the compass and the laser of `config`, and with things in its way that are on no map.
+    ///
+    /// The robot errs as much as the filter is told: what is compared is how well the filter can do.
     ///
     /// # Errors
     /// Never in truth: the world's measures are constants that make a path and walls.
-    pub fn new(beams: usize, clutter: Clutter) -> Result<Self, LoopWorldError> {
+    pub fn new(config: &Config, clutter: Clutter) -> Result<Self, LoopWorldError> {
         let arena = Arena::loop_world();
         let walls = arena.walls().iter().map(|wall| Wall::between(wall.start, wall.end));
+        let laser = config.laser();
         Ok(Self {
             course: loop_course()?,
             walls: walls.collect::<Result<_, _>>()?,
             arena,
-            laser: LaserModel { clutter, ..LaserModel::half_circle(beams) },
-            compass: CompassModel::default(),
-            drive: Drive { wheel_radius: 0.05, track: 0.6 },
+            laser: LaserModel {
+                body_from_laser: laser.body_from_laser,
+                range_std: laser.range_std,
+                bearing_std: laser.bearing_std,
+                clutter,
+                ..LaserModel::half_circle(laser.beams)
+            },
+            compass: CompassModel { std: config.compass().std, offset: 0.0 },
+            ekf: config.ekf(),
         })
     }
 
@@ -62,7 +70,7 @@ impl LoopWorld {
 
     /// The filter with the constants of this robot.
     pub fn ekf(&self) -> Ekf<f64> {
-        Ekf { drive: self.drive, delta: DELTA, integration: Integration::Arc }
+        self.ekf
     }
 
     /// One run round the course.
@@ -168,12 +176,12 @@ impl Iterator for Run<'_> {
         let turn: Angle<f64> = world.at(self.tick).heading - self.truth.heading;
         let motion = Motion { length: LOOP_SPEED * PERIOD, turn: turn.radians() };
         self.truth = self.truth.moved(motion, Integration::Arc);
-        let swing = motion.turn * world.drive.track / 2.0;
+        let swing = motion.turn * world.ekf.drive.track / 2.0;
         let travel = Wheels::new(motion.length + swing, motion.length - swing);
         Some(Tick {
             time: f64::from(self.tick) * PERIOD,
             truth: self.truth,
-            rims: Slip { delta: DELTA }.apply(travel, &mut self.slip),
+            rims: Slip { delta: world.ekf.delta }.apply(travel, &mut self.slip),
             compass: Compass {
                 heading: world.compass.read(self.truth.heading, &mut self.compass),
                 std: world.compass.std,
