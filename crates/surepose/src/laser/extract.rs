@@ -22,7 +22,7 @@ const FEWEST: f64 = 6.0;
 /// The vaguest direction of a line \[rad]: beyond it (r, ψ) is no longer linear in what the beams say.
 const VAGUEST: f64 = 0.08;
 
-/// The shortest line \[m]: what is shorter is as likely a leg as a wall.
+/// The shortest line \[m]: what is shorter is as likely a leg as a wall, and two legs on one line are no longer.
 const SHORTEST: f64 = 0.25;
 
 /// A wall as one scan sees it.
@@ -127,7 +127,7 @@ impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
         let segments = find(&noise, beams);
         let (mut walls, mut pieces) = join(&segments);
         adopt(&noise, beams, &walls, &mut pieces);
-        let pieces = certain(&noise, beams, scan.ranges.len(), &walls, &pieces);
+        let pieces = certain(&noise, beams, scan, &walls, &pieces);
         let evidences = fit(&noise, beams, &pieces, &mut walls, owner);
 
         let mut refused = RefusedLines::default();
@@ -136,10 +136,13 @@ impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
         for (wall, (candidate, evidence)) in walls.iter().zip(evidences.iter()).enumerate() {
             let on_wall = |i: &usize| usize::from(owner[*i]) == wall;
             let own = pieces.iter().filter(|piece| piece.wall == wall);
-            let ends =
-                own.flat_map(|p| [(p.first..=p.last).find(on_wall), (p.first..=p.last).rfind(on_wall)]);
-            let ends = ends.flatten().map(|i| candidate.line.along(&beams[i]));
-            match judge(&noise, candidate, evidence, ends) {
+            let stretches = own.filter_map(|piece| {
+                let mut own = (piece.first..=piece.last).filter(on_wall);
+                let first = own.next()?;
+                let [first, last] = [first, own.next_back().unwrap_or(first)];
+                Some((candidate.line.along(&beams[first]), candidate.line.along(&beams[last])))
+            });
+            match judge(&noise, candidate, evidence, stretches) {
                 Ok(line) => {
                     self.lines[kept] = line;
                     number[wall] = kept as u8;
@@ -169,11 +172,15 @@ fn judge<S: Float>(
     noise: &BeamNoise<S>,
     candidate: &Candidate<S>,
     evidence: &Evidence<S>,
-    ends: impl Iterator<Item = S>,
+    stretches: impl Iterator<Item = (S, S)>,
 ) -> Result<SeenLine<S>, Flaw> {
     let count = S::of(f64::from(evidence.count));
-    let around = |(low, high): (S, S), end: S| (low.min(end), high.max(end));
-    let extent = ends.fold((S::of(f64::INFINITY), S::of(f64::NEG_INFINITY)), around);
+    let mut extent = (S::of(f64::INFINITY), S::of(f64::NEG_INFINITY));
+    let mut longest = S::of(0.0);
+    for (one, other) in stretches {
+        extent = (extent.0.min(one.min(other)), extent.1.max(one.max(other)));
+        longest = longest.max((one - other).abs());
+    }
     let inverse_squared = candidate.line.a.squared() + candidate.line.b.squared();
     let distance = S::of(1.0) / inverse_squared.sqrt();
     if evidence.count < 4 || count < fewest(noise, distance, extent) {
@@ -192,7 +199,7 @@ fn judge<S: Float>(
         && seen.distance_variance > S::of(0.0)
         && seen.direction_variance > S::of(0.0)
         && seen.distance_variance.is_finite();
-    if sharp && extent.1 - extent.0 >= S::of(SHORTEST) { Ok(seen) } else { Err(Flaw::TooVague) }
+    if sharp && longest >= S::of(SHORTEST) { Ok(seen) } else { Err(Flaw::TooVague) }
 }
 
 /// The line in (r, ψ), with the covariance of (a, b) times `widened`.

@@ -34,6 +34,14 @@ fn laser_alone_and_twice_the_beams() {
     assert!(many.heading_rmse.to_degrees() <= 0.051, "{many:?}");
 }
 
+/// Steps finer than the bearing noise: many beams beside an edge or a corner are not certain of their wall.
+#[test]
+fn a_laser_with_fine_steps_is_no_surer_than_it_may_be() {
+    let accuracy = localisation(&world(1081, Clutter::default()), Configuration::Both, 8).unwrap();
+    assert!((accuracy.nees_mean - 3.0).abs() < 0.4, "{accuracy:?}");
+    assert!(accuracy.position_rmse <= 1.05e-3, "{accuracy:?}");
+}
+
 /// Without a laser the position error grows all along a run: a run is not much more than one sample of it, and 500 runs
 /// give its RMSE to 3 %. The figures are the Cramér–Rao bounds of this world.
 #[test]
