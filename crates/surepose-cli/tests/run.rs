@@ -190,4 +190,11 @@ fn the_four_sets_of_sensors_are_compared_under_the_contracts_keys() {
     assert!(rmse("odometry") > 3.0 * rmse("odometry+compass"), "{json}");
     assert!(rmse("odometry+compass") > 3.0 * rmse("odometry+laser+compass"), "{json}");
     assert!(out.join("fig4.png").exists() && out.join("fig5.svg").exists());
+    for key in ["walls_found_share", "line_nees_mean", "wrong_match_share"] {
+        assert!(json["fig4"]["extraction"][key].is_number(), "{key} in {json}");
+    }
+    let finer =
+        surepose(&["reproduce", "fig4", "--out", path, "--runs", "3", "--json", "--set", "laser.beams=361"]);
+    let finer = finer.json()["fig4"]["odometry+laser+compass"]["position_rmse_m"].as_f64().expect("a number");
+    assert!(finer < 0.9 * rmse("odometry+laser+compass"), "twice the beams: {finer} in {json}");
 }

@@ -2,6 +2,8 @@
 
 use std::process::ExitCode;
 
+use surepose::param::LASER_BEAMS;
+use surepose_data::Config;
 use surepose_lab::reproduce::{Configuration, LoopWorld, extraction, localisation};
 use surepose_sim::Clutter;
 
@@ -14,7 +16,8 @@ fn main() -> ExitCode {
         ("20 % single", Clutter { fraction: 0.2, width: 1.0 }),
         ("20 % in groups of 6", Clutter { fraction: 0.2, width: 6.0 }),
     ] {
-        let Ok(world) = LoopWorld::new(beams as usize, clutter) else { return ExitCode::FAILURE };
+        let config = Config::default().with_preset("localisation", &[(&LASER_BEAMS, beams as f64)]);
+        let Ok(world) = LoopWorld::new(&config, clutter) else { return ExitCode::FAILURE };
         println!("{name}, {beams} beams, {runs} runs");
         for configuration in Configuration::ALL {
             if let Some(a) = localisation(&world, configuration, runs) {
@@ -31,7 +34,7 @@ fn main() -> ExitCode {
             "  found {} of {}, line NEES {:.3} over {}, spurious {}, wrong {} of {}",
             e.found,
             e.visible,
-            e.line_nees_mean(),
+            e.line_nees_mean().unwrap_or(f64::NAN),
             e.lines,
             e.spurious,
             e.wrong,

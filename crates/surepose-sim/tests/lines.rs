@@ -2,61 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+mod common;
+
+use common::{NEES_BAND, Place, at, error, lines, range_finder, wall};
 use surepose::{
-    Angle, Body, Fate, LineExtractor, Map, Matcher, Point, Pose, RangeFinder, Scan, ScanRefusal, SeenLine,
+    Angle, Belief, Drive, Ekf, Fate, Integration, LineExtractor, Matcher, Point, Pose, RangeFinder, Scan,
     Wall,
 };
-use surepose::{Belief, Drive, Ekf, Integration};
-use surepose_sim::{Arena, Clutter, LaserModel, Seed, Segment};
-
-type Place = Pose<Map, Body, f64>;
-
-fn at(x: f64, y: f64, degrees: f64) -> Place {
-    Pose::new(x, y, Angle::from_degrees(degrees))
-}
-
-fn range_finder(laser: &LaserModel) -> RangeFinder<f64> {
-    RangeFinder {
-        body_from_laser: laser.body_from_laser,
-        range_std: laser.range_std,
-        bearing_std: laser.bearing_std,
-        nearest: 0.0,
-        farthest: laser.max_range,
-    }
-}
-
-fn view(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
-    Scan {
-        first_bearing: Angle::wrapped(scan.first_bearing),
-        bearing_step: scan.bearing_step,
-        ranges: &scan.ranges,
-    }
-}
-
-fn lines(laser: &LaserModel, scan: &surepose_sim::Scan) -> Vec<SeenLine<f64>> {
-    let mut extractor = Box::<LineExtractor<f64, 1024>>::default();
-    extractor.extract(&range_finder(laser), &view(scan)).unwrap().lines.to_vec()
-}
-
-/// The error (r, ψ) of a line, and its normalised square.
-fn error(
-    line: &SeenLine<f64>,
-    wall: &Wall<f64>,
-    map_from_laser: Pose<Map, surepose::Laser, f64>,
-) -> ([f64; 2], f64) {
-    let right = map_from_laser.inverse() * *wall.line();
-    let behind = right.distance < 0.0;
-    let turned = line.line.direction - right.direction;
-    let direction = if behind { turned + Angle::half_turn() } else { turned }.radians();
-    let distance = line.line.distance - right.distance.abs();
-    let (v, w, c) = (line.distance_variance, line.direction_variance, line.covariance);
-    let squared = w * distance * distance - 2.0 * c * distance * direction + v * direction * direction;
-    ([distance, direction], squared / (v * w - c * c))
-}
-
-fn wall(a: (f64, f64), b: (f64, f64)) -> (Segment, Wall<f64>) {
-    (Segment::between(a, b), Wall::between(Point::new(a.0, a.1), Point::new(b.0, b.1)).unwrap())
-}
+use surepose_sim::{Arena, LaserModel, Seed, Segment};
 
 /// Mean normalised squared error over many scans of one wall, which is χ² with 2 degrees of freedom each, and the mean
 /// error in standard errors of that mean.
@@ -80,22 +33,18 @@ fn statistics(laser: &LaserModel, place: Place, segment: Segment, wall: &Wall<f6
     (nees / count, [0, 1].map(|k| bias[k] / square[k].sqrt()))
 }
 
-/// Four standard errors of the mean of 2000 numbers with variance 4.
-const NEES_BAND: f64 = 4.0 * 2.0 / 44.7;
-
 #[test]
 fn covariance_is_right_near_far_and_at_a_grazing_angle() {
-    let laser = LaserModel::half_circle(181);
-    for (segment, name) in [
-        (((2.0, -1.0), (2.0, 1.0)), "ahead"),
-        (((1.5, 1.0), (4.0, 1.2)), "beside and far from the foot of the perpendicular"),
-        (((0.8, -0.9), (4.5, -0.7)), "grazing"),
-        (((5.0, 1.0), (5.0, 2.5)), "far and short"),
+    for (beams, segment, name) in [
+        (181, ((2.0, -1.0), (2.0, 1.0)), "ahead"),
+        (181, ((1.5, 1.0), (4.0, 1.2)), "beside and far from the foot of the perpendicular"),
+        (181, ((0.8, -0.9), (4.5, -0.7)), "grazing"),
+        (181, ((5.0, 1.0), (5.0, 2.5)), "far and short"),
+        (361, ((2.8, 3.0), (3.5, 3.0)), "short and far from the foot"),
     ] {
         let (segment, wall) = wall(segment.0, segment.1);
-        let (nees, bias) = statistics(&laser, at(0.0, 0.0, 0.0), segment, &wall);
-        // 1 % less variance is what the gate at 3.3 σ takes off; bearing noise is not quite linear.
-        assert!((nees - 2.0).abs() < NEES_BAND + 0.05, "{name}: {nees}");
+        let (nees, bias) = statistics(&LaserModel::half_circle(beams), at(0.0, 0.0, 0.0), segment, &wall);
+        assert!((nees - 2.0).abs() < NEES_BAND, "{name}: {nees}");
         assert!(bias.iter().all(|b| b.abs() < 5.0), "{name}: {bias:?} standard errors");
     }
 }
@@ -122,7 +71,7 @@ fn mounting_field_of_view_and_beam_order_make_no_difference() {
         ),
     ] {
         let (nees, _) = statistics(&laser, place, segment, &wall);
-        assert!((nees - 2.0).abs() < NEES_BAND + 0.05, "{name}: {nees}");
+        assert!((nees - 2.0).abs() < NEES_BAND, "{name}: {nees}");
     }
 }
 
@@ -157,78 +106,27 @@ fn a_wall_seen_in_two_pieces_is_one_line() {
     }
 }
 
-/// Cutting clutter off at a gate leaves the wall several standard errors short in the mean; the mixture does not.
+/// Its line goes on to cross the wall behind it not far from its end: no corner, and that wall's beams are not its own.
 #[test]
-fn clutter_does_not_pull_walls_towards_the_laser() {
-    let laser = LaserModel { clutter: Clutter { fraction: 0.2, width: 1.0 }, ..LaserModel::half_circle(181) };
-    let (segment, wall) = wall((1.0, -3.0), (1.0, 3.0));
-    let mut noise = Seed(3).stream("laser");
-    let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
-    for _ in 0..1000 {
-        let scan = laser.scan(&[segment], at(0.0, 0.0, 0.0), &mut noise);
-        for line in lines(&laser, &scan).iter().filter(|line| line.beams > 60) {
-            sum += error(line, &wall, at(0.0, 0.0, 0.0) * laser.body_from_laser).0[0];
-            variance += line.distance_variance;
-            count += 1.0;
+fn a_plate_takes_no_beams_from_the_wall_behind_it() {
+    let laser = LaserModel::half_circle(181);
+    let place = at(1.5, 1.9, -90.0);
+    let (floor, plate) = (Segment::between((0.0, 0.0), (6.0, 0.0)), ((5.2, 0.6), (5.2, 1.6)));
+    let (plate, wall) = wall(plate.0, plate.1);
+    let mut noise = Seed(6).stream("laser");
+    let (mut nees, mut count) = (0.0, 0.0);
+    for _ in 0..2000 {
+        let scan = laser.scan(&[floor, plate], place, &mut noise);
+        for line in &lines(&laser, &scan) {
+            let ([_, direction], squared) = error(line, &wall, place * laser.body_from_laser);
+            if direction.abs() < 0.5 {
+                nees += squared;
+                count += 1.0;
+            }
         }
     }
-    assert!(count > 950.0, "{count}");
-    let (bias, std) = (sum / count, (variance / count).sqrt());
-    assert!(bias.abs() < 0.35 * std, "{bias} m, where one scan knows {std} m");
-}
-
-#[test]
-fn hostile_scans_are_refused_or_read_without_harm() {
-    let laser = range_finder(&LaserModel::half_circle(181));
-    let mut extractor = LineExtractor::<f64, 8>::new();
-    let scan = |first: f64, step: f64, ranges: &'static [f64]| Scan {
-        first_bearing: Angle::wrapped(first),
-        bearing_step: step,
-        ranges,
-    };
-    let mut refusal = |laser: &RangeFinder<f64>, scan: Scan<'_, f64>| extractor.extract(laser, &scan).err();
-    for (first, step) in [(f64::NAN, 0.1), (0.0, 0.0), (0.0, f64::INFINITY), (0.0, f64::NAN), (0.0, 2.0)] {
-        assert_eq!(refusal(&laser, scan(first, step, &[1.0; 4])), Some(ScanRefusal::BadBearings));
-    }
-    assert_eq!(refusal(&laser, scan(0.0, 0.01, &[1.0; 9])), Some(ScanRefusal::TooManyBeams));
-    for bad in [
-        RangeFinder { range_std: 0.0, ..laser },
-        RangeFinder { bearing_std: f64::NAN, ..laser },
-        RangeFinder { nearest: -1.0, ..laser },
-        RangeFinder { farthest: 0.0, ..laser },
-        RangeFinder { body_from_laser: Pose::new(f64::NAN, 0.0, Angle::zero()), ..laser },
-    ] {
-        assert_eq!(refusal(&bad, scan(0.0, 0.01, &[1.0; 4])), Some(ScanRefusal::BadLaser));
-    }
-    let nothing: &[f64] = &[f64::NAN, f64::INFINITY, -1.0, 0.0, f64::NEG_INFINITY, 1e300, 1e-300, f64::NAN];
-    for ranges in [&[], nothing, &[1.0; 8]] {
-        let seen = extractor.extract(&laser, &scan(0.0, 0.01, ranges)).unwrap();
-        assert!(seen.lines.iter().all(|line| line.distance_variance > 0.0));
-    }
-}
-
-/// Any ranges whatever give finite lines with positive definite covariances, in `f32` too.
-#[test]
-fn noise_is_no_wall_and_harms_nothing() {
-    let mut noise = Seed(8).stream("laser");
-    let mut extractor = Box::<LineExtractor<f32, 361>>::default();
-    let laser: RangeFinder<f32> = RangeFinder {
-        body_from_laser: Pose::identity(),
-        range_std: 0.03,
-        bearing_std: 0.0044,
-        nearest: 0.0,
-        farthest: 1e4,
-    };
-    for round in 0..300 {
-        let scale = 10_f64.powi(round % 9 - 4);
-        let ranges: Vec<f32> = (0..361).map(|_| (noise.uniform(-0.1, 1.0) * scale) as f32).collect();
-        let scan = Scan { first_bearing: Angle::wrapped(-1.5), bearing_step: 0.0087, ranges: &ranges };
-        for line in extractor.extract(&laser, &scan).unwrap().lines {
-            let (v, w, c) = (line.distance_variance, line.direction_variance, line.covariance);
-            assert!(v.is_finite() && w.is_finite() && v > 0.0 && w > 0.0 && c * c < v * w, "{line:?}");
-            assert!(line.line.distance.is_finite() && line.extent.0 < line.extent.1, "{line:?}");
-        }
-    }
+    assert!(count > 1900.0, "{count}");
+    assert!((nees / count - 2.0).abs() < NEES_BAND, "{}", nees / count);
 }
 
 #[test]

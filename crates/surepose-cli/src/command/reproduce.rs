@@ -22,7 +22,8 @@ use localisation::Localisation;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose reproduce --out figures                 every figure
-  surepose reproduce fig4 fig5 --out figures --runs 200")]
+  surepose reproduce fig4 fig5 --out figures --runs 200
+  surepose reproduce fig4 --out figures --set laser.beams=361")]
 pub(crate) struct ReproduceCommand {
     /// Which figures; all of them where none is named
     figures: Vec<Figure>,
@@ -81,8 +82,8 @@ impl ReproduceCommand {
             }
             let (name, outcome) = match figure {
                 Figure::Fig3 => ("fig3", self.fig3(&folder)?),
-                Figure::Fig4 => ("fig4", self.localised(&mut localised)?.fig4(&folder)?),
-                Figure::Fig5 => ("fig5", self.localised(&mut localised)?.fig5(&folder)?),
+                Figure::Fig4 => ("fig4", self.localised(&config, &mut localised)?.fig4(&folder)?),
+                Figure::Fig5 => ("fig5", self.localised(&config, &mut localised)?.fig5(&folder)?),
                 Figure::Fig6 => ("fig6", self.fig6(&folder, &config)?),
                 Figure::Fig7 => ("fig7", self.fig7(&folder, &config)?),
             };
@@ -126,10 +127,14 @@ impl ReproduceCommand {
         })
     }
 
-    fn localised<'a>(&self, kept: &'a mut Option<Localisation>) -> Result<&'a Localisation, Failure> {
+    fn localised<'a>(
+        &self,
+        config: &Config,
+        kept: &'a mut Option<Localisation>,
+    ) -> Result<&'a Localisation, Failure> {
         match kept {
             Some(localised) => Ok(localised),
-            None => Ok(kept.insert(Localisation::run(self.runs, self.seed)?)),
+            None => Ok(kept.insert(Localisation::run(config, self.runs, self.seed)?)),
         }
     }
 

@@ -2,8 +2,8 @@
 
 use surepose::closed_loop::{Sight, Witness};
 use surepose::{
-    Body, Estimator, Fate, Map, Measurement, Outcome, Pose, Refusal, SeenLine, Stamp, Stamped, Travel, Wall,
-    Wheels,
+    Body, Estimator, Fate, Laser, Map, Measurement, Outcome, Pose, Refusal, SeenLine, Stamp, Stamped, Travel,
+    Wall, Wheels,
 };
 
 use super::loop_world::{LoopWorld, Tick};
@@ -36,9 +36,19 @@ pub struct Extraction {
 }
 
 impl Extraction {
+    /// The part of the visible walls that a line was found for.
+    pub fn walls_found_share(&self) -> Option<f64> {
+        share(self.found as f64, self.visible)
+    }
+
     /// The mean of the lines' normalised errors squared.
-    pub fn line_nees_mean(&self) -> f64 {
-        self.line_nees_sum / self.lines as f64
+    pub fn line_nees_mean(&self) -> Option<f64> {
+        share(self.line_nees_sum, self.lines)
+    }
+
+    /// The part of the matched lines that were matched to a wrong wall.
+    pub fn wrong_match_share(&self) -> Option<f64> {
+        share(self.wrong as f64, self.matched)
     }
 
     fn and(self, other: Self) -> Self {
@@ -52,6 +62,10 @@ impl Extraction {
             wrong: self.wrong + other.wrong,
         }
     }
+}
+
+fn share(part: f64, of: u64) -> Option<f64> {
+    (of > 0).then(|| part / of as f64)
 }
 
 /// Judges every scan of the runs with the seeds 1 to `runs`, as the filter with encoders, compass and laser sees it.
@@ -98,7 +112,7 @@ impl<const N: usize> Witness<f64, N> for Judge<'_> {
                 sum.spurious += 1;
                 continue;
             };
-            let nees = line_nees(line, &walls[wall], self.truth);
+            let nees = line_nees(line, &walls[wall], self.truth * sight.laser.body_from_laser);
             sum.lines += 1;
             sum.line_nees_sum += nees;
             found[wall] |= nees < FOUND;
@@ -116,9 +130,9 @@ impl<const N: usize> Witness<f64, N> for Judge<'_> {
     }
 }
 
-/// The normalised error squared of a line, χ² with 2 degrees of freedom; the laser is at the body's centre here.
-fn line_nees(line: &SeenLine<f64>, wall: &Wall<f64>, truth: Pose<Map, Body, f64>) -> f64 {
-    let right = truth.inverse() * *wall.line();
+/// The normalised error squared of a line, χ² with 2 degrees of freedom.
+fn line_nees(line: &SeenLine<f64>, wall: &Wall<f64>, map_from_laser: Pose<Map, Laser, f64>) -> f64 {
+    let right = map_from_laser.inverse() * *wall.line();
     let side = if right.distance < 0.0 { -1.0 } else { 1.0 };
     let turned = line.line.direction - right.direction;
     let direction =

@@ -3,7 +3,6 @@
 use surepose::closed_loop::Witness;
 use surepose::{
     Angle, Belief, Body, Integration, Map, Motion, NotAPath, Path, Pose, Stamp, Stamped, Twist, Wall, Wheels,
-    param,
 };
 use surepose_data::Config;
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
@@ -16,8 +15,6 @@ const PERIOD: f64 = 0.1;
 const DURATION: f64 = 60.0;
 /// How well the start is known: x, y \[m] and heading \[rad].
 const START_STD: [f64; 3] = [0.01, 0.01, 0.5 * core::f64::consts::PI / 180.0];
-/// δ of the wheels: 5 % noise.
-const DELTA: f64 = 0.0025;
 
 /// The world in which localisation is judged, and its robot.
 #[derive(Clone, Debug)]
@@ -31,28 +28,27 @@ pub struct LoopWorld {
 }
 
 impl LoopWorld {
-    /// The world with a laser of so many beams over 180°, and with things in its way that are on no map.
+    /// The world with the wheels, the compass and the laser of `config`, and with things in its way that are on no map.
+    ///
+    /// The robot errs as much as the filter is told: what is compared is how well the filter can do.
     ///
     /// # Errors
     /// Never in truth: the world's measures are constants that make a path.
-    pub fn new(beams: usize, clutter: Clutter) -> Result<Self, NotAPath> {
-        let (arena, compass) = (Arena::loop_world(), CompassModel::default());
-        let laser = LaserModel { clutter, ..LaserModel::half_circle(beams) };
-        let known = [
-            (&param::WHEEL_RADIUS, 0.05),
-            (&param::TRACK, 0.6),
-            (&param::DELTA, DELTA),
-            (&param::COMPASS_STD, compass.std.to_degrees()),
-            (&param::LASER_RANGE_STD, laser.range_std),
-            (&param::LASER_BEARING_STD, laser.bearing_std.to_degrees()),
-        ];
+    pub fn new(config: &Config, clutter: Clutter) -> Result<Self, NotAPath> {
+        let (arena, laser) = (Arena::loop_world(), config.laser());
         Ok(Self {
             course: loop_course()?,
             walls: walls_between(arena.walls()),
             arena,
-            laser,
-            compass,
-            robot: Config::default().with_preset("fig4", &known),
+            laser: LaserModel {
+                body_from_laser: laser.body_from_laser,
+                range_std: laser.range_std,
+                bearing_std: laser.bearing_std,
+                clutter,
+                ..LaserModel::half_circle(laser.beams)
+            },
+            compass: CompassModel { std: config.compass().std, offset: 0.0 },
+            robot: config.clone(),
         })
     }
 
@@ -167,7 +163,7 @@ impl Iterator for Run<'_> {
             truth: self.truth,
             sensed: surepose_sim::Sensed {
                 stamp,
-                rims: Slip { delta: DELTA }.apply(travel, &mut self.slip),
+                rims: Slip { delta: world.robot.ekf().delta }.apply(travel, &mut self.slip),
                 headings: vec![Stamped::new(
                     stamp,
                     world.compass.read(self.truth.heading, &mut self.compass),

@@ -86,6 +86,11 @@ impl<S: Float> Spread<S> {
         Self { aa: self.aa + other.aa, ab: self.ab + other.ab, bb: self.bb + other.bb }
     }
 
+    #[inline]
+    pub(super) fn times(self, factor: S) -> Self {
+        Self { aa: self.aa * factor, ab: self.ab * factor, bb: self.bb * factor }
+    }
+
     /// eᵀ P⁻¹ e.
     #[inline]
     pub(super) fn mahalanobis_squared(&self, e: RayLine<S>) -> S {

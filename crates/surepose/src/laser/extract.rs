@@ -22,7 +22,7 @@ const FEWEST: f64 = 6.0;
 /// The vaguest direction of a line \[rad]: beyond it (r, ψ) is no longer linear in what the beams say.
 const VAGUEST: f64 = 0.08;
 
-/// The shortest line \[m]: what is shorter is as likely a leg as a wall.
+/// The shortest line \[m]: what is shorter is as likely a leg as a wall, and two legs on one line are no longer.
 const SHORTEST: f64 = 0.25;
 
 /// A wall as one scan sees it.
@@ -127,7 +127,7 @@ impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
         let segments = find(&noise, beams);
         let (mut walls, mut pieces) = join(&segments);
         adopt(&noise, beams, &walls, &mut pieces);
-        let pieces = certain(&noise, beams, scan.ranges.len(), &walls, &pieces);
+        let pieces = certain(&noise, beams, scan, &walls, &pieces);
         let evidences = fit(&noise, beams, &pieces, &mut walls, owner);
 
         let mut refused = RefusedLines::default();
@@ -136,10 +136,13 @@ impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
         for (wall, (candidate, evidence)) in walls.iter().zip(evidences.iter()).enumerate() {
             let on_wall = |i: &usize| usize::from(owner[*i]) == wall;
             let own = pieces.iter().filter(|piece| piece.wall == wall);
-            let ends =
-                own.flat_map(|p| [(p.first..=p.last).find(on_wall), (p.first..=p.last).rfind(on_wall)]);
-            let ends = ends.flatten().map(|i| candidate.line.along(&beams[i]));
-            match judge(&noise, candidate, evidence, ends) {
+            let stretches = own.filter_map(|piece| {
+                let mut own = (piece.first..=piece.last).filter(on_wall);
+                let first = own.next()?;
+                let [first, last] = [first, own.next_back().unwrap_or(first)];
+                Some((candidate.line.along(&beams[first]), candidate.line.along(&beams[last])))
+            });
+            match judge(&noise, candidate, evidence, stretches) {
                 Ok(line) => {
                     self.lines[kept] = line;
                     number[wall] = kept as u8;
@@ -169,11 +172,15 @@ fn judge<S: Float>(
     noise: &BeamNoise<S>,
     candidate: &Candidate<S>,
     evidence: &Evidence<S>,
-    ends: impl Iterator<Item = S>,
+    stretches: impl Iterator<Item = (S, S)>,
 ) -> Result<SeenLine<S>, Flaw> {
     let count = S::of(f64::from(evidence.count));
-    let around = |(low, high): (S, S), end: S| (low.min(end), high.max(end));
-    let extent = ends.fold((S::of(f64::INFINITY), S::of(f64::NEG_INFINITY)), around);
+    let mut extent = (S::of(f64::INFINITY), S::of(f64::NEG_INFINITY));
+    let mut longest = S::of(0.0);
+    for (one, other) in stretches {
+        extent = (extent.0.min(one.min(other)), extent.1.max(one.max(other)));
+        longest = longest.max((one - other).abs());
+    }
     let inverse_squared = candidate.line.a.squared() + candidate.line.b.squared();
     let distance = S::of(1.0) / inverse_squared.sqrt();
     if evidence.count < 4 || count < fewest(noise, distance, extent) {
@@ -186,29 +193,51 @@ fn judge<S: Float>(
         return Err(Flaw::NotStraight);
     }
 
-    // r = 1/√(a²+b²) and ψ = atan2(b, a): ∂r = −r²·n·∂(a, b), ∂ψ = r·t·∂(a, b), with n = (cos ψ, sin ψ) and t to its left.
-    let (nx, ny) = (candidate.line.a * distance, candidate.line.b * distance);
-    let spread = &candidate.spread;
-    let two = S::of(2.0);
-    let normal = spread.aa * nx.squared() + two * spread.ab * nx * ny + spread.bb * ny.squared();
-    let tangential = spread.aa * ny.squared() - two * spread.ab * nx * ny + spread.bb * nx.squared();
-    let mixed = (spread.bb - spread.aa) * nx * ny + spread.ab * (nx.squared() - ny.squared());
     let widened = S::select(is_plain, S::of(1.0), roughness);
-    let squared = distance.squared() * widened;
-    let seen = SeenLine {
-        line: Line::new(distance, Angle::of_vector(candidate.line.a, candidate.line.b)),
-        distance_variance: normal * squared * distance.squared(),
-        direction_variance: tangential * squared,
-        covariance: -(mixed * squared * distance),
-        extent,
-        beams: evidence.count,
-        roughness,
-    };
+    let seen = polar(candidate, widened, extent, evidence.count, roughness);
     let sharp = seen.direction_variance <= S::of(VAGUEST * VAGUEST)
         && seen.distance_variance > S::of(0.0)
         && seen.direction_variance > S::of(0.0)
         && seen.distance_variance.is_finite();
-    if sharp && extent.1 - extent.0 >= S::of(SHORTEST) { Ok(seen) } else { Err(Flaw::TooVague) }
+    if sharp && longest >= S::of(SHORTEST) { Ok(seen) } else { Err(Flaw::TooVague) }
+}
+
+/// The line in (r, ψ), with the covariance of (a, b) times `widened`.
+///
+/// To first order ∂r = −r²·n·∂(a, b) and ∂ψ = r·t·∂(a, b), with n = (cos ψ, sin ψ) and t to its left. That is not enough
+/// for a short wall far beside the foot of its perpendicular: its beams know to a centimetre where it passes them and
+/// hardly which way it goes. Turned by δ about them, its distance changes by −l·δ − ½·r·δ², with l from the foot to them;
+/// the second term, of mean −½·r·σ² and variance ½·r²·σ⁴ for a normal δ, may be larger than the centimetre. With the first
+/// term only, lines of 8 beams in the loop world had a mean NEES of 2.7 for 2, and the filter that used them 3.16 for 3.
+fn polar<S: Float>(
+    candidate: &Candidate<S>,
+    widened: S,
+    extent: (S, S),
+    beams: u16,
+    roughness: S,
+) -> SeenLine<S> {
+    let (line, spread) = (&candidate.line, &candidate.spread);
+    let distance = S::of(1.0) / (line.a.squared() + line.b.squared()).sqrt();
+    let (nx, ny) = (line.a * distance, line.b * distance);
+    let (two, half) = (S::of(2.0), S::of(0.5));
+    let normal = spread.aa * nx.squared() + two * spread.ab * nx * ny + spread.bb * ny.squared();
+    let tangential = spread.aa * ny.squared() - two * spread.ab * nx * ny + spread.bb * nx.squared();
+    let mixed = (spread.bb - spread.aa) * nx * ny + spread.ab * (nx.squared() - ny.squared());
+    let squared = distance.squared() * widened;
+    let direction_variance = tangential * squared;
+    let bent = half * direction_variance.squared();
+    SeenLine {
+        line: Line::new(
+            distance * (S::of(1.0) - half * direction_variance),
+            Angle::of_vector(line.a, line.b),
+        ),
+        distance_variance: distance.squared() * (normal * squared + bent),
+        direction_variance,
+        covariance: -(mixed * squared * distance),
+        extent,
+        beams,
+        roughness,
+    }
 }
 
 /// How many beams it takes to believe in a line.

@@ -22,8 +22,15 @@ const SETTLED: f64 = 0.01;
 
 /// A beam farther off its wall than this many standard deviations hit something else.
 ///
-/// Of the wall's own beams one in 1000 is lost, and with them 1 % of the residual variance.
+/// Of the wall's own beams one in 1000 is lost, and with them 1 % of the information: see [`CUT`].
 const GATE: f64 = 3.3;
+
+/// How much greater the variance of a line is than the inverse of the sum of its beams' information.
+///
+/// A beam that is cut off at the gate g says nothing, and it is cut off because of what it would have said. An estimate
+/// from the score x·[|x| < g] has the variance E(score²)/E(score′)² [Huber1964], and both means are P − 2·g·N(g), with N
+/// the normal density and P its part inside the gate; the sum counts each beam inside as 1, together P. So P/(P − 2·g·N(g)).
+const CUT: f64 = 1.0115;
 
 /// Beams that end between the gate and so many standard deviations before their wall tell how densely things stand
 /// there: far enough not to be the wall's own, near enough to say what is hidden under its noise.
@@ -76,7 +83,7 @@ pub(super) fn fit<S: Float>(
         for (wall, evidence) in walls.iter_mut().zip(evidences.iter_mut()) {
             let (step, spread) = evidence.solve();
             wall.line = wall.line.plus(step);
-            wall.spread = spread;
+            wall.spread = spread.times(S::of(CUT));
             let squared = evidence.gain_of(step);
             evidence.misfit = evidence.misfit - squared;
             farthest = farthest.max(squared);

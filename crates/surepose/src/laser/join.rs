@@ -4,6 +4,7 @@ use crate::scalar::Float;
 
 use super::beam::{Beam, BeamNoise};
 use super::evidence::{Evidence, Spread};
+use super::grow::agreeing;
 use super::list::List;
 use super::ray_line::RayLine;
 use super::segment::{MOST_SEGMENTS, Segments};
@@ -77,7 +78,8 @@ pub(super) fn adopt<S: Float>(
         let high = pieces.get(next).map_or(beams.len(), |piece| piece.first);
         let found = (low + FEWEST_LEFT_OVER <= high && !pieces.is_full())
             .then(|| best_run(noise, beams, walls, low, high))
-            .flatten();
+            .flatten()
+            .filter(|piece| bears_out(noise, &beams[piece.first..=piece.last], walls.get(piece.wall)));
         if let Some(piece) = found {
             pieces.insert(next, piece);
             next += 1;
@@ -115,4 +117,23 @@ fn best_run<S: Float>(
         }
     }
     best.1
+}
+
+/// Whether beams that lie where a wall may be still do so when they have their say in where it is.
+///
+/// A short wall's line is vague far beyond its ends: two or three beams of anything lie on it there, each by itself, and
+/// one of them alone would turn it.
+fn bears_out<S: Float>(noise: &BeamNoise<S>, run: &[Beam<S>], wall: Option<&Candidate<S>>) -> bool {
+    let Some(wall) = wall else { return false };
+    let mut both = wall.evidence;
+    for beam in run {
+        let (u, slope) = wall.line.at(beam);
+        let variance = noise.variance(u, slope);
+        if (beam.inverse - u).squared() < S::of(GATE * GATE) * (variance + wall.spread.at(beam)) {
+            both.add(beam, S::of(1.0) / variance, beam.inverse);
+        }
+    }
+    let line = both.solve().0;
+    wall.spread.mahalanobis_squared(line.minus(wall.line)) < S::of(ONE_LINE)
+        && agreeing(noise, run, &line) >= FEWEST_LEFT_OVER
 }

@@ -72,7 +72,8 @@ fn is_straight<S: Float>(evidence: &Evidence<S>) -> bool {
 /// Takes the beams of the segments before that lie on this one's line, where these then have too few of their own.
 ///
 /// A steep line through a few beams on either side of an edge passes every test by itself. It starts before the
-/// wall behind it and so would keep that wall's first beams.
+/// wall behind it and so would keep that wall's first beams. So does a line round a corner whose near leg is short:
+/// where the segment before has enough beams of its own, those that both explain go to the one that more beams know.
 fn take_back<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -88,11 +89,18 @@ fn take_back<S: Float>(
         if longer.first > before.last {
             return;
         }
-        if agreeing(noise, &beams[before.first..longer.first], &before.line) >= FEWEST_OF_ITS_OWN {
+        let own = agreeing(noise, &beams[before.first..longer.first], &before.line);
+        if own >= FEWEST_OF_ITS_OWN && before.evidence.count >= longer.evidence.count {
             return;
         }
         segments.drop_last();
         refit(noise, beams, &mut longer);
         *segment = longer;
+        if own >= FEWEST_OF_ITS_OWN {
+            let mut shorter = Segment { last: longer.first - 1, ..before };
+            refit(noise, beams, &mut shorter);
+            segments.push(shorter);
+            return;
+        }
     }
 }

@@ -2,16 +2,16 @@
 
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
+use surepose_data::Config;
 use surepose_lab::picture::{self, Localised};
-use surepose_lab::reproduce::{Accuracy, Configuration, LoopWorld, Moment, deviations, localisation};
+use surepose_lab::reproduce::{
+    Accuracy, Configuration, Extraction, LoopWorld, Moment, deviations, extraction, localisation,
+};
 use surepose_sim::{Clutter, Seed};
 
 use super::Outcome;
 use crate::failure::Failure;
 use crate::folder::Folder;
-
-/// Beams of the laser.
-const BEAMS: usize = 181;
 
 /// The experiment: one run for the pictures, many for the figures.
 pub(super) struct Localisation {
@@ -21,8 +21,8 @@ pub(super) struct Localisation {
 }
 
 impl Localisation {
-    pub(super) fn run(count: u64, seed: u64) -> Result<Self, Failure> {
-        let world = LoopWorld::new(BEAMS, Clutter::default())
+    pub(super) fn run(config: &Config, count: u64, seed: u64) -> Result<Self, Failure> {
+        let world = LoopWorld::new(config, Clutter::default())
             .map_err(|error| Failure::Usage { what: error.to_string(), help: "report this".to_owned() })?;
         let mut result = Self { runs: Vec::new(), json: Map::new(), rows: Vec::new() };
         for configuration in Configuration::ALL {
@@ -32,6 +32,9 @@ impl Localisation {
                 result.rows.push([configuration.name().to_owned(), shown(&accuracy)]);
             }
         }
+        let lines = LineFigures::of(&extraction(&world, count));
+        result.rows.push(["lines".to_owned(), lines.shown()]);
+        result.json.insert("extraction".to_owned(), json!(lines));
         Ok(result)
     }
 
@@ -79,6 +82,44 @@ impl Figures {
             max_deviation_x_m: accuracy.max_deviation_x,
             max_deviation_y_m: accuracy.max_deviation_y,
         }
+    }
+}
+
+/// How well the walls were seen on the way, judged by the truth.
+#[derive(Serialize)]
+struct LineFigures {
+    walls_visible: u64,
+    walls_found_share: Option<f64>,
+    lines: u64,
+    line_nees_mean: Option<f64>,
+    spurious_lines: u64,
+    lines_matched: u64,
+    wrong_match_share: Option<f64>,
+}
+
+impl LineFigures {
+    fn of(extraction: &Extraction) -> Self {
+        Self {
+            walls_visible: extraction.visible,
+            walls_found_share: extraction.walls_found_share(),
+            lines: extraction.lines,
+            line_nees_mean: extraction.line_nees_mean(),
+            spurious_lines: extraction.spurious,
+            lines_matched: extraction.matched,
+            wrong_match_share: extraction.wrong_match_share(),
+        }
+    }
+
+    fn shown(&self) -> String {
+        let number = |value: Option<f64>, scale: f64, digits: usize| {
+            value.map_or_else(|| "–".to_owned(), |value| format!("{:.digits$}", scale * value))
+        };
+        format!(
+            "{} % of the visible walls, NEES {}, {} % matched wrongly",
+            number(self.walls_found_share, 100.0, 2),
+            number(self.line_nees_mean, 1.0, 2),
+            number(self.wrong_match_share, 100.0, 3)
+        )
     }
 }
 

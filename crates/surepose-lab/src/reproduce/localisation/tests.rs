@@ -1,9 +1,15 @@
 use super::{Configuration, deviations, localisation};
 use crate::reproduce::{LoopWorld, extraction};
+use surepose::param::{LASER_BEAMS, LASER_HEADING, LASER_X, LASER_Y, Parameter};
+use surepose_data::Config;
 use surepose_sim::{Clutter, Seed};
 
 fn world(beams: usize, clutter: Clutter) -> LoopWorld {
-    LoopWorld::new(beams, clutter).unwrap()
+    set(&[(&LASER_BEAMS, beams as f64)], clutter)
+}
+
+fn set(values: &[(&Parameter, f64)], clutter: Clutter) -> LoopWorld {
+    LoopWorld::new(&Config::default().with_preset("test", values), clutter).unwrap()
 }
 
 /// Errors forget themselves within about five ticks, so that 20 runs are some 2000 independent poses: their RMSE is
@@ -26,6 +32,14 @@ fn laser_alone_and_twice_the_beams() {
     let many = localisation(&world(361, Clutter::default()), Configuration::Both, 20).unwrap();
     assert!(many.position_rmse <= 1.43e-3, "{many:?}");
     assert!(many.heading_rmse.to_degrees() <= 0.051, "{many:?}");
+}
+
+/// Steps finer than the bearing noise: many beams beside an edge or a corner are not certain of their wall.
+#[test]
+fn a_laser_with_fine_steps_is_no_surer_than_it_may_be() {
+    let accuracy = localisation(&world(1081, Clutter::default()), Configuration::Both, 8).unwrap();
+    assert!((accuracy.nees_mean - 3.0).abs() < 0.4, "{accuracy:?}");
+    assert!(accuracy.position_rmse <= 1.05e-3, "{accuracy:?}");
 }
 
 /// Without a laser the position error grows all along a run: a run is not much more than one sample of it, and 500 runs
@@ -58,15 +72,30 @@ fn clutter_costs_less_than_a_third() {
     }
 }
 
+/// 10 runs are some 11 000 lines: their mean NEES is known to 0.02.
 #[test]
 fn walls_are_found_and_matched_and_their_lines_know_their_errors() {
     for beams in [181, 361] {
-        let result = extraction(&world(beams, Clutter::default()), 6);
-        assert!(result.found * 100 >= result.visible * 99, "{beams} beams: {result:?}");
-        assert!(result.wrong * 1000 <= result.matched, "{beams} beams: {result:?}");
-        let nees = result.line_nees_mean();
-        assert!((1.9..2.2).contains(&nees), "{beams} beams: {nees}");
+        let result = extraction(&world(beams, Clutter::default()), 10);
+        assert!(result.visible > 9000 && result.matched > 9000, "{beams} beams: {result:?}");
+        assert!(result.walls_found_share().unwrap() >= 0.99, "{beams} beams: {result:?}");
+        assert!(result.wrong_match_share().unwrap() <= 0.001, "{beams} beams: {result:?}");
+        let nees = result.line_nees_mean().unwrap();
+        assert!((1.9..=2.1).contains(&nees), "{beams} beams: {nees}");
     }
+}
+
+/// In front of the axle, beside it and turned: the same walls, seen from elsewhere.
+#[test]
+fn a_laser_mounted_off_centre_and_turned_does_as_well() {
+    let mounting = [(&LASER_X, 0.25), (&LASER_Y, -0.1), (&LASER_HEADING, 40.0)];
+    let world = set(&mounting, Clutter::default());
+    let accuracy = localisation(&world, Configuration::Both, 20).unwrap();
+    assert!((accuracy.nees_mean - 3.0).abs() < 0.25, "{accuracy:?}");
+    assert!(accuracy.position_rmse < 1.1 * 1.75e-3, "{accuracy:?}");
+    let lines = extraction(&world, 10);
+    let nees = lines.line_nees_mean().unwrap();
+    assert!((1.9..=2.1).contains(&nees) && lines.wrong * 1000 <= lines.matched, "{lines:?}");
 }
 
 #[test]
