@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use surepose::param;
 use surepose_data::{Config, starts};
-use surepose_lab::sweep::{Noise, Precision, Spread, Starts, Sweep, SweepReport, Watch};
+use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Spread, Starts, Sweep, SweepReport, Watch};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
@@ -20,10 +20,16 @@ use crate::{interrupt, progress};
 #[command(after_help = "Examples:
   surepose sweep --runs 100000 --noise bench --json
   surepose sweep --law paper --period 0.1
+  surepose sweep --loop ekf --runs 1000000 --json        is the filter consistent? nees_mean should be 3
   surepose sweep --starts starts.csv --out out          x_m,y_m,heading_deg on each line
 
 The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for
-1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.")]
+1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.
+
+With --loop ekf the law sees the filter's belief instead of the noisy truth, and [filter] delta and gate_probability
+count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read what the wheels were told, which the rims are
+off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has
+nees_mean, position_rmse_m, heading_rmse_deg and refused_part, over all ticks.")]
 pub(crate) struct SweepCommand {
     /// How many random starts
     #[arg(long, default_value_t = 10_000, conflicts_with = "starts")]
@@ -34,9 +40,12 @@ pub(crate) struct SweepCommand {
     /// Time between two ticks, in seconds
     #[arg(long, value_name = "S")]
     period: Option<f64>,
-    /// What is wrong with the estimate and the wheels
-    #[arg(long, value_enum, default_value_t = NoiseName::None)]
-    noise: NoiseName,
+    /// What tells the law where the robot is
+    #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
+    loop_: LoopName,
+    /// What is wrong with the estimate or the sensors, and with the wheels; none, or bench with --loop ekf, unless given
+    #[arg(long, value_enum)]
+    noise: Option<NoiseName>,
     /// What the loop is computed with
     #[arg(long, value_enum, default_value_t = PrecisionName::F64)]
     precision: PrecisionName,
@@ -54,6 +63,14 @@ pub(crate) struct SweepCommand {
     out: Option<PathBuf>,
     #[command(flatten)]
     config: ConfigArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LoopName {
+    /// The bench trial: the true pose, with white noise
+    Bench,
+    /// The full loop: odometry, compass and walls through the filter
+    Ekf,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -131,9 +148,17 @@ impl SweepCommand {
             },
             law: config.law(),
             period: config.number(&param::PERIOD),
-            noise: match self.noise {
-                NoiseName::None => Noise::NONE,
-                NoiseName::Bench => Noise::BENCH,
+            noise: match (self.noise, self.loop_) {
+                (Some(NoiseName::None), _) | (None, LoopName::Bench) => Noise::NONE,
+                (Some(NoiseName::Bench), _) | (None, LoopName::Ekf) => Noise::BENCH,
+            },
+            estimate: match self.loop_ {
+                LoopName::Bench => Estimate::Given,
+                LoopName::Ekf => Estimate::Filtered(Filter {
+                    delta: config.number(&param::DELTA),
+                    gate_probability: config.number(&param::GATE_PROBABILITY),
+                    ..Filter::BENCH
+                }),
             },
             precision: match self.precision {
                 PrecisionName::F32 => Precision::F32,
@@ -166,6 +191,17 @@ fn shown(report: &SweepReport) -> comfy_table::Table {
     if let (Some(success), Some(cusps)) = (report.success_rate, report.cusps_mean) {
         table.add_row(["success", &format!("{:.3} %", 1e2 * success), "of", &report.runs.to_string()]);
         table.add_row(["reversals, mean".to_owned(), format!("{cusps:.2}")]);
+    }
+    let beliefs = [
+        ("NEES, mean (3 if consistent)", report.nees_mean, 1.0, 3),
+        ("estimated position, RMSE [mm]", report.position_rmse_m, 1e3, 2),
+        ("estimated heading, RMSE [°]", report.heading_rmse_deg, 1.0, 3),
+        ("measurements kept out [%]", report.refused_part, 1e2, 3),
+    ];
+    for (name, value, factor, digits) in beliefs {
+        if let Some(value) = value {
+            table.add_row([name.to_owned(), format!("{:.digits$}", value * factor)]);
+        }
     }
     table.add_row(["steps per second".to_owned(), format!("{:.3e}", report.steps_per_s)]);
     align_numbers(&mut table);

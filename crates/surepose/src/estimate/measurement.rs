@@ -86,7 +86,7 @@ pub enum Measurement<S> {
 
 impl<S: Scalar> Compass<S> {
     /// ν = z − θ, wrapped.
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 1> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         Innovation {
@@ -101,7 +101,7 @@ impl<S: Scalar> WallSighting<S> {
     /// ν of (r, ψ): the wall lies at r = r_m − p·n_m and ψ = ψ_m − θ in the body frame.
     ///
     /// A wall is seen from both sides, so the seen normal is first turned to the side of the map's.
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         let pose = &belief.pose;
@@ -123,7 +123,7 @@ impl<S: Scalar> WallSighting<S> {
 
 impl<S: Scalar> LandmarkSighting<S> {
     /// ν of (range, bearing) of a known point.
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         let pose = &belief.pose;
@@ -143,7 +143,7 @@ impl<S: Scalar> LandmarkSighting<S> {
 
 impl<S: Scalar> PositionFix<S> {
     /// ν = z − (x, y).
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         Innovation::with_correlated_pair(
