@@ -1,8 +1,9 @@
 //! What the certificate says of the loop in use: for `certify`, and for the commands that warn without it.
 
-use surepose::param;
+use surepose::{Law, param};
 use surepose_cert::{Certificate, Noise, Request, Shipped, certify};
 use surepose_data::Config;
+use surepose_lab::tune::Candidate;
 
 /// Largest distance from which the robot starts \[m].
 const WORKSPACE: f64 = 5.0;
@@ -18,7 +19,14 @@ pub(crate) const HEADING_NOISE_DEG: f64 = 0.25;
 
 /// The certificate of the configured loop, with the longest period that it would allow.
 pub(crate) fn certificate(config: &Config, noise: Noise) -> Certificate {
-    judge(config, noise, LONGEST_PERIOD)
+    let (subject, period) = loop_of(config);
+    judge(&subject, period, config.gains().h, noise, LONGEST_PERIOD)
+}
+
+/// Whether the configured loop is certified, with this law instead of its own.
+pub(crate) fn holds(config: &Config, law: &Law<f64>, noise: Noise) -> bool {
+    let (subject, period) = loop_of(config);
+    judge(&Shipped { law: *law, ..subject }, period, Candidate::of(law).gains.h, noise, 0.0).certified
 }
 
 /// What is to be said of this configuration before it drives anything.
@@ -29,7 +37,8 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
     if loop_of(config) != loop_of(&Config::default().fitted()) {
         let noise =
             Noise { position: POSITION_NOISE, heading: HEADING_NOISE_DEG.to_radians(), ..Noise::default() };
-        if let Some(reason) = judge(config, noise, 0.0).reason {
+        let (subject, period) = loop_of(config);
+        if let Some(reason) = judge(&subject, period, config.gains().h, noise, 0.0).reason {
             warnings.push(format!(
                 "this loop is not certified for {POSITION_NOISE} m and {HEADING_NOISE_DEG}° of noise: {reason}; see \
                  `surepose certify`"
@@ -39,13 +48,12 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
     warnings
 }
 
-fn judge(config: &Config, noise: Noise, longest_period: f64) -> Certificate {
-    let (subject, period) = loop_of(config);
+fn judge(subject: &Shipped, period: f64, h: f64, noise: Noise, longest_period: f64) -> Certificate {
     certify(&Request {
-        subject: &subject,
+        subject,
         drive: subject.drive,
         limits: subject.limits,
-        h: config.gains().h,
+        h,
         period,
         noise,
         workspace: WORKSPACE,

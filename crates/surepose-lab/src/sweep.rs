@@ -53,6 +53,16 @@ pub enum Starts {
 }
 
 impl Starts {
+    /// This many within 20 cm of the goal in x and y, at any heading: where laws hand over, and where a random start is
+    /// once in 225 times.
+    pub fn near(count: usize, seed: u64) -> Self {
+        let near = |number| {
+            let far = bench::random_start(seed, number);
+            Start::new(far.x * bench::NEAR, far.y * bench::NEAR, far.heading)
+        };
+        Self::Given((0..count).map(near).collect())
+    }
+
     /// How many.
     pub fn len(&self) -> usize {
         match self {
@@ -128,7 +138,7 @@ impl Watch {
         self.done.fetch_add(1, Ordering::Relaxed);
     }
 
-    fn stopped(&self) -> bool {
+    pub(crate) fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 }

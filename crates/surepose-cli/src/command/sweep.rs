@@ -66,7 +66,7 @@ pub(crate) struct SweepCommand {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LoopName {
+pub(super) enum LoopName {
     /// The bench trial: the true pose, with white noise
     Bench,
     /// The full loop: odometry, compass and walls through the filter
@@ -74,7 +74,7 @@ enum LoopName {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum NoiseName {
+pub(super) enum NoiseName {
     /// None
     None,
     /// 5 mm and 0.3° on the estimate, 5 % on each wheel's speed
@@ -126,21 +126,7 @@ impl SweepCommand {
     }
 
     fn sweep(&self) -> Result<Sweep, Failure> {
-        // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
-        let bench = [
-            (&param::WHEEL_RADIUS, 0.05),
-            (&param::TRACK, 0.6),
-            (&param::WHEEL_SPEED_LIMIT, 0.3),
-            (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
-            (&param::PERIOD, 0.02),
-        ];
-        let mut config = self.config.over(Config::default().with_preset("bench", &bench))?;
-        if let Some(name) = &self.law {
-            config = config.with_option(&format!("law.name={name}"))?;
-        }
-        if let Some(period) = self.period {
-            config = config.with_option(&format!("loop.period_s={period}"))?;
-        }
+        let config = configured(&self.config, self.law.as_deref(), self.period)?;
         Ok(Sweep {
             starts: match &self.starts {
                 Some(file) => Starts::Given(starts::read(file)?),
@@ -148,18 +134,8 @@ impl SweepCommand {
             },
             law: config.law(),
             period: config.number(&param::PERIOD),
-            noise: match (self.noise, self.loop_) {
-                (Some(NoiseName::None), _) | (None, LoopName::Bench) => Noise::NONE,
-                (Some(NoiseName::Bench), _) | (None, LoopName::Ekf) => Noise::BENCH,
-            },
-            estimate: match self.loop_ {
-                LoopName::Bench => Estimate::Given,
-                LoopName::Ekf => Estimate::Filtered(Filter {
-                    delta: config.number(&param::DELTA),
-                    gate_probability: config.number(&param::GATE_PROBABILITY),
-                    ..Filter::BENCH
-                }),
-            },
+            noise: self.loop_.noise(self.noise),
+            estimate: self.loop_.estimate(&config),
             precision: match self.precision {
                 PrecisionName::F32 => Precision::F32,
                 PrecisionName::F64 => Precision::F64,
@@ -170,7 +146,53 @@ impl SweepCommand {
     }
 }
 
-fn cores() -> usize {
+/// The configuration of the bench's robot, with the user's over it.
+pub(super) fn configured(
+    arguments: &ConfigArgs,
+    law: Option<&str>,
+    period: Option<f64>,
+) -> Result<Config, Failure> {
+    // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
+    let bench = [
+        (&param::WHEEL_RADIUS, 0.05),
+        (&param::TRACK, 0.6),
+        (&param::WHEEL_SPEED_LIMIT, 0.3),
+        (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
+        (&param::PERIOD, 0.02),
+    ];
+    let mut config = arguments.over(Config::default().with_preset("bench", &bench))?;
+    if let Some(name) = law {
+        config = config.with_option(&format!("law.name={name}"))?;
+    }
+    if let Some(period) = period {
+        config = config.with_option(&format!("loop.period_s={period}"))?;
+    }
+    Ok(config)
+}
+
+impl LoopName {
+    /// The noise that was asked for, or what makes sense with this loop.
+    pub(super) fn noise(self, asked: Option<NoiseName>) -> Noise {
+        match (asked, self) {
+            (Some(NoiseName::None), _) | (None, Self::Bench) => Noise::NONE,
+            (Some(NoiseName::Bench), _) | (None, Self::Ekf) => Noise::BENCH,
+        }
+    }
+
+    /// What tells the law where the robot is.
+    pub(super) fn estimate(self, config: &Config) -> Estimate {
+        match self {
+            Self::Bench => Estimate::Given,
+            Self::Ekf => Estimate::Filtered(Filter {
+                delta: config.number(&param::DELTA),
+                gate_probability: config.number(&param::GATE_PROBABILITY),
+                ..Filter::BENCH
+            }),
+        }
+    }
+}
+
+pub(super) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
