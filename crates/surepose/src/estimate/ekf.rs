@@ -128,19 +128,20 @@ impl<S: Scalar> Ekf<S> {
         innovation: &Innovation<S, M>,
         threshold: S,
     ) -> Correction<S> {
-        const { assert!(M <= 3, "a pose has three components") };
-        let mut rows = Rows { step: [S::of(0.0); 3], covariance: belief.covariance, nis: S::of(0.0) };
-        // Written out: a loop that is left inside another keeps the compiler from making vectors of the outer one.
-        if M > 0 {
-            rows.take(innovation, 0);
+        let mut step = [S::of(0.0); 3];
+        let mut covariance = belief.covariance;
+        let mut nis = S::of(0.0);
+        for m in 0..M {
+            let row = innovation.jacobian[m];
+            let seen = covariance.observed(row, innovation.variance[m]);
+            let predicted = row[0] * step[0] + row[1] * step[1] + row[2] * step[2];
+            let residual = innovation.residual[m] - predicted;
+            nis = nis + residual.squared() / seen.variance;
+            for (component, gain) in step.iter_mut().zip(&seen.gain) {
+                *component = *component + *gain * residual;
+            }
+            covariance = seen.covariance;
         }
-        if M > 1 {
-            rows.take(innovation, 1);
-        }
-        if M > 2 {
-            rows.take(innovation, 2);
-        }
-        let Rows { step, covariance, nis } = rows;
         // A NaN compares false, so it is refused.
         let accepted = nis.lt(threshold);
         let pose = belief.pose;
@@ -157,28 +158,5 @@ impl<S: Scalar> Ekf<S> {
             nis,
             accepted,
         }
-    }
-}
-
-/// The rows of a measurement that were taken so far.
-struct Rows<S> {
-    /// What they add to the pose.
-    step: [S; 3],
-    covariance: Covariance<S, 3>,
-    nis: S,
-}
-
-impl<S: Scalar> Rows<S> {
-    #[inline(always)]
-    fn take<const M: usize>(&mut self, innovation: &Innovation<S, M>, m: usize) {
-        let row = innovation.jacobian[m];
-        let seen = self.covariance.observed(row, innovation.variance[m]);
-        let predicted = row[0] * self.step[0] + row[1] * self.step[1] + row[2] * self.step[2];
-        let residual = innovation.residual[m] - predicted;
-        self.nis = self.nis + residual.squared() / seen.variance;
-        for (component, gain) in self.step.iter_mut().zip(&seen.gain) {
-            *component = *component + *gain * residual;
-        }
-        self.covariance = seen.covariance;
     }
 }
