@@ -1,4 +1,5 @@
-//! Experiments: replays of recordings, wall maps and calibration from them, metrics, sweeps, the paper's figures.
+//! Experiments: replays of recordings, wall maps and calibration from them, metrics, sweeps, tuning,
+//! the paper's figures.
 
 pub mod calibrate;
 pub mod drive;
@@ -10,3 +11,4 @@ pub mod replay;
 pub mod reproduce;
 pub mod rig;
 pub mod sweep;
+pub mod tune;
