@@ -100,7 +100,7 @@ pub struct Certificate {
 pub(crate) const WANTED: [f64; 2] = [0.2, 0.02];
 /// Work for the descent, and for each period that is tried.
 pub(crate) const BUDGET: Budget = Budget { slice: 12_000, enough: 24_000, total: 60_000 };
-const PERIOD_BUDGET: Budget = Budget { slice: 3_000, enough: 12_000, total: 12_000 };
+const PERIOD_BUDGET: Budget = Budget { slice: 2_500, enough: 9_000, total: 9_000 };
 /// Weights c of the distance in W, in the order of trying.
 pub(crate) const DISTANCE_WEIGHTS: [f64; 3] = [4.0, 8.0, 2.0];
 /// Weights c for the bound of the distance after the capture: the larger, the less W trades distance for angles.

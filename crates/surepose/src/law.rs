@@ -12,7 +12,7 @@ mod paper;
 mod rest;
 
 use crate::navigation::Navigation;
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::Scalar;
 
 pub use arrival::{Arrival, Phase, Tolerance};
 pub use commitment::{Direction, Memory};
@@ -70,9 +70,9 @@ impl<S: Scalar> Law<S> {
             Self::Hybrid(law) => law.steer(facing, memory),
             Self::Paper(law) => law.steer(facing, memory),
         };
-        let far = S::of(1e9);
-        let seen =
-            facing.goal.rho.lt(far).and(twist.v.abs().lt(S::of(1e30))).and(twist.omega.abs().lt(S::of(1e30)));
+        // One sum for three comparisons: small where all three are, and not a number where one of them is not.
+        let size = facing.goal.rho * S::of(1e21) + twist.v.abs() + twist.omega.abs();
+        let seen = size.lt(S::of(1e30));
         Decision { twist: Twist::select(seen, twist, Twist::rest()), memory }
     }
 

@@ -7,7 +7,7 @@ use super::Start;
 use super::bench::is_inside;
 
 /// How many trials run side by side: enough to fill vectors, few enough for the nearest cache.
-pub(super) const LANES: usize = 256;
+pub(super) const LANES: usize = 128;
 
 /// How many vectors are in flight at once.
 pub(super) const VECTORS: usize = 4;
@@ -33,7 +33,6 @@ pub(super) struct Fleet<T: Element> {
     pub(super) alpha: Numbers<T>,
     pub(super) phi: Numbers<T>,
     /// What the end that goes first sees of α.
-    pub(super) sin: Numbers<T>,
     pub(super) cos: Numbers<T>,
     pub(super) sinc: Numbers<T>,
     /// The twist that is wanted this period.

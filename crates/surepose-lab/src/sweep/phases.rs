@@ -170,7 +170,6 @@ impl Half for Face {
         let facing = law.face(&fleet.goal(k), &fleet.memory(k));
         fleet.alpha.set(k, facing.goal.alpha.radians());
         fleet.phi.set(k, facing.goal.phi.radians());
-        fleet.sin.set(k, facing.sin);
         fleet.cos.set(k, facing.cos);
         fleet.sinc.set(k, facing.sinc);
         fleet.reverse.set_mask(k, facing.reverse);
@@ -185,7 +184,6 @@ impl Half for Steer {
     fn robots<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>, k: usize) {
         let facing = Facing {
             goal: fleet.goal(k),
-            sin: fleet.sin.get(k),
             cos: fleet.cos.get(k),
             sinc: fleet.sinc.get(k),
             reverse: fleet.reverse.mask(k),

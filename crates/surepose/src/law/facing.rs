@@ -8,9 +8,7 @@ use crate::scalar::Scalar;
 pub struct Facing<S: Scalar> {
     /// The goal ahead of the end that goes first.
     pub goal: Navigation<S>,
-    /// sin α of that goal.
-    pub sin: S,
-    /// cos α.
+    /// cos α of that goal.
     pub cos: S,
     /// sin α/α.
     pub sinc: S,
@@ -23,7 +21,7 @@ impl<S: Scalar> Facing<S> {
     #[inline(always)]
     pub fn of(navigation: &Navigation<S>, reverse: S::Mask) -> Self {
         let goal = Navigation::select(reverse, navigation.reversed(), *navigation);
-        let (sin, cos, sinc) = goal.alpha.radians().sin_cos_sinc();
-        Self { goal, sin, cos, sinc, reverse }
+        let (_, cos, sinc) = goal.alpha.radians().sin_cos_sinc();
+        Self { goal, cos, sinc, reverse }
     }
 }

@@ -3,7 +3,7 @@
 use crate::drive::{Drive, Twist};
 use crate::limit::Limits;
 use crate::navigation::Navigation;
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::Scalar;
 
 use super::Decision;
 use super::commitment::{self, Direction, Memory};
@@ -21,9 +21,9 @@ use super::rest::Rest;
 /// |---|---|
 /// | ρ > ε | (23) with k_v → min(k_v, V/ρ), k_α → k_α(α), h → h·(ρ/2.7ε)²₊, and v = 0 where cos α < 0 |
 /// | ρ < ε | the same, its ω faded by (ρ/ε)²: the robot finishes the line it is on |
-/// | ρ < ε/4 and at most ε/5 to the side | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns only as far as it has arrived: ω·(1 − (ρ cos α/0.35ε)²)₊ |
+/// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns only as far as it has arrived: ω·(1 − (ρ cos α/0.35ε)²)₊ |
 ///
-/// (28) keeps the robot until ρ > 0.6ε or the goal is more than 0.55ε to the side. With the direction of approach
+/// (28) keeps the robot until ρ > 0.58ε. With the direction of approach
 /// reversed, α, φ and v are those of a robot whose tail is its nose.
 ///
 /// # Guarantee
@@ -62,10 +62,8 @@ pub struct HybridLaw<S> {
 const CAPTURE_RADIUS: f64 = 0.033;
 
 // Radii in capture radii. They were tuned on the bench trial, and the certificate judges them.
-const ENTER: f64 = 0.25;
-const ENTER_ASIDE: f64 = 0.2;
-const LEAVE: f64 = 0.6;
-const LEAVE_ASIDE: f64 = 0.55;
+const ENTER: f64 = 0.23;
+const LEAVE: f64 = 0.58;
 const ARRIVED: f64 = 0.35;
 const APPROACH: f64 = 2.7;
 /// Bearing beyond which k_α is whole \[rad].
@@ -174,8 +172,6 @@ struct Seen<S> {
     sinc: S,
     /// ρ·cos α \[m].
     ahead: S,
-    /// ρ·sin α in capture radii.
-    aside_radii: S,
     /// ρ² in capture radii squared.
     radii_squared: S,
     /// 1/ε \[1/m].
@@ -185,24 +181,15 @@ struct Seen<S> {
 impl<S: Scalar> Seen<S> {
     #[inline(always)]
     fn of(facing: &Facing<S>, capture_radius: S) -> Self {
-        let Facing { goal, sin, cos, sinc, .. } = *facing;
+        let Facing { goal, cos, sinc, .. } = *facing;
         let per_radius = S::of(1.0) / capture_radius;
         let radii = goal.rho * per_radius;
-        Self {
-            cos,
-            sinc,
-            ahead: goal.rho * cos,
-            aside_radii: radii * sin,
-            radii_squared: radii.squared(),
-            per_radius,
-        }
+        Self { cos, sinc, ahead: goal.rho * cos, radii_squared: radii.squared(), per_radius }
     }
 
     /// Whether the local law is in charge, having been or not.
     #[inline(always)]
     fn near(&self, was: S::Mask) -> S::Mask {
-        let radius = S::select(was, S::of(LEAVE * LEAVE), S::of(ENTER * ENTER));
-        let aside = S::select(was, S::of(LEAVE_ASIDE), S::of(ENTER_ASIDE));
-        self.radii_squared.lt(radius).and(self.aside_radii.abs().lt(aside))
+        self.radii_squared.lt(S::select(was, S::of(LEAVE * LEAVE), S::of(ENTER * ENTER)))
     }
 }
