@@ -2,9 +2,12 @@
 
 use std::io::Write;
 
-use comfy_table::{CellAlignment, LineStyle, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use serde::Serialize;
 use serde_json::{Map, Value};
+
+/// Columns of a message.
+pub(crate) const WIDTH: u16 = 110;
 
 /// How results are printed.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +62,12 @@ pub(crate) fn align_numbers(table: &mut Table) {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
+}
+
+/// Wraps sentences in the table's cells, so that it is no wider than messages are.
+pub(crate) fn wrapped(mut table: Table) -> Table {
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    table
 }
 
 /// A value as a person reads it: four digits, and counts by name.

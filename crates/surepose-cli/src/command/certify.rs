@@ -14,7 +14,7 @@ use surepose_lab::picture;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, shown, table};
+use crate::output::{Output, shown, table, wrapped};
 use crate::settings::ConfigArgs;
 use crate::{certification, interrupt, progress};
 
@@ -22,19 +22,19 @@ use crate::{certification, interrupt, progress};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose certify --noise-position 0.007 --noise-heading 0.25
-  surepose certify --set law.k_v=10 --set law.k_alpha=100 --set law.h=1     refused, with a counterexample
-  surepose certify --out certificate                                        with pictures of the margin
-  surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3    on average, under white Gaussian noise
+  surepose certify --set law.k_v=10 --set law.k_alpha=100 --set law.h=1   refused, with the reason
+  surepose certify --out certificate                                      pictures of the margin
+  surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3  white noise, on average
 
 Noise is bounded, in any direction, at every tick. The wheels are taken to follow their commands at once.
 
-Written to --out: margin and margin_over_distance, as SVG and PNG: how fast W falls at the least, over how the goal is
+Written to --out: margin and margin_over_distance, as SVG and PNG: how fast W falls at the least, over how the goal is \
 seen (margin.csv has their numbers), and where that was not shown; summary.json, the JSON of the command without wall_s.
 
---gaussian takes the noise options as standard deviations. No bound holds for ever then; W falls on average outside of
+--gaussian takes the noise options as standard deviations. No bound holds for ever then; W falls on average outside of \
 the radius that is told, and the expected time of coming within it is bounded. What that leaves out is told with it.
 
-Exit codes: 0 certified, 1 refused.")]
+Exit codes: 0 certified, 1 refused, 130 interrupted.")]
 pub(crate) struct CertifyCommand {
     /// Time between two ticks, in seconds, over the configuration's
     #[arg(long, value_name = "S")]
@@ -58,7 +58,7 @@ pub(super) struct NoiseArgs {
     #[arg(long = "noise-position", value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound)]
     position: f64,
     /// Bound of the heading error, in degrees
-    #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = bound)]
+    #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = heading_bound)]
     heading: f64,
     /// Bound of each rim's speed error, in metres per second
     #[arg(long = "noise-speed", value_name = "M_S", default_value_t = 0.0, value_parser = bound)]
@@ -89,6 +89,12 @@ fn bound(text: &str) -> Result<f64, String> {
     }
 }
 
+fn heading_bound(text: &str) -> Result<f64, String> {
+    bound(text).and_then(|value| {
+        if value < 180.0 { Ok(value) } else { Err("a heading is less than 180° off".to_owned()) }
+    })
+}
+
 impl CertifyCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let mut config = self.config.over(Config::default())?;
@@ -115,9 +121,9 @@ impl CertifyCommand {
                 table.add_row(["counterexample".to_owned(), described(found)]);
             }
             if let Some(path) = &self.out {
-                table.add_row(["pictures".to_owned(), path.display().to_string()]);
+                table.add_row(["written to".to_owned(), path.display().to_string()]);
             }
-            table
+            wrapped(table)
         });
         Ok(match certificate.certified {
             _ if interrupt::asked() => Exit::Interrupted,
