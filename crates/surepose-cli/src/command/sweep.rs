@@ -22,23 +22,23 @@ use crate::{interrupt, progress};
 #[command(after_help = "Examples:
   surepose sweep --runs 100000 --noise bench --json
   surepose sweep --law paper --period 0.1
-  surepose sweep --loop ekf --runs 1000000 --json        is the filter consistent? nees_mean should be 3
+  surepose sweep --loop ekf --runs 1000000 --json        consistent if nees_mean is 3
   surepose sweep --starts starts.csv --out out          x_m,y_m,heading_deg on each line
 
-The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for
+The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for \
 1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.
 
-With --loop ekf the law sees the filter's belief instead of the noisy truth, and [filter] delta and gate_probability
-count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read what the wheels were told, which the rims are
-off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has
+With --loop ekf the law sees the filter's belief instead of the noisy truth, and [filter] delta and gate_probability \
+count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read what the wheels were told, which the rims are \
+off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has \
 nees_mean, position_rmse_m, heading_rmse_deg and refused_part, over all ticks.
 
-Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; summary.json,
+Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; summary.json, \
 which is the JSON of the command without wall_s and steps_per_s. The same command line gives the same bytes.")]
 pub(crate) struct SweepCommand {
     /// How many random starts
-    #[arg(long, default_value_t = 10_000, conflicts_with = "starts")]
-    runs: usize,
+    #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = clap::value_parser!(u32).range(1..))]
+    runs: u32,
     /// Given starts, in metres and degrees, seen from the goal
     #[arg(long, value_name = "FILE.csv")]
     starts: Option<PathBuf>,
@@ -139,7 +139,7 @@ impl SweepCommand {
         Ok(Sweep {
             starts: match &self.starts {
                 Some(file) => Starts::Given(starts::read(file)?),
-                None => Starts::Random(self.runs),
+                None => Starts::Random(self.runs as usize),
             },
             law: config.law(),
             period: config.number(&param::PERIOD),

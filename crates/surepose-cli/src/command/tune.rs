@@ -29,9 +29,9 @@ use crate::{interrupt, progress};
   surepose tune --loop ekf --noise-position 0.004 --noise-heading 0.15 --json
   surepose tune --config robot.toml --rounds 24           on from an earlier result
 
-What is minimised is the median and the 95 % quantile of the time over the least possible, added. The figures before and
-after are of --runs trials that the search never saw: `surepose sweep --seed N` drives the same ones. Gains that are worse
-there in success, median or 95 % quantile are not given, nor gains without a certificate for the noise bounds, nor gains
+What is minimised is the median and the 95 % quantile of the time over the least possible, added. The figures before and \
+after are of --runs trials that the search never saw: `surepose sweep --seed N` drives the same ones. Gains that are worse \
+there in success, median or 95 % quantile are not given, nor gains without a certificate for the noise bounds, nor gains \
 that lose more trials than before from starts within 20 cm at 1.3 times the noise.
 The robot is the bench's, without a limit of acceleration: a robot whose wheels follow slowly wants smaller gains.
 
