@@ -37,8 +37,8 @@ Written to --out: trials.csv and trials.parquet, a line for each trial; start_ma
 which is the JSON of the command without wall_s and steps_per_s. The same command line gives the same bytes.")]
 pub(crate) struct SweepCommand {
     /// How many random starts
-    #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = clap::value_parser!(u32).range(1..))]
-    runs: u32,
+    #[arg(long, default_value_t = 10_000, conflicts_with = "starts")]
+    runs: usize,
     /// Given starts, in metres and degrees, seen from the goal
     #[arg(long, value_name = "FILE.csv")]
     starts: Option<PathBuf>,
@@ -139,7 +139,7 @@ impl SweepCommand {
         Ok(Sweep {
             starts: match &self.starts {
                 Some(file) => Starts::Given(starts::read(file)?),
-                None => Starts::Random(self.runs as usize),
+                None => Starts::Random(self.runs),
             },
             law: config.law(),
             period: config.number(&param::PERIOD),
