@@ -141,9 +141,7 @@ fn write(
     certificate: &Certificate,
     (json, output): (&Map<String, Json>, Output),
 ) -> Result<(), Failure> {
-    let lasting = json.iter().filter(|(key, _)| *key != "wall_s");
-    let summary: Map<String, Json> = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
-    folder.text("summary.json", &format!("{:#}\n", json!(summary)))?;
+    folder.summary(json)?;
 
     interrupt::listen();
     let bar = progress::bar(output, "margin");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Map, Value as Json};
 use surepose_data::Config;
 use surepose_lab::drive::{Drive, Outcome, Sample, Summary};
 use surepose_lab::picture;
@@ -136,7 +136,7 @@ fn write(
     folder.picture("lyapunov", &picture::lyapunov(samples))?;
     folder.table("time_series.csv", samples)?;
     folder.text("config.toml", &toml_of(&scenario.config.fitted()))?;
-    folder.text("summary.json", &format!("{:#}\n", json!(summary)))
+    folder.summary(summary)
 }
 
 fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {

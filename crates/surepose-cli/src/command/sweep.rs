@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Map, Value as Json};
 use surepose::param;
 use surepose_data::{Config, starts};
 use surepose_lab::picture;
@@ -105,25 +105,10 @@ impl SweepCommand {
         let sweep = self.sweep()?;
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
 
-        interrupt::listen();
         let (watch, bar, total) = (Watch::default(), progress::bar(output, "sweeping"), sweep.starts.len());
-        let report = std::thread::scope(|scope| {
-            let running = scope.spawn(|| sweep.run(&watch));
-            while !running.is_finished() {
-                if interrupt::asked() {
-                    watch.stop();
-                }
-                progress::show(&bar, watch.done() as f64 / total.max(1) as f64);
-                std::thread::sleep(LOOK.min(Duration::from_millis(1 + total as u64 / 1000)));
-            }
-            running.join()
-        });
-        bar.finish_and_clear();
-        // A thread ends early only where the library is at fault; there is then nothing to report.
-        let report = report.map_err(|_| Failure::Usage {
-            what: "the sweep ended early".to_owned(),
-            help: "this is a mistake of the program".to_owned(),
-        })?;
+        let pause = LOOK.min(Duration::from_millis(1 + total as u64 / 1000));
+        let part = || watch.done() as f64 / total.max(1) as f64;
+        let report = progress::attended(&bar, pause, part, || watch.stop(), || sweep.run(&watch))?;
 
         let json = object(&report);
         if let Some(folder) = &folder {
@@ -155,17 +140,12 @@ impl SweepCommand {
     }
 }
 
-/// What in the summary is of this machine, and of this moment: left out of the file, whose bytes are of the seed alone.
-const TIMING: [&str; 2] = ["wall_s", "steps_per_s"];
-
 fn write(folder: &Folder, report: &SweepReport, json: &Map<String, Json>) -> Result<(), Failure> {
     folder.table("trials.csv", &report.trials)?;
     folder.columns("trials.parquet", &report.trials)?;
     folder.picture("start_map", &picture::start_map(&report.trials))?;
     folder.picture("spreads", &picture::spreads(&report.trials))?;
-    let lasting = json.iter().filter(|(key, _)| !TIMING.contains(&key.as_str()));
-    let summary: Map<String, Json> = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
-    folder.text("summary.json", &format!("{:#}\n", json!(summary)))
+    folder.summary(json)
 }
 
 /// The configuration of the bench's robot, with the user's over it.

@@ -93,25 +93,10 @@ impl TuneCommand {
         let noise = self.bounds.bounds();
         let certified = |law: &Law<f64>| certification::holds(&config, law, noise);
 
-        interrupt::listen();
         let (clock, watch, bar) = (Instant::now(), Watch::default(), progress::bar(output, "tuning"));
-        let tuned = std::thread::scope(|scope| {
-            let running = scope.spawn(|| tune.run(&certified, &watch));
-            while !running.is_finished() {
-                if interrupt::asked() {
-                    watch.stop();
-                }
-                progress::show(&bar, watch.done() as f64 / (tune.rounds + 1) as f64);
-                std::thread::sleep(LOOK);
-            }
-            running.join()
-        });
-        bar.finish_and_clear();
-        // A thread ends early only where the library is at fault; there is then nothing to report.
-        let tuned = tuned.map_err(|_| Failure::Usage {
-            what: "the search ended early".to_owned(),
-            help: "this is a mistake of the program".to_owned(),
-        })?;
+        let part = || watch.done() as f64 / (tune.rounds + 1) as f64;
+        let work = || tune.run(&certified, &watch);
+        let tuned = progress::attended(&bar, LOOK, part, || watch.stop(), work)?;
 
         if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
             write(path, &config.with_preset("tuned", &values(best)))?;
