@@ -75,7 +75,7 @@ fn main() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(failure) => {
             let exit = failure.exit();
-            eprintln!("{:?}", miette::Report::new(failure));
+            output::say(&format_args!("{:?}", miette::Report::new(failure)));
             exit.into()
         }
     }

@@ -22,7 +22,7 @@ impl Output {
         if self.json {
             text(&format!("{}\n", Value::Object(json.clone())));
         } else {
-            eprintln!("{}", table());
+            say(&table());
         }
     }
 }
@@ -42,9 +42,14 @@ pub(crate) fn text(text: &str) {
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
+/// Prints a line on standard error; a reader that left early is no failure, as `eprintln!` would have it.
+pub(crate) fn say(line: &dyn std::fmt::Display) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// A warning, on standard error.
 pub(crate) fn warning(text: &str) {
-    eprintln!("warning: {text}");
+    say(&format_args!("warning: {text}"));
 }
 
 /// A table in the program's style.

@@ -188,6 +188,20 @@ fn a_command_with_nothing_to_keep_exits_with_130_too() {
 }
 
 #[test]
+fn a_reader_that_leaves_early_changes_no_exit_code() {
+    use std::process::{Command, Stdio};
+    for (arguments, code) in [(&["run"][..], 0), (&["run", "--scenario", "nowhere"], 2)] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_surepose"))
+            .args(arguments)
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        drop(child.stderr.take());
+        assert_eq!(child.wait().expect("it ends").code(), Some(code), "{arguments:?}");
+    }
+}
+
+#[test]
 fn the_four_sets_of_sensors_are_compared_under_the_contracts_keys() {
     let out = folder("figure4");
     let path = out.to_str().expect("UTF-8");

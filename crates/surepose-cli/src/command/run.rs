@@ -140,12 +140,13 @@ fn write(
 }
 
 fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
-    let outcome = match summary.outcome {
-        Outcome::Reached => "reached",
-        Outcome::Timeout => "time ran out",
-        Outcome::Stopped => "stopped",
+    let outcome = match (summary.outcome, summary.stop_reason) {
+        (Outcome::Reached, _) => "reached".to_owned(),
+        (Outcome::Timeout, _) => "time ran out".to_owned(),
+        (Outcome::Stopped, None) => "stopped".to_owned(),
+        (Outcome::Stopped, Some(reason)) => format!("stopped: {reason}"),
     };
-    row("outcome".to_owned(), outcome.to_owned());
+    row("outcome".to_owned(), outcome);
     row("time".to_owned(), format!("{:.1} s (at least {:.1} s)", summary.time_s, summary.optimal_time_s));
     row("way".to_owned(), format!("{:.2} m", summary.path_length_m));
     let (position, heading) = (summary.final_position_error_m, summary.final_heading_error_deg);
