@@ -37,7 +37,7 @@ the radius that is told, and the expected time of coming within it is bounded. W
 Exit codes: 0 certified, 1 refused, 130 interrupted.")]
 pub(crate) struct CertifyCommand {
     /// Time between two ticks, in seconds, over the configuration's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     #[command(flatten)]
     noise: NoiseArgs,
@@ -55,16 +55,16 @@ pub(crate) struct CertifyCommand {
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct NoiseArgs {
     /// Bound of the position error, in metres
-    #[arg(long = "noise-position", value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound)]
+    #[arg(long = "noise-position", value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound, allow_negative_numbers = true)]
     position: f64,
     /// Bound of the heading error, in degrees
-    #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = heading_bound)]
+    #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = heading_bound, allow_negative_numbers = true)]
     heading: f64,
     /// Bound of each rim's speed error, in metres per second
-    #[arg(long = "noise-speed", value_name = "M_S", default_value_t = 0.0, value_parser = bound)]
+    #[arg(long = "noise-speed", value_name = "M_S", default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     speed: f64,
     /// Bound of each rim's speed error, as a part of that speed: 0.05 is 5 %
-    #[arg(long = "noise-speed-part", value_name = "PART", default_value_t = 0.0, value_parser = bound)]
+    #[arg(long = "noise-speed-part", value_name = "PART", default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     speed_part: f64,
 }
 

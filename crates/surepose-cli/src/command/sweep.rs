@@ -43,7 +43,7 @@ pub(crate) struct SweepCommand {
     #[arg(long, value_name = "FILE.csv")]
     starts: Option<PathBuf>,
     /// Time between two ticks, in seconds
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     /// What tells the law where the robot is
     #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]

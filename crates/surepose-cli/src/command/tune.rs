@@ -44,7 +44,7 @@ pub(crate) struct TuneCommand {
     #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(..=1000))]
     rounds: u16,
     /// Time between two ticks, in seconds
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     /// What tells the law where the robot is
     #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
