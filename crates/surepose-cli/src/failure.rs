@@ -7,6 +7,7 @@ use surepose_data::{ConfigError, DataError};
 use surepose_lab::picture::PlotError;
 
 use crate::exit::Exit;
+use crate::output::WIDTH;
 
 /// Why a command could not do its work.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -16,7 +17,7 @@ pub(crate) enum Failure {
     #[diagnostic(transparent)]
     Config(#[from] ConfigError),
     /// A recording, map or list cannot be used.
-    #[error("{0}")]
+    #[error(transparent)]
     Data(#[from] DataError),
     /// A recording can be read, but not used.
     #[error("{}: {what}", .path.display())]
@@ -66,7 +67,7 @@ pub(crate) fn style_messages() {
         };
         // A path must stay in one piece, to be found and clicked.
         let handler = GraphicalReportHandler::new_themed(theme)
-            .with_width(110)
+            .with_width(usize::from(WIDTH))
             .with_links(false)
             .with_break_words(false)
             .with_word_separator(textwrap::WordSeparator::AsciiSpace)

@@ -3,10 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use serde_json::{Map, Value};
 use surepose_lab::picture::{Picture, PlotError};
 
 use crate::columns;
 use crate::failure::Failure;
+
+/// Keys of what is of this machine and this moment.
+const TIMING: [&str; 2] = ["wall_s", "steps_per_s"];
 
 /// A folder that exists.
 #[derive(Clone, Debug)]
@@ -51,6 +55,14 @@ impl Folder {
     ) -> Result<(), Failure> {
         let path = self.0.join(name);
         columns::write(&path, rows).map_err(|problem| failed(&path, std::io::Error::other(problem).into()))
+    }
+
+    /// Writes `summary.json`: what the command found, without what is of this machine and this moment, so that the same
+    /// command line gives the same bytes.
+    pub(crate) fn summary(&self, found: &Map<String, Value>) -> Result<(), Failure> {
+        let lasting = found.iter().filter(|(key, _)| !TIMING.contains(&key.as_str()));
+        let lasting = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
+        self.text("summary.json", &format!("{:#}\n", Value::Object(lasting)))
     }
 
     /// Writes a text.

@@ -1,15 +1,22 @@
-//! Ctrl-C: the first asks to stop at the next tick, so that what was done is kept; the second ends at once.
+//! Ctrl-C: a command that keeps what was done is asked to stop, and a second Ctrl-C ends it at once; any other ends.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use crate::exit::Exit;
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+static LISTENS: AtomicBool = AtomicBool::new(false);
+static ASKED: OnceLock<Instant> = OnceLock::new();
 
-/// Starts to listen.
-pub(crate) fn listen() {
+/// What comes sooner after the first is the same Ctrl-C: programs that start others send it to the program *and* to its group.
+const SAME: Duration = Duration::from_millis(300);
+
+/// From now on Ctrl-C ends the program with the exit code that says so, until a command listens.
+pub(crate) fn install() {
     let heard = ctrlc::set_handler(|| {
-        if ASKED.swap(true, Ordering::Relaxed) {
+        let asks_again = ASKED.get_or_init(Instant::now).elapsed() > SAME;
+        if asks_again || !LISTENS.load(Ordering::Relaxed) {
             std::process::exit(Exit::Interrupted as i32);
         }
     });
@@ -17,7 +24,12 @@ pub(crate) fn listen() {
     drop(heard);
 }
 
+/// From now on the first Ctrl-C only asks.
+pub(crate) fn listen() {
+    LISTENS.store(true, Ordering::Relaxed);
+}
+
 /// Whether the user asked to stop.
 pub(crate) fn asked() -> bool {
-    ASKED.load(Ordering::Relaxed)
+    ASKED.get().is_some()
 }

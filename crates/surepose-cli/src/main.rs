@@ -44,7 +44,7 @@ Examples:
   surepose reproduce --out figures            the figures of the paper
   surepose certify                            whether the robot is sure to arrive
   surepose sweep --runs 100000 --noise bench  many trials, against the least possible time
-  surepose tune --period 0.05 --out robot.toml gains that take least time, always arrive and are certified
+  surepose tune --period 0.05 --out t.toml    certified gains that take least time
   surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
   surepose replay carmen freiburg-101.log.gz  the same on walls, seen by a laser
   surepose map from-grid room.yaml --out room.toml
@@ -69,12 +69,13 @@ fn main() -> ExitCode {
             return if problem.use_stderr() { Exit::Usage } else { Exit::Done }.into();
         }
     };
+    interrupt::install();
     failure::style_messages();
     match program.command.unwrap_or_default().run(output::Output { json: program.json }) {
         Ok(exit) => exit.into(),
         Err(failure) => {
             let exit = failure.exit();
-            eprintln!("{:?}", miette::Report::new(failure));
+            output::say(&format_args!("{:?}", miette::Report::new(failure)));
             exit.into()
         }
     }

@@ -2,9 +2,12 @@
 
 use std::io::Write;
 
-use comfy_table::{CellAlignment, LineStyle, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use serde::Serialize;
 use serde_json::{Map, Value};
+
+/// Columns of a message.
+pub(crate) const WIDTH: u16 = 110;
 
 /// How results are printed.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +22,7 @@ impl Output {
         if self.json {
             text(&format!("{}\n", Value::Object(json.clone())));
         } else {
-            eprintln!("{}", table());
+            say(&table());
         }
     }
 }
@@ -39,9 +42,14 @@ pub(crate) fn text(text: &str) {
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
+/// Prints a line on standard error; a reader that left early is no failure, as `eprintln!` would have it.
+pub(crate) fn say(line: &dyn std::fmt::Display) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// A warning, on standard error.
 pub(crate) fn warning(text: &str) {
-    eprintln!("warning: {text}");
+    say(&format_args!("warning: {text}"));
 }
 
 /// A table in the program's style.
@@ -59,6 +67,12 @@ pub(crate) fn align_numbers(table: &mut Table) {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
+}
+
+/// Wraps sentences in the table's cells, so that it is no wider than messages are.
+pub(crate) fn wrapped(mut table: Table) -> Table {
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    table
 }
 
 /// A value as a person reads it: four digits, and counts by name.

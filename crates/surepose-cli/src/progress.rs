@@ -1,9 +1,12 @@
 //! Progress on a terminal; nothing where standard error is a file or JSON was asked for.
 
 use std::io::IsTerminal;
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::failure::Failure;
+use crate::interrupt;
 use crate::output::Output;
 
 /// Steps of a bar.
@@ -20,6 +23,35 @@ pub(crate) fn bar(output: Output, name: &'static str) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+/// Looks every `pause` at `work` while a thread of its own does it: shows the `part` that is done, and calls `stop` when the user
+/// asks for that.
+pub(crate) fn attended<T: Send>(
+    bar: &ProgressBar,
+    pause: Duration,
+    part: impl Fn() -> f64,
+    stop: impl Fn(),
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, Failure> {
+    interrupt::listen();
+    let done = std::thread::scope(|scope| {
+        let running = scope.spawn(work);
+        while !running.is_finished() {
+            if interrupt::asked() {
+                stop();
+            }
+            show(bar, part());
+            std::thread::sleep(pause);
+        }
+        running.join()
+    });
+    bar.finish_and_clear();
+    // A thread ends early only where the library is at fault; there is then nothing to report.
+    done.map_err(|_| Failure::Usage {
+        what: "the work ended early".to_owned(),
+        help: "this is a mistake of the program".to_owned(),
+    })
 }
 
 /// Shows the part of the work that is done, in [0, 1].

@@ -161,13 +161,44 @@ fn an_interrupt_keeps_what_was_done_and_exits_with_130() {
         .spawn()
         .expect("the program starts");
     std::thread::sleep(std::time::Duration::from_millis(500));
-    let asked = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    // Twice, as programs that start others do: to the program, and to its group.
+    let id = child.id().to_string();
+    let asked = Command::new("kill").args(["-INT", &id, &id]).status().expect("kill is there");
     assert!(asked.success());
     let output = child.wait_with_output().expect("it ends");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON all the same");
     assert_eq!(output.status.code(), Some(130), "{json}");
     assert_eq!(json["outcome"], "stopped");
     assert!(out.join("summary.json").exists() && out.join("time_series.csv").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_command_with_nothing_to_keep_exits_with_130_too() {
+    use std::process::{Command, Stdio};
+    let mut child = Command::new(env!("CARGO_BIN_EXE_surepose"))
+        .arg("certify")
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let asked = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(asked.success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+}
+
+#[test]
+fn a_reader_that_leaves_early_changes_no_exit_code() {
+    use std::process::{Command, Stdio};
+    for (arguments, code) in [(&["run"][..], 0), (&["run", "--scenario", "nowhere"], 2)] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_surepose"))
+            .args(arguments)
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        drop(child.stderr.take());
+        assert_eq!(child.wait().expect("it ends").code(), Some(code), "{arguments:?}");
+    }
 }
 
 #[test]

@@ -134,12 +134,13 @@ impl Config {
     /// What is wrong with the text, as for a line of a file.
     pub fn with_option(mut self, text: &str) -> Result<Self, ConfigError> {
         let name = Path::new("--set");
-        let settings = file::parse(name, option_as_toml(text).as_bytes())?;
-        let [setting] = settings.as_slice() else {
+        let malformed = || {
             let what = format!("is not one SECTION.KEY=VALUE: '{}'", text.escape_debug());
             let help = "write `--set law.k_v=3`; `surepose config show` lists the names";
-            return Err(ConfigError::unreadable(name, None, what, help));
+            ConfigError::unreadable(name, None, what, help)
         };
+        let settings = file::parse(name, option_as_toml(text).ok_or_else(malformed)?.as_bytes())?;
+        let [setting] = settings.as_slice() else { return Err(malformed()) };
         self.put(Setting { origin: Origin::CommandLine, ..setting.clone() });
         Ok(self)
     }
@@ -205,18 +206,22 @@ fn default(parameter: &Parameter) -> Value {
     }
 }
 
-/// `law.name=paper` as a line of TOML, so that there is one way to read values: names need no quotes in a shell.
-fn option_as_toml(text: &str) -> String {
-    let Some((name, value)) = text.split_once('=') else { return text.to_owned() };
+/// `law.name=paper` as a line of TOML, so that there is one way to read values: names need no quotes in a shell, and
+/// numbers no digit before their point.
+fn option_as_toml(text: &str) -> Option<String> {
+    let (name, value) = text.split_once('=')?;
     let (name, value) = (name.trim(), value.trim());
+    if name.is_empty() || value.is_empty() {
+        return None;
+    }
     let name = match param::find_by_name(name) {
         Some(found) => format!("{}.{}", found.section, found.key),
         None => name.to_owned(),
     };
     let bare = value.chars().all(|c| c.is_ascii_alphabetic() || c == '_');
-    if bare && !value.is_empty() && !["nan", "inf", "true", "false"].contains(&value) {
-        format!("{name} = \"{value}\"")
-    } else {
-        format!("{name} = {value}")
-    }
+    Some(match value.parse::<f64>() {
+        Ok(number) => format!("{name} = {}", number.to_string().to_lowercase()),
+        Err(_) if bare && !["true", "false"].contains(&value) => format!("{name} = \"{value}\""),
+        Err(_) => format!("{name} = {value}"),
+    })
 }

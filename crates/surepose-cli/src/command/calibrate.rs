@@ -9,7 +9,7 @@ use surepose_lab::calibrate::{Options, Recording, calibrate};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, object, table};
+use crate::output::{Output, object, table, wrapped};
 
 /// Fit wheel radii, track, noise, laser mounting and latency to a recording, with standard errors.
 #[derive(Debug, Args)]
@@ -63,7 +63,7 @@ impl CalibrateCommand {
                     estimate.unit.to_owned(),
                 ]);
             }
-            table
+            wrapped(table)
         });
         Ok(Exit::Done)
     }

@@ -14,7 +14,7 @@ use surepose_lab::picture;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, shown, table};
+use crate::output::{Output, shown, table, wrapped};
 use crate::settings::ConfigArgs;
 use crate::{certification, interrupt, progress};
 
@@ -22,22 +22,22 @@ use crate::{certification, interrupt, progress};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose certify --noise-position 0.007 --noise-heading 0.25
-  surepose certify --set law.k_v=10 --set law.k_alpha=100 --set law.h=1     refused, with a counterexample
-  surepose certify --out certificate                                        with pictures of the margin
-  surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3    on average, under white Gaussian noise
+  surepose certify --set law.k_v=10 --set law.k_alpha=100 --set law.h=1   refused, with the reason
+  surepose certify --out certificate                                      pictures of the margin
+  surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3  white noise, on average
 
 Noise is bounded, in any direction, at every tick. The wheels are taken to follow their commands at once.
 
-Written to --out: margin and margin_over_distance, as SVG and PNG: how fast W falls at the least, over how the goal is
+Written to --out: margin and margin_over_distance, as SVG and PNG: how fast W falls at the least, over how the goal is \
 seen (margin.csv has their numbers), and where that was not shown; summary.json, the JSON of the command without wall_s.
 
---gaussian takes the noise options as standard deviations. No bound holds for ever then; W falls on average outside of
+--gaussian takes the noise options as standard deviations. No bound holds for ever then; W falls on average outside of \
 the radius that is told, and the expected time of coming within it is bounded. What that leaves out is told with it.
 
-Exit codes: 0 certified, 1 refused.")]
+Exit codes: 0 certified, 1 refused, 130 interrupted.")]
 pub(crate) struct CertifyCommand {
     /// Time between two ticks, in seconds, over the configuration's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     #[command(flatten)]
     noise: NoiseArgs,
@@ -55,16 +55,16 @@ pub(crate) struct CertifyCommand {
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct NoiseArgs {
     /// Bound of the position error, in metres
-    #[arg(long = "noise-position", value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound)]
+    #[arg(long = "noise-position", value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound, allow_negative_numbers = true)]
     position: f64,
     /// Bound of the heading error, in degrees
-    #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = bound)]
+    #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = heading_bound, allow_negative_numbers = true)]
     heading: f64,
     /// Bound of each rim's speed error, in metres per second
-    #[arg(long = "noise-speed", value_name = "M_S", default_value_t = 0.0, value_parser = bound)]
+    #[arg(long = "noise-speed", value_name = "M_S", default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     speed: f64,
     /// Bound of each rim's speed error, as a part of that speed: 0.05 is 5 %
-    #[arg(long = "noise-speed-part", value_name = "PART", default_value_t = 0.0, value_parser = bound)]
+    #[arg(long = "noise-speed-part", value_name = "PART", default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     speed_part: f64,
 }
 
@@ -87,6 +87,12 @@ fn bound(text: &str) -> Result<f64, String> {
     } else {
         Err("a bound lies between 0 and 1000".to_owned())
     }
+}
+
+fn heading_bound(text: &str) -> Result<f64, String> {
+    bound(text).and_then(|value| {
+        if value < 180.0 { Ok(value) } else { Err("a heading is less than 180° off".to_owned()) }
+    })
 }
 
 impl CertifyCommand {
@@ -115,9 +121,9 @@ impl CertifyCommand {
                 table.add_row(["counterexample".to_owned(), described(found)]);
             }
             if let Some(path) = &self.out {
-                table.add_row(["pictures".to_owned(), path.display().to_string()]);
+                table.add_row(["written to".to_owned(), path.display().to_string()]);
             }
-            table
+            wrapped(table)
         });
         Ok(match certificate.certified {
             _ if interrupt::asked() => Exit::Interrupted,
@@ -135,9 +141,7 @@ fn write(
     certificate: &Certificate,
     (json, output): (&Map<String, Json>, Output),
 ) -> Result<(), Failure> {
-    let lasting = json.iter().filter(|(key, _)| *key != "wall_s");
-    let summary: Map<String, Json> = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
-    folder.text("summary.json", &format!("{:#}\n", json!(summary)))?;
+    folder.summary(json)?;
 
     interrupt::listen();
     let bar = progress::bar(output, "margin");

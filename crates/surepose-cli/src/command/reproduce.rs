@@ -90,8 +90,9 @@ impl ReproduceCommand {
             json.insert(name.to_owned(), outcome.json);
             good &= outcome.good;
             rows.extend(outcome.rows.into_iter().map(|[what, found]| [name.to_owned(), what, found]));
+            // At once, so that who does not wait for the next figure has this one's numbers.
+            folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
         }
-        folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
         output.result(&json, || {
             let mut table = table(&["figure", "what", "found"]);
             for row in rows {

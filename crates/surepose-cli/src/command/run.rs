@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Map, Value as Json};
 use surepose_data::Config;
 use surepose_lab::drive::{Drive, Outcome, Sample, Summary};
 use surepose_lab::picture;
@@ -136,16 +136,17 @@ fn write(
     folder.picture("lyapunov", &picture::lyapunov(samples))?;
     folder.table("time_series.csv", samples)?;
     folder.text("config.toml", &toml_of(&scenario.config.fitted()))?;
-    folder.text("summary.json", &format!("{:#}\n", json!(summary)))
+    folder.summary(summary)
 }
 
 fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
-    let outcome = match summary.outcome {
-        Outcome::Reached => "reached",
-        Outcome::Timeout => "time ran out",
-        Outcome::Stopped => "stopped",
+    let outcome = match (summary.outcome, summary.stop_reason) {
+        (Outcome::Reached, _) => "reached".to_owned(),
+        (Outcome::Timeout, _) => "time ran out".to_owned(),
+        (Outcome::Stopped, None) => "stopped".to_owned(),
+        (Outcome::Stopped, Some(reason)) => format!("stopped: {reason}"),
     };
-    row("outcome".to_owned(), outcome.to_owned());
+    row("outcome".to_owned(), outcome);
     row("time".to_owned(), format!("{:.1} s (at least {:.1} s)", summary.time_s, summary.optimal_time_s));
     row("way".to_owned(), format!("{:.2} m", summary.path_length_m));
     let (position, heading) = (summary.final_position_error_m, summary.final_heading_error_deg);

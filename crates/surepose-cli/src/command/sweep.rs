@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Map, Value as Json};
 use surepose::param;
 use surepose_data::{Config, starts};
 use surepose_lab::picture;
@@ -22,18 +22,18 @@ use crate::{interrupt, progress};
 #[command(after_help = "Examples:
   surepose sweep --runs 100000 --noise bench --json
   surepose sweep --law paper --period 0.1
-  surepose sweep --loop ekf --runs 1000000 --json        is the filter consistent? nees_mean should be 3
+  surepose sweep --loop ekf --runs 1000000 --json        consistent if nees_mean is 3
   surepose sweep --starts starts.csv --out out          x_m,y_m,heading_deg on each line
 
-The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for
+The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for \
 1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.
 
-With --loop ekf the law sees the filter's belief instead of the noisy truth, and [filter] delta and gate_probability
-count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read what the wheels were told, which the rims are
-off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has
+With --loop ekf the law sees the filter's belief instead of the noisy truth, and [filter] delta and gate_probability \
+count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read what the wheels were told, which the rims are \
+off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has \
 nees_mean, position_rmse_m, heading_rmse_deg and refused_part, over all ticks.
 
-Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; summary.json,
+Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; summary.json, \
 which is the JSON of the command without wall_s and steps_per_s. The same command line gives the same bytes.")]
 pub(crate) struct SweepCommand {
     /// How many random starts
@@ -43,7 +43,7 @@ pub(crate) struct SweepCommand {
     #[arg(long, value_name = "FILE.csv")]
     starts: Option<PathBuf>,
     /// Time between two ticks, in seconds
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     /// What tells the law where the robot is
     #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
@@ -105,25 +105,10 @@ impl SweepCommand {
         let sweep = self.sweep()?;
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
 
-        interrupt::listen();
         let (watch, bar, total) = (Watch::default(), progress::bar(output, "sweeping"), sweep.starts.len());
-        let report = std::thread::scope(|scope| {
-            let running = scope.spawn(|| sweep.run(&watch));
-            while !running.is_finished() {
-                if interrupt::asked() {
-                    watch.stop();
-                }
-                progress::show(&bar, watch.done() as f64 / total.max(1) as f64);
-                std::thread::sleep(LOOK.min(Duration::from_millis(1 + total as u64 / 1000)));
-            }
-            running.join()
-        });
-        bar.finish_and_clear();
-        // A thread ends early only where the library is at fault; there is then nothing to report.
-        let report = report.map_err(|_| Failure::Usage {
-            what: "the sweep ended early".to_owned(),
-            help: "this is a mistake of the program".to_owned(),
-        })?;
+        let pause = LOOK.min(Duration::from_millis(1 + total as u64 / 1000));
+        let part = || watch.done() as f64 / total.max(1) as f64;
+        let report = progress::attended(&bar, pause, part, || watch.stop(), || sweep.run(&watch))?;
 
         let json = object(&report);
         if let Some(folder) = &folder {
@@ -155,17 +140,12 @@ impl SweepCommand {
     }
 }
 
-/// What in the summary is of this machine, and of this moment: left out of the file, whose bytes are of the seed alone.
-const TIMING: [&str; 2] = ["wall_s", "steps_per_s"];
-
 fn write(folder: &Folder, report: &SweepReport, json: &Map<String, Json>) -> Result<(), Failure> {
     folder.table("trials.csv", &report.trials)?;
     folder.columns("trials.parquet", &report.trials)?;
     folder.picture("start_map", &picture::start_map(&report.trials))?;
     folder.picture("spreads", &picture::spreads(&report.trials))?;
-    let lasting = json.iter().filter(|(key, _)| !TIMING.contains(&key.as_str()));
-    let summary: Map<String, Json> = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
-    folder.text("summary.json", &format!("{:#}\n", json!(summary)))
+    folder.summary(json)
 }
 
 /// The configuration of the bench's robot, with the user's over it.

@@ -29,9 +29,9 @@ use crate::{interrupt, progress};
   surepose tune --loop ekf --noise-position 0.004 --noise-heading 0.15 --json
   surepose tune --config robot.toml --rounds 24           on from an earlier result
 
-What is minimised is the median and the 95 % quantile of the time over the least possible, added. The figures before and
-after are of --runs trials that the search never saw: `surepose sweep --seed N` drives the same ones. Gains that are worse
-there in success, median or 95 % quantile are not given, nor gains without a certificate for the noise bounds, nor gains
+What is minimised is the median and the 95 % quantile of the time over the least possible, added. The figures before and \
+after are of --runs trials that the search never saw: `surepose sweep --seed N` drives the same ones. Gains that are worse \
+there in success, median or 95 % quantile are not given, nor gains without a certificate for the noise bounds, nor gains \
 that lose more trials than before from starts within 20 cm at 1.3 times the noise.
 The robot is the bench's, without a limit of acceleration: a robot whose wheels follow slowly wants smaller gains.
 
@@ -44,7 +44,7 @@ pub(crate) struct TuneCommand {
     #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(..=1000))]
     rounds: u16,
     /// Time between two ticks, in seconds
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     /// What tells the law where the robot is
     #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
@@ -93,25 +93,10 @@ impl TuneCommand {
         let noise = self.bounds.bounds();
         let certified = |law: &Law<f64>| certification::holds(&config, law, noise);
 
-        interrupt::listen();
         let (clock, watch, bar) = (Instant::now(), Watch::default(), progress::bar(output, "tuning"));
-        let tuned = std::thread::scope(|scope| {
-            let running = scope.spawn(|| tune.run(&certified, &watch));
-            while !running.is_finished() {
-                if interrupt::asked() {
-                    watch.stop();
-                }
-                progress::show(&bar, watch.done() as f64 / (tune.rounds + 1) as f64);
-                std::thread::sleep(LOOK);
-            }
-            running.join()
-        });
-        bar.finish_and_clear();
-        // A thread ends early only where the library is at fault; there is then nothing to report.
-        let tuned = tuned.map_err(|_| Failure::Usage {
-            what: "the search ended early".to_owned(),
-            help: "this is a mistake of the program".to_owned(),
-        })?;
+        let part = || watch.done() as f64 / (tune.rounds + 1) as f64;
+        let work = || tune.run(&certified, &watch);
+        let tuned = progress::attended(&bar, LOOK, part, || watch.stop(), work)?;
 
         if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
             write(path, &config.with_preset("tuned", &values(best)))?;

@@ -43,24 +43,22 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigErr
 
     let mut problems = Problems::new(path, text);
     let (table, errors) = DeTable::parse_recoverable(text);
-    let mut broken_line = 0;
+    let (mut broken, mut broken_line) = (Vec::new(), 0);
     for error in errors {
         let span = error.span().unwrap_or(0..0);
+        broken.push(span.start);
         let line = line_of(bytes, span.start);
         // The parser recovers as well as it can; what it says next of the same line is its guess, not the file's fault.
         if std::mem::replace(&mut broken_line, line) == line {
             continue;
         }
-        let help = "write `key = value` lines under a `[section]`, as `surepose config show` does";
-        problems.add(
-            span,
-            format!("not TOML: {}", error.message().trim_end()),
-            "here",
-            Some(help.to_owned()),
-        );
+        let help = bare_point(text, span.start).unwrap_or_else(|| {
+            "write `key = value` lines under a `[section]`, as `surepose config show` does".to_owned()
+        });
+        problems.add(span, format!("not TOML: {}", error.message().trim_end()), "here", Some(help));
     }
 
-    let mut reader = Reader { path, text, problems, settings: Vec::new() };
+    let mut reader = Reader { path, text, broken, problems, settings: Vec::new() };
     for (name, value) in table.get_ref() {
         reader.section(name.get_ref(), name.span(), value);
     }
@@ -71,6 +69,8 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigErr
 struct Reader<'t> {
     path: &'t Path,
     text: &'t str,
+    /// Where the text is not TOML.
+    broken: Vec<usize>,
     problems: Problems<'t>,
     settings: Vec<Setting>,
 }
@@ -134,8 +134,8 @@ impl Reader<'_> {
 
     fn value(&mut self, parameter: &'static Parameter, found: &Spanned<DeValue<'_>>) {
         let span = found.span();
-        if span.is_empty() {
-            return; // What stands in for a value that is not TOML; that problem is noted already.
+        if span.is_empty() || self.broken.iter().any(|at| (span.start..=span.end).contains(at)) {
+            return; // What stands in for a value that is not TOML, or a part of one; that problem is noted already.
         }
         let checked = match parameter.kind {
             Kind::Number { range, .. } => checked_number(parameter, found.get_ref(), &range),
@@ -239,6 +239,17 @@ fn described(value: &DeValue<'_>) -> String {
         DeValue::Datetime(_) => "a date".to_owned(),
         DeValue::Integer(_) | DeValue::Float(_) => "a number".to_owned(),
     }
+}
+
+/// The cure for a number without digits on one side of its point, as `.5`, where there is one at `place`.
+fn bare_point(text: &str, place: usize) -> Option<String> {
+    let part_of_number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
+    let (before, after) = text.split_at_checked(place)?;
+    let start = before.trim_end_matches(part_of_number).len();
+    let rest = &after[after.find(|c| !part_of_number(c)).unwrap_or(after.len())..];
+    let written = &text[start..text.len() - rest.len()];
+    let number: f64 = written.parse().ok().filter(|number: &f64| number.is_finite())?;
+    written.contains('.').then(|| format!("a point stands between two digits: write {}", plain(number)))
 }
 
 /// A number as a person would write it: 0.05 rather than 0.050000000000000003.

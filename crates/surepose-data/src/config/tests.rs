@@ -72,7 +72,7 @@ fn slips_are_recognised() {
             "robot.toml:4: unknown key `track_m` in [law] | `track_m` belongs under [robot]",
             "robot.toml:5: `name` cannot be \"papper\" | did you mean \"paper\"? The choice is \"surepose\", \"paper\"",
             "robot.toml:6: unknown key `xyz` in [law] | [law] has name, k_v, k_alpha, h, k_theta, \
-             capture_radius_m, direction",
+             capture_radius_m, position_noise_m, direction",
             "robot.toml:8: `period_s` is a number, and this is text; leave out the quotes | write a number in \
              [0.001, 1] s",
         ]
@@ -116,6 +116,18 @@ fn damaged_text_is_an_error_with_its_line() {
     for option in ["", "=", "law.k_v", "law.k_v=", "law.k_v=1\nlaw.h=2", "k_v=-1", "🦀=1", "[robot]"] {
         assert!(Config::default().with_option(option).is_err(), "{option:?}");
     }
+}
+
+#[test]
+fn a_number_without_a_digit_at_its_point_is_one_problem_with_its_cure() {
+    for (written, cure) in [(".5", "0.5"), ("-.5", "-0.5"), ("5.", "5"), (".5e-1", "0.05")] {
+        let found = complaints(&format!("[law]\nh = 1\nk_v = {written} # fast\n"));
+        let [found] = found.as_slice() else { panic!("{written}: {found:#?}") };
+        assert!(found.starts_with("robot.toml:3: not TOML: "), "{found}");
+        assert!(found.ends_with(&format!("a point stands between two digits: write {cure}")), "{found}");
+    }
+    let shell = Config::default().with_option("law.k_v=.5").expect("nothing but 0.5 can be meant");
+    assert!((shell.number(&param::K_V) - 0.5).abs() < 1e-15);
 }
 
 #[test]

@@ -13,7 +13,8 @@ use super::score::Summary;
 pub struct ReplayReport {
     /// Odometry records that moved the estimate.
     pub steps: u64,
-    /// Time from the first to the last of them \[s].
+    /// Time from the first to the last of them \[s]; absent where the recording's stamps are too coarse to tell.
+    #[serde(skip_serializing_if = "is_unknown")]
     pub duration_s: f64,
     /// Length of the way \[m].
     pub distance_m: f64,
@@ -49,6 +50,11 @@ pub struct ReplayReport {
     pub rejected: BTreeMap<&'static str, u32>,
     /// Records that are no measurement of the map, by kind; the filter never saw them.
     pub skipped: BTreeMap<&'static str, u32>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_unknown(duration: &f64) -> bool {
+    *duration <= 0.0
 }
 
 impl ReplayReport {
@@ -109,8 +115,10 @@ mod tests {
             keys
         };
         let always = ["accepted", "distance_m", "duration_s", "rejected", "skipped", "steps", "wall_s"];
-        let mut report = ReplayReport::default();
+        let mut report = ReplayReport { duration_s: 60.0, ..ReplayReport::default() };
         assert_eq!(keys(&report), always);
+        let without_stamps = keys(&ReplayReport::default());
+        assert!(!without_stamps.iter().any(|key| key == "duration_s"), "{without_stamps:?}");
 
         let summary = Summary {
             position_rmse: 1.0,
