@@ -5,7 +5,7 @@ use crate::scalar::{Mask, Scalar};
 /// The distances at which the robot rests rather than follow the noise of its estimate to and fro.
 ///
 /// The law is told how far off its estimate is. The robot does not drive where the goal is less than `reach` ahead, slows
-/// down smoothly to that, and turns its travel round only for a goal at least twice as far behind.
+/// down smoothly to that, and turns its travel round only for a goal 2.4 times as far behind.
 ///
 /// # Departure
 /// (23) and (28) of [Tran2012] drive for every ρ cos α ≠ 0, so that on the goal the wheels change their direction as
