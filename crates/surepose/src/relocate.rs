@@ -10,30 +10,37 @@
 //! scan is bounded by [`MOST_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
 //! [`Glance::from`] for each that is not, and thirteen for each hypothesis.
 
+mod chart;
 mod memory;
 mod pool;
 mod propose;
+mod search;
 mod trail;
 
 use crate::angle::Angle;
 use crate::covariance::Covariance;
 use crate::estimate::{Belief, Compass, Ekf, Stamp, Stamped, Travel};
-use crate::frame::{Body, Map};
-use crate::laser::{Agreement, Glance, Matcher, RangeFinder, Scan, SeenLine, Wall};
+use crate::frame::{Body, Laser, Map};
+use crate::laser::{Agreement, Glance, Pull, RangeFinder, Scan, SeenLine, Wall};
 use crate::pose::Pose;
 use crate::scalar::Float;
 
+pub use chart::{Chart, Extent};
 pub use propose::MOST_PAIRS;
 pub use trail::MOST_STRETCHES;
 
 use memory::{BEAMS, Memory};
 use pool::Pool;
 use propose::{Hint, propose};
+use search::Fan;
 use trail::Trail;
 
 /// How far a proposal may be off, x and y \[m] and heading \[rad]: ten times what two lines leave open, so that the
 /// lines, which are counted again when the hypothesis starts, count a hundredth twice.
 const VAGUE: [f64; 3] = [0.15, 0.15, 0.05];
+
+/// How far off a proposal is taken to be while it settles, step by step.
+const SETTLING: [[f64; 3]; 3] = [[0.1, 0.1, 0.03], [0.05, 0.05, 0.02], [0.05, 0.05, 0.02]];
 
 /// Hypotheses nearer than this \[m], \[rad] are one.
 const SAME: (f64, f64) = (0.2, 0.1);
@@ -105,7 +112,6 @@ pub enum Finding<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct Relocaliser<S, const N: usize = 24> {
     ekf: Ekf<S>,
-    matcher: Matcher<S>,
     certainty: Certainty<S>,
     hypotheses: [Option<Hypothesis<S>>; N],
     memory: Memory<S>,
@@ -118,12 +124,11 @@ pub struct Relocaliser<S, const N: usize = 24> {
 
 impl<S: Float, const N: usize> Relocaliser<S, N> {
     /// Knows nothing at `stamp`.
-    pub fn new(ekf: Ekf<S>, matcher: Matcher<S>, certainty: Certainty<S>, stamp: Stamp) -> Self {
+    pub fn new(ekf: Ekf<S>, certainty: Certainty<S>, stamp: Stamp) -> Self {
         let trail = Trail::starting(stamp);
         let memory = Memory::empty();
         Self {
             ekf,
-            matcher,
             certainty,
             hypotheses: [None; N],
             memory,
@@ -136,7 +141,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
 
     /// Forgets every hypothesis: the robot may be anywhere.
     pub fn forget(&mut self, stamp: Stamp) {
-        *self = Self::new(self.ekf, self.matcher, self.certainty, stamp);
+        *self = Self::new(self.ekf, self.certainty, stamp);
     }
 
     /// The robot rolled until `stamp`.
@@ -176,6 +181,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         scan: &Scan<'_, S>,
         lines: &[SeenLine<S>],
         walls: &[Wall<S>],
+        chart: Option<&Chart<'_, S>>,
     ) -> Finding<S> {
         let Ok(glance) = Glance::<S, BEAMS>::of(laser, scan) else { return self.finding() };
         if stamp < self.trail.start() {
@@ -187,15 +193,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
             self.memory.roll(&self.ekf.drive, travel);
         }
         let memory = self.memory;
-        let view = View {
-            ekf: self.ekf,
-            matcher: self.matcher,
-            laser,
-            lines,
-            walls,
-            glance: &glance,
-            memory: &memory,
-        };
+        let view = View { ekf: self.ekf, walls, glance: &glance, memory: &memory };
         for slot in &mut self.hypotheses {
             if let Some(hypothesis) = slot {
                 for travel in travels.iter() {
@@ -208,10 +206,21 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
                 }
             }
         }
-        self.add(&view, &hint);
+        self.add(&view, &proposed::<S, N>(&glance, lines, walls, &laser.body_from_laser, &hint));
+        if self.memory.keep(&glance)
+            && let Some(chart) = chart
+        {
+            let fan = Fan::of(self.memory.ends(), self.memory.ends().count());
+            let mut found = Pool::<S, N>::empty();
+            let mut rank = S::of(0.0);
+            fan.search(chart, &hint, self.certainty.clearance, |pose| {
+                found.keep(pose, rank);
+                rank = rank + S::of(1.0);
+            });
+            self.add(&view, &found);
+        }
         self.merge();
         self.drop_hopeless(walls);
-        self.memory.keep(&glance);
         self.doubt_memory();
         self.ahead = match self.best_by_far() {
             Some(number) if number == self.ahead.0 => (number, self.ahead.1.saturating_add(1)),
@@ -241,24 +250,18 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         })
     }
 
-    /// Takes in what this scan proposes, the best in place of the worst.
-    fn add(&mut self, view: &View<'_, S>, hint: &Hint<S>) {
-        let quick = view.glance.halved();
-        let vague = Covariance::from_std([S::of(0.05), S::of(0.05), S::of(0.02)]);
-        let mut pool = Pool::<S, N>::empty();
-        propose(view.lines, view.walls, &view.laser.body_from_laser, hint, |pose| {
-            let seen = quick.from(pose, &vague, view.walls);
-            if seen.explained_share() > S::of(0.4) {
-                pool.keep(pose, seen.misfit);
-            }
-        });
+    /// Takes in what was proposed, the best in place of the worst.
+    fn add(&mut self, view: &View<'_, S>, pool: &Pool<S, N>) {
         for pose in pool.poses() {
             let known = self.hypotheses().find(|known| is_same(known.belief.pose, pose));
             // One that went astray does not stand in the way of a better one.
             if known.is_some_and(|known| known.agreement.explained_share() >= self.certainty.explained) {
                 continue;
             }
-            let fresh = view.judged(Belief::new(pose, VAGUE.map(S::of)), 1);
+            let fresh = view.judged(view.settled(pose), 1);
+            if !fresh.agreement.misfit.is_finite() {
+                continue;
+            }
             let slot = match self.hypotheses.iter_mut().find(|slot| slot.is_none()) {
                 Some(free) => Some(free),
                 None => self
@@ -331,12 +334,29 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
     }
 }
 
+/// The poses from which two lines of the scan lie on walls, and most of the beams do.
+fn proposed<S: Float, const N: usize>(
+    glance: &Glance<S, BEAMS>,
+    lines: &[SeenLine<S>],
+    walls: &[Wall<S>],
+    body_from_laser: &Pose<Body, Laser, S>,
+    hint: &Hint<S>,
+) -> Pool<S, N> {
+    let quick = glance.halved();
+    let vague = Covariance::from_std([S::of(0.05), S::of(0.05), S::of(0.02)]);
+    let mut pool = Pool::empty();
+    propose(lines, walls, body_from_laser, hint, |pose| {
+        let seen = quick.from(pose, &vague, walls);
+        if seen.explained_share() > S::of(0.4) {
+            pool.keep(pose, seen.misfit);
+        }
+    });
+    pool
+}
+
 /// One scan, and what it is held against.
 struct View<'a, S> {
     ekf: Ekf<S>,
-    matcher: Matcher<S>,
-    laser: &'a RangeFinder<S>,
-    lines: &'a [SeenLine<S>],
     walls: &'a [Wall<S>],
     glance: &'a Glance<S, BEAMS>,
     memory: &'a Memory<S>,
@@ -345,19 +365,33 @@ struct View<'a, S> {
 impl<S: Float> View<'_, S> {
     /// The hypothesis that the robot is where `belief` says, corrected and judged.
     fn judged(&self, belief: Belief<S>, scans: u16) -> Hypothesis<S> {
-        let belief = self.corrected(belief);
+        let mut pull = Pull::none();
+        let pose = belief.pose;
+        let _of_before =
+            self.glance.pulled_from(pose, &belief.covariance, self.walls, pose.origin(), &mut pull);
+        let belief = self.pulled(belief, &pull);
         let now = self.glance.from(belief.pose, &belief.covariance, self.walls);
         let agreement = now.plus(&self.memory.agreement(belief.pose, self.walls));
         Hypothesis { belief, agreement, scans }
     }
 
-    fn corrected(&self, belief: Belief<S>) -> Belief<S> {
-        let mount = &self.laser.body_from_laser;
-        let matched = self.matcher.matched(&self.ekf, &belief, mount, self.lines, self.walls);
-        matched.sightings().fold(belief, |belief, sighting| {
-            let gate = self.matcher.gate.threshold(2);
-            self.ekf.correct(belief, &sighting.innovation(&belief), gate).belief
-        })
+    /// Near `pose`, where all scans in mind fit best; as vague as proposals are.
+    fn settled(&self, mut pose: Pose<Map, Body, S>) -> Belief<S> {
+        for vague in SETTLING {
+            let vague = Belief::new(pose, vague.map(S::of));
+            let mut pull = Pull::none();
+            let _of_before =
+                self.glance.pulled_from(pose, &vague.covariance, self.walls, pose.origin(), &mut pull);
+            self.memory.pull(pose, &vague.covariance, self.walls, &mut pull);
+            pose = self.pulled(vague, &pull).pose;
+        }
+        Belief::new(pose, VAGUE.map(S::of))
+    }
+
+    fn pulled(&self, belief: Belief<S>, pull: &Pull<S>) -> Belief<S> {
+        // What is not finite pulls nowhere.
+        pull.fix(belief.pose)
+            .map_or(belief, |fix| self.ekf.correct(belief, &fix.innovation(&belief), S::of(f64::MAX)).belief)
     }
 }
 
@@ -367,6 +401,10 @@ fn misfit<S: Float>(slot: Option<&Hypothesis<S>>) -> f64 {
 }
 
 fn is_same<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>) -> bool {
+    is_near(a, b, SAME)
+}
+
+fn is_near<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>, (far, turn): (f64, f64)) -> bool {
     let turned: Angle<S> = a.heading - b.heading;
-    a.origin().distance(b.origin()) < S::of(SAME.0) && turned.radians().abs() < S::of(SAME.1)
+    a.origin().distance(b.origin()) < S::of(far) && turned.radians().abs() < S::of(turn)
 }

@@ -8,6 +8,7 @@ use surepose_sim::{Segment, Sensed};
 
 use super::scenario::Reading;
 use super::watch::{Sight, Watch};
+use crate::survey::Survey;
 
 /// The most beams that the configuration allows.
 const MOST_BEAMS: usize = 4096;
@@ -28,12 +29,15 @@ pub struct Perception {
     /// Where scans are read beam by beam: how, and the memory for it.
     aligner: Option<(Aligner<f64>, Box<AlignerMemory<f64, MOST_BEAMS>>)>,
     walls: Vec<Wall<f64>>,
+    survey: Survey,
 }
 
 impl Perception {
     /// The perception of a robot whose map has these walls; one without length is left out of the map.
     pub fn new(config: &Config, walls: &[Segment], reading: Reading) -> Self {
         let laser = config.laser();
+        let walls: Vec<_> =
+            walls.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect();
         Self {
             compass: config.compass(),
             laser: RangeFinder {
@@ -46,7 +50,8 @@ impl Perception {
             extractor: Box::default(),
             matcher: Matcher::default(),
             aligner: (reading == Reading::Beams).then(|| (aligner(), Box::default())),
-            walls: walls.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect(),
+            survey: Survey::of(&walls, |_| true),
+            walls,
         }
     }
 
@@ -104,7 +109,8 @@ impl Perception {
             }
         }
         let (laser, lines, walls) = (&self.laser, extracted.lines, &self.walls[..]);
-        watch.looked(estimator, &Sight { stamp: scan.stamp, laser, scan: &seen, lines, walls });
+        let chart = self.survey.chart();
+        watch.looked(estimator, &Sight { stamp: scan.stamp, laser, scan: &seen, lines, walls, chart });
     }
 }
 

@@ -1,9 +1,9 @@
 //! The supervisor at work: it hears of everything, and looks for the robot when that is lost.
 
 use surepose::{
-    Belief, Certainty, Compass, Estimator, Finding, Glance, Health, Hypothesis, Matcher, Outcome,
-    RangeFinder, Refusal, Relocaliser, Scan, SeenLine, Stamp, Stamped, Supervisor, Travel, Verdict,
-    Vigilance, Wall, Wheels,
+    Belief, Certainty, Chart, Compass, Estimator, Finding, Glance, Health, Hypothesis, Outcome, RangeFinder,
+    Refusal, Relocaliser, Scan, SeenLine, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wall,
+    Wheels,
 };
 use surepose_data::Config;
 
@@ -44,6 +44,8 @@ pub struct Sight<'a> {
     pub lines: &'a [SeenLine<f64>],
     /// The walls of the map.
     pub walls: &'a [Wall<f64>],
+    /// How far from them each place is.
+    pub chart: Option<Chart<'a, f64>>,
 }
 
 impl Watch {
@@ -53,7 +55,7 @@ impl Watch {
         let vigilance = Vigilance { unaided: if aided { usual.unaided } else { f64::INFINITY }, ..usual };
         // A robot that has turned in place has room for its wheels.
         let certainty = Certainty { clearance: 0.5 * config.drive().track, ..Certainty::default() };
-        let relocaliser = Relocaliser::new(config.ekf(), Matcher::default(), certainty, stamp);
+        let relocaliser = Relocaliser::new(config.ekf(), certainty, stamp);
         Self {
             supervisor: Supervisor::new(vigilance, stamp),
             relocaliser: Box::new(relocaliser),
@@ -143,8 +145,10 @@ impl Watch {
     }
 
     fn look_for<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_>) {
-        let Sight { stamp, laser, scan, lines, walls } = *sight;
-        if let Finding::Found(belief) = self.relocaliser.look(stamp, laser, scan, lines, walls) {
+        let Sight { stamp, laser, scan, lines, walls, chart } = *sight;
+        if let Finding::Found(belief) =
+            self.relocaliser.look(stamp, laser, scan, lines, walls, chart.as_ref())
+        {
             estimator.restart(self.relocaliser.stamp(), self.told(belief));
             for (end, travel) in self.relocaliser.since_scan() {
                 // What the trail holds was checked when it was taken in.

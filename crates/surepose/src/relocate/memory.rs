@@ -4,8 +4,8 @@ use crate::covariance::Covariance;
 use crate::drive::{Drive, Integration};
 use crate::estimate::Travel;
 use crate::frame::{Body, Map};
-use crate::laser::{Agreement, Glance, Wall};
-use crate::pose::Pose;
+use crate::laser::{Agreement, Glance, Pull, Wall};
+use crate::pose::{Point, Pose};
 use crate::scalar::Float;
 
 /// Beams of a scan that are looked at: enough that a plate 15° wide counts five.
@@ -59,8 +59,8 @@ impl<S: Float> Memory<S> {
         self.turned
     }
 
-    /// Keeps the scan of now, if it shows something else than the last one that was kept.
-    pub(super) fn keep(&mut self, glance: &Glance<S, BEAMS>) {
+    /// Keeps the scan of now, if it shows something else than the last one that was kept; whether it did.
+    pub(super) fn keep(&mut self, glance: &Glance<S, BEAMS>) -> bool {
         let last = self.frames[(self.next + MOST_FRAMES - 1) % MOST_FRAMES];
         let is_new = last.is_none_or(|last| {
             let way = last.now_from_then;
@@ -70,6 +70,27 @@ impl<S: Float> Memory<S> {
         if is_new {
             self.frames[self.next] = Some(Frame { glance: *glance, now_from_then: Pose::identity() });
             self.next = (self.next + 1) % MOST_FRAMES;
+        }
+        is_new
+    }
+
+    /// Where all remembered beams ended, seen from where the robot is now.
+    pub(super) fn ends(&self) -> impl Iterator<Item = Point<Body, S>> + '_ {
+        let frames = self.frames.iter().flatten();
+        frames.flat_map(|frame| frame.glance.ends().map(|end| frame.now_from_then * end))
+    }
+
+    /// What the remembered scans say of a robot near `pose`, added to `pull`.
+    pub(super) fn pull(
+        &self,
+        pose: Pose<Map, Body, S>,
+        covariance: &Covariance<S, 3>,
+        walls: &[Wall<S>],
+        pull: &mut Pull<S>,
+    ) {
+        for frame in self.frames.iter().flatten() {
+            let then = pose * frame.now_from_then;
+            let _judged_elsewhere = frame.glance.pulled_from(then, covariance, walls, pose.origin(), pull);
         }
     }
 
