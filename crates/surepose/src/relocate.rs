@@ -190,7 +190,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         let hint = self.hint(stamp);
         let travels = self.trail.take_until(stamp);
         for travel in travels.iter() {
-            self.memory.roll(&self.ekf.drive, travel);
+            self.memory.roll(&self.ekf, travel);
         }
         let memory = self.memory;
         let view = View { ekf: self.ekf, walls, glance: &glance, memory: &memory };
@@ -277,17 +277,17 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         }
     }
 
-    /// Of two hypotheses that came together, the one that explains more stays.
+    /// Of two hypotheses that came together, the one that explains more stays, under the number of the elder.
     fn merge(&mut self) {
         for i in 0..N {
             for j in 0..i {
                 if let (Some(a), Some(b)) = (self.hypotheses[i], self.hypotheses[j])
                     && is_same(a.belief.pose, b.belief.pose)
                 {
-                    let a_stays = a.agreement.misfit < b.agreement.misfit;
-                    let scans = a.scans.max(b.scans);
-                    self.hypotheses[i] = a_stays.then_some(Hypothesis { scans, ..a });
-                    self.hypotheses[j] = (!a_stays).then_some(Hypothesis { scans, ..b });
+                    let better = if a.agreement.misfit < b.agreement.misfit { a } else { b };
+                    let (elder, younger) = if a.scans > b.scans { (i, j) } else { (j, i) };
+                    self.hypotheses[elder] = Some(Hypothesis { scans: a.scans.max(b.scans), ..better });
+                    self.hypotheses[younger] = None;
                 }
             }
         }

@@ -1,13 +1,13 @@
 //! From headings and scans to measurements of the pose.
 
-use surepose::{Aligner, AlignerMemory, Alignment, Angle, Compass, Estimator, Gate, Measurement, Stamped};
-use surepose::{LineExtractor, Matcher, RangeFinder, Scan, Wall};
+use surepose::{Angle, Compass, Estimator, Glance, LineExtractor, Matcher, Measurement, RangeFinder, Scan};
+use surepose::{Stamped, Wall};
 use surepose_data::Config;
 use surepose_data::config::CompassMounting;
 use surepose_sim::{Segment, Sensed};
 
 use super::scenario::Reading;
-use super::watch::{Sight, Watch};
+use super::watch::{BEAMS, Sight, Watch};
 use crate::survey::Survey;
 
 /// The most beams that the configuration allows.
@@ -26,8 +26,7 @@ pub struct Perception {
     laser: RangeFinder<f64>,
     extractor: Box<LineExtractor<f64, MOST_BEAMS>>,
     matcher: Matcher<f64>,
-    /// Where scans are read beam by beam: how, and the memory for it.
-    aligner: Option<(Aligner<f64>, Box<AlignerMemory<f64, MOST_BEAMS>>)>,
+    reading: Reading,
     walls: Vec<Wall<f64>>,
     survey: Survey,
 }
@@ -49,7 +48,7 @@ impl Perception {
             },
             extractor: Box::default(),
             matcher: Matcher::default(),
-            aligner: (reading == Reading::Beams).then(|| (aligner(), Box::default())),
+            reading,
             survey: Survey::of(&walls, |_| true),
             walls,
         }
@@ -94,10 +93,14 @@ impl Perception {
         // A scan older than the history cannot be matched, one that cannot be read says nothing.
         let Some(belief) = estimator.belief_at(scan.stamp) else { return };
         let Ok(extracted) = self.extractor.extract(&self.laser, &seen) else { return };
-        if let Some((aligner, memory)) = &mut self.aligner {
-            let aligned = aligner.align(memory, estimator.ekf(), &belief, &self.laser, &seen, &self.walls);
-            if let Ok(Alignment::Found(aligned)) = aligned {
-                let outcome = estimator.measure(Stamped::new(scan.stamp, Measurement::Pose(aligned.fix)));
+        if self.reading == Reading::Beams {
+            let Ok(glance) = Glance::<f64, BEAMS>::of(&self.laser, &seen) else { return };
+            let (agreement, fix) = glance.fix(&belief, &self.walls);
+            if let Ok(fix) = fix
+                && agreement.explained_share() >= LEAST_SHARE
+            {
+                let fix = fix.blurred(SCAN_STD.map(|std| std * std));
+                let outcome = estimator.measure(Stamped::new(scan.stamp, Measurement::Pose(fix)));
                 watch.matched(scan.stamp, outcome, 3);
             }
         } else {
@@ -114,18 +117,10 @@ impl Perception {
     }
 }
 
-/// Scans laid on walls that a grid was traced with.
+/// The least part of a scan that the map explains for it to say where the robot is.
+const LEAST_SHARE: f64 = 0.4;
+
+/// What all beams of a scan may be off by on a map that was traced from a grid: x, y \[m] and heading \[rad].
 ///
-/// What puts one scan off, a beam given to the wrong of two walls a cell apart, puts the next one off as well: a scan
-/// counts for far less than its beams by themselves.
-fn aligner() -> Aligner<f64> {
-    Aligner {
-        gate: Gate::new(0.999),
-        farthest_off: 0.5,
-        fewest_beams: 3,
-        least_share: 0.4,
-        wall_offset_std: 0.01,
-        wall_direction_std: 0.005,
-        scan_std: [0.03, 0.03, 0.3_f64.to_radians()],
-    }
-}
+/// What puts one scan off puts the next one off as well: a scan counts for far less than its beams by themselves.
+const SCAN_STD: [f64; 3] = [0.03, 0.03, 0.3 * core::f64::consts::PI / 180.0];

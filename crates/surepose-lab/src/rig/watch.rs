@@ -10,7 +10,7 @@ use surepose_data::Config;
 use super::scenario::Reading;
 
 /// Beams of a scan that are held against the map.
-const BEAMS: usize = 128;
+pub(super) const BEAMS: usize = 128;
 
 /// How fast a lost robot turns in place to see more \[rad/s].
 pub const SEARCH_RATE: f64 = 0.8;

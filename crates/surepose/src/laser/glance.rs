@@ -1,6 +1,7 @@
 //! Does the map explain the scan, if the robot stands here? Beam by beam, without looking for lines.
 
-use crate::covariance::Covariance;
+use crate::covariance::{Covariance, NotACovariance};
+use crate::estimate::{Belief, PoseFix};
 use crate::frame::{Body, Laser, Map};
 use crate::pose::{Point, Pose};
 use crate::scalar::Float;
@@ -134,6 +135,21 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
         walls: &[Wall<S>],
     ) -> Agreement<S> {
         self.compare(&self.fates(pose, &self.vague(covariance), walls))
+    }
+
+    /// The pose that the explained beams ask for, seen from what is believed, and how the scan agrees with `walls` there.
+    ///
+    /// # Errors
+    /// [`NotACovariance`] where something is not finite.
+    pub fn fix(
+        &self,
+        belief: &Belief<S>,
+        walls: &[Wall<S>],
+    ) -> (Agreement<S>, Result<PoseFix<S>, NotACovariance>) {
+        let pose = belief.pose;
+        let mut pull = Pull::none();
+        let agreement = self.pulled_from(pose, &belief.covariance, walls, pose.origin(), &mut pull);
+        (agreement, pull.fix(pose))
     }
 
     /// How the scan agrees with `walls`, seen from `pose`, and, added to `pull`, what its explained beams say of a pose

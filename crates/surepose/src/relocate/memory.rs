@@ -1,8 +1,8 @@
 //! Scans to remember: a few, from different headings, so that what was seen before a turn still counts after it.
 
 use crate::covariance::Covariance;
-use crate::drive::{Drive, Integration};
-use crate::estimate::Travel;
+use crate::drive::Integration;
+use crate::estimate::{Belief, Ekf, Travel};
 use crate::frame::{Body, Map};
 use crate::laser::{Agreement, Glance, Pull, Wall};
 use crate::pose::{Point, Pose};
@@ -18,8 +18,8 @@ const MOST_FRAMES: usize = 12;
 const TURN: f64 = 0.25;
 const STEP: f64 = 0.3;
 
-/// How far odometry may be off between a remembered scan and now: x, y \[m] and heading \[rad].
-const DRIFT: [f64; 3] = [0.05, 0.05, 0.02];
+/// How far the pose of now may be off, on top of what odometry may have drifted since: x, y \[m] and heading \[rad].
+const OFF: [f64; 3] = [0.02, 0.02, 0.006];
 
 /// The last scans that differ.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,8 @@ struct Frame<S> {
     glance: Glance<S, BEAMS>,
     /// Where the robot was then, seen from where it is now.
     now_from_then: Pose<Body, Body, S>,
+    /// The variances of what odometry says since then: x, y \[m²] and heading \[rad²].
+    drift: [S; 3],
 }
 
 impl<S: Float> Memory<S> {
@@ -44,13 +46,19 @@ impl<S: Float> Memory<S> {
     }
 
     /// The robot moved on.
-    pub(super) fn roll(&mut self, drive: &Drive<S>, travel: &Travel<S>) {
-        let motion = drive.motion_from_travel(travel.rims);
+    pub(super) fn roll(&mut self, ekf: &Ekf<S>, travel: &Travel<S>) {
+        let motion = ekf.drive.motion_from_travel(travel.rims);
+        let step = ekf.predict(Belief::new(Pose::identity(), [S::of(0.0); 3]), *travel).covariance;
+        let (place, turn) = (step.entry(0, 0).max(step.entry(1, 1)), step.entry(2, 2));
         self.turned = self.turned + motion.turn.abs();
         let then_from_now = Pose::identity().moved(motion, Integration::Arc);
         let now_from_then = then_from_now.inverse();
         for frame in self.frames.iter_mut().flatten() {
             frame.now_from_then = now_from_then * frame.now_from_then;
+            let swing =
+                turn * frame.now_from_then.origin().distance(Point::new(S::of(0.0), S::of(0.0))).squared();
+            let [x, y, heading] = frame.drift;
+            frame.drift = [x + place + swing, y + place + swing, heading + turn];
         }
     }
 
@@ -68,7 +76,11 @@ impl<S: Float> Memory<S> {
                 || way.origin().distance(Pose::<Body, Body, S>::identity().origin()) > S::of(STEP)
         });
         if is_new {
-            self.frames[self.next] = Some(Frame { glance: *glance, now_from_then: Pose::identity() });
+            self.frames[self.next] = Some(Frame {
+                glance: *glance,
+                now_from_then: Pose::identity(),
+                drift: OFF.map(|off| S::of(off).squared()),
+            });
             self.next = (self.next + 1) % MOST_FRAMES;
         }
         is_new
@@ -96,8 +108,8 @@ impl<S: Float> Memory<S> {
 
     /// How the remembered scans agree with the map if the robot is at `pose` now.
     pub(super) fn agreement(&self, pose: Pose<Map, Body, S>, walls: &[Wall<S>]) -> Agreement<S> {
-        let drift = Covariance::from_std(DRIFT.map(S::of));
         self.frames.iter().flatten().fold(Agreement::default(), |sum, frame| {
+            let drift = Covariance::from_variances(frame.drift);
             sum.plus(&frame.glance.from(pose * frame.now_from_then, &drift, walls))
         })
     }
