@@ -2,11 +2,13 @@
 
 mod drive;
 mod figures;
+mod hall;
 mod localisation;
 mod walls;
 
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
 pub use figures::{fig3, fig6, fig7};
+pub use hall::hall;
 pub use localisation::{Localised, fig4, fig5};
 pub use surepose_plot::{Picture, PlotError};
 pub use walls::wall_map;

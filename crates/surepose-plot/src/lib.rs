@@ -9,6 +9,6 @@ mod picture;
 mod style;
 
 pub use chart::{Chart, Mark, Panel, Series};
-pub use map::{Arrow, Map, Outline, Trace};
+pub use map::{Arrow, Cloud, Map, Outline, Trace};
 pub use picture::{Cell, Picture, PlotError, beside, beside_column};
 pub use style::{Color, Stroke};

@@ -1,7 +1,7 @@
 //! A map from above: walls, ways, ellipses and poses, one metre as long upwards as sideways.
 
 use kuva::plot::legend::LegendPosition;
-use kuva::plot::{LinePlot, QuiverPlot};
+use kuva::plot::{LinePlot, QuiverPlot, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
@@ -13,6 +13,7 @@ use crate::style::{Color, Stroke};
 pub struct Map {
     title: String,
     walls: Vec<[(f64, f64); 2]>,
+    clouds: Vec<Cloud>,
     traces: Vec<Trace>,
     outlines: Vec<Outline>,
     arrows: Vec<Arrow>,
@@ -38,6 +39,17 @@ pub struct Trace {
     pub points: Vec<(f64, f64)>,
     /// How it is drawn.
     pub stroke: Stroke,
+}
+
+/// Points that hang together by nothing: ends of beams, cells of a grid.
+#[derive(Clone, Debug)]
+pub struct Cloud {
+    /// What the legend calls them.
+    pub label: String,
+    /// Where they are.
+    pub points: Vec<(f64, f64)>,
+    /// Their colour.
+    pub color: Color,
 }
 
 /// Closed curves of one kind.
@@ -68,6 +80,8 @@ pub struct Arrow {
 const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
 /// Width of the legend \[px].
 const LEGEND: f64 = 196.0;
+/// The radius of a point \[px].
+const POINT: f64 = 1.2;
 /// More walls than this are a building.
 const CROWDED: usize = 50;
 /// The longest side of a map \[px].
@@ -83,6 +97,13 @@ impl Map {
     #[must_use]
     pub fn walls(mut self, walls: impl IntoIterator<Item = [(f64, f64); 2]>) -> Self {
         self.walls.extend(walls);
+        self
+    }
+
+    /// With points.
+    #[must_use]
+    pub fn points(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, color: Color) -> Self {
+        self.clouds.push(Cloud { label: label.into(), points, color });
         self
     }
 
@@ -173,6 +194,11 @@ impl Map {
             let label = if i == 0 { "walls" } else { "" };
             plots.push(line(label, wall.into_iter().map(scaled), stroke));
         }
+        for Cloud { label, points, color } in self.clouds {
+            let finite = points.into_iter().filter(|(x, y)| x.is_finite() && y.is_finite()).map(scaled);
+            let cloud = ScatterPlot::new().with_data(finite).with_color(color.hex()).with_size(POINT);
+            plots.push(Plot::Scatter(if label.is_empty() { cloud } else { cloud.with_legend(label) }));
+        }
         for outline in self.outlines {
             for (i, curve) in outline.curves.into_iter().enumerate() {
                 let label = if i == 0 { outline.label.as_str() } else { "" };
@@ -204,7 +230,9 @@ impl Map {
         let traces = self.traces.iter().map(|trace| &trace.label);
         let outlines = self.outlines.iter().map(|outline| &outline.label);
         let arrows = self.arrows.iter().map(|arrow| &arrow.label);
-        !self.walls.is_empty() || traces.chain(outlines).chain(arrows).any(|label| !label.is_empty())
+        let clouds = self.clouds.iter().map(|cloud| &cloud.label);
+        !self.walls.is_empty()
+            || traces.chain(outlines).chain(arrows).chain(clouds).any(|label| !label.is_empty())
     }
 
     /// The window, or the corners of everything with a margin.
@@ -216,10 +244,10 @@ impl Map {
         let traces = self.traces.iter().flat_map(|trace| &trace.points);
         let outlines = self.outlines.iter().flat_map(|outline| outline.curves.iter().flatten());
         let arrows = self.arrows.iter().map(|arrow| &arrow.at);
+        let clouds = self.clouds.iter().flat_map(|cloud| &cloud.points);
+        let all = walls.chain(traces).chain(outlines).chain(arrows).chain(clouds);
         let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
-        for (x, y) in
-            walls.chain(traces).chain(outlines).chain(arrows).filter(|p| p.0.is_finite() && p.1.is_finite())
-        {
+        for (x, y) in all.filter(|p| p.0.is_finite() && p.1.is_finite()) {
             low = (low.0.min(*x), low.1.min(*y));
             high = (high.0.max(*x), high.1.max(*y));
         }

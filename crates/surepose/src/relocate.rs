@@ -1,14 +1,16 @@
 //! Where am I, if I know nothing? From the walls in view to one pose, or to several as long as several explain them.
 //!
-//! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one. What explains the scan
-//! beam by beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the matched walls correct,
+//! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one; and where there is a
+//! [`Chart`] of the map, every pose of a lattice is tried, so that no place is overlooked. What explains the scan beam by
+//! beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the beams correct,
 //! judged by how well the map explains what is seen from there ([`Glance`]), now and in a few scans that are remembered.
 //! A place is found when one hypothesis explains them all and every other explains them far worse. Two places that look
 //! alike stay two: somebody has to move until they do not, to turn for instance.
 //!
-//! Memory is fixed: `N` hypotheses, `N` proposals, [`MOST_STRETCHES`] stretches of odometry, twelve scans. The work of a
+//! Memory is fixed: `N` hypotheses, `N` proposals, [`MOST_STRETCHES`] stretches of odometry, `FRAMES` scans. The work of a
 //! scan is bounded by [`MOST_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
-//! [`Glance::from`] for each that is not, and thirteen for each hypothesis.
+//! [`Glance::from`] for each that is not, and up to 2 · `FRAMES` + 2 for each hypothesis. The lattice is tried each time a
+//! scan is worth remembering: at most 8192 look-ups for each of its places.
 
 mod chart;
 mod memory;
@@ -16,12 +18,13 @@ mod pool;
 mod propose;
 mod search;
 mod trail;
+mod view;
 
 use crate::angle::Angle;
 use crate::covariance::Covariance;
 use crate::estimate::{Belief, Compass, Ekf, Stamp, Stamped, Travel};
 use crate::frame::{Body, Laser, Map};
-use crate::laser::{Agreement, Glance, Pull, RangeFinder, Scan, SeenLine, Wall};
+use crate::laser::{Agreement, Glance, RangeFinder, Scan, SeenLine, Wall};
 use crate::pose::Pose;
 use crate::scalar::Float;
 
@@ -34,13 +37,7 @@ use pool::Pool;
 use propose::{Hint, propose};
 use search::Fan;
 use trail::Trail;
-
-/// How far a proposal may be off, x and y \[m] and heading \[rad]: ten times what two lines leave open, so that the
-/// lines, which are counted again when the hypothesis starts, count a hundredth twice.
-const VAGUE: [f64; 3] = [0.15, 0.15, 0.05];
-
-/// How far off a proposal is taken to be while it settles, step by step.
-const SETTLING: [[f64; 3]; 3] = [[0.1, 0.1, 0.03], [0.05, 0.05, 0.02], [0.05, 0.05, 0.02]];
+use view::View;
 
 /// Hypotheses nearer than this \[m], \[rad] are one.
 const SAME: (f64, f64) = (0.2, 0.1);
@@ -108,13 +105,13 @@ pub enum Finding<S> {
     Found(Belief<S>),
 }
 
-/// Looks for the pose with up to `N` hypotheses.
+/// Looks for the pose with up to `N` hypotheses, held against up to `FRAMES` scans that are remembered.
 #[derive(Clone, Copy, Debug)]
-pub struct Relocaliser<S, const N: usize = 24> {
+pub struct Relocaliser<S, const N: usize = 24, const FRAMES: usize = 24> {
     ekf: Ekf<S>,
     certainty: Certainty<S>,
     hypotheses: [Option<Hypothesis<S>>; N],
-    memory: Memory<S>,
+    memory: Memory<S, FRAMES>,
     baffled: u16,
     /// The hypothesis that is ahead of all others, by number, and for how many scans.
     ahead: (usize, u16),
@@ -122,7 +119,7 @@ pub struct Relocaliser<S, const N: usize = 24> {
     heading: Option<Stamped<Compass<S>>>,
 }
 
-impl<S: Float, const N: usize> Relocaliser<S, N> {
+impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
     /// Knows nothing at `stamp`.
     pub fn new(ekf: Ekf<S>, certainty: Certainty<S>, stamp: Stamp) -> Self {
         let trail = Trail::starting(stamp);
@@ -251,7 +248,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
     }
 
     /// Takes in what was proposed, the best in place of the worst.
-    fn add(&mut self, view: &View<'_, S>, pool: &Pool<S, N>) {
+    fn add(&mut self, view: &View<'_, S, FRAMES>, pool: &Pool<S, N>) {
         for pose in pool.poses() {
             let known = self.hypotheses().find(|known| is_same(known.belief.pose, pose));
             // One that went astray does not stand in the way of a better one.
@@ -352,47 +349,6 @@ fn proposed<S: Float, const N: usize>(
         }
     });
     pool
-}
-
-/// One scan, and what it is held against.
-struct View<'a, S> {
-    ekf: Ekf<S>,
-    walls: &'a [Wall<S>],
-    glance: &'a Glance<S, BEAMS>,
-    memory: &'a Memory<S>,
-}
-
-impl<S: Float> View<'_, S> {
-    /// The hypothesis that the robot is where `belief` says, corrected and judged.
-    fn judged(&self, belief: Belief<S>, scans: u16) -> Hypothesis<S> {
-        let mut pull = Pull::none();
-        let pose = belief.pose;
-        let _of_before =
-            self.glance.pulled_from(pose, &belief.covariance, self.walls, pose.origin(), &mut pull);
-        let belief = self.pulled(belief, &pull);
-        let now = self.glance.from(belief.pose, &belief.covariance, self.walls);
-        let agreement = now.plus(&self.memory.agreement(belief.pose, self.walls));
-        Hypothesis { belief, agreement, scans }
-    }
-
-    /// Near `pose`, where all scans in mind fit best; as vague as proposals are.
-    fn settled(&self, mut pose: Pose<Map, Body, S>) -> Belief<S> {
-        for vague in SETTLING {
-            let vague = Belief::new(pose, vague.map(S::of));
-            let mut pull = Pull::none();
-            let _of_before =
-                self.glance.pulled_from(pose, &vague.covariance, self.walls, pose.origin(), &mut pull);
-            self.memory.pull(pose, &vague.covariance, self.walls, &mut pull);
-            pose = self.pulled(vague, &pull).pose;
-        }
-        Belief::new(pose, VAGUE.map(S::of))
-    }
-
-    fn pulled(&self, belief: Belief<S>, pull: &Pull<S>) -> Belief<S> {
-        // What is not finite pulls nowhere.
-        pull.fix(belief.pose)
-            .map_or(belief, |fix| self.ekf.correct(belief, &fix.innovation(&belief), S::of(f64::MAX)).belief)
-    }
 }
 
 /// A free slot is worse than any hypothesis.

@@ -31,6 +31,8 @@ const BEYOND: f64 = 17.0;
 pub struct Glance<S, const BEAMS: usize> {
     beams: [Beam<S>; BEAMS],
     len: usize,
+    /// The longest beam \[m].
+    reach: S,
     noise: BeamNoise<S>,
     body_from_laser: Pose<Body, Laser, S>,
 }
@@ -90,6 +92,7 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
         let mut glance = Self {
             beams: [Beam::default(); BEAMS],
             len: 0,
+            reach: S::of(0.0),
             noise: BeamNoise::of(laser),
             body_from_laser: laser.body_from_laser,
         };
@@ -100,6 +103,7 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
                 let (sin, cos) = bearing.sin_cos();
                 *slot = Beam { cos, sin, range, inverse: S::of(1.0) / range, number: number as u16 };
                 glance.len += 1;
+                glance.reach = glance.reach.max(range);
             }
         }
         Ok(glance)
@@ -207,8 +211,14 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
             misfit_at: S::of(BEFORE),
             slope_at: zero,
         }; BEAMS];
-        let laser_from_map = (pose * self.body_from_laser).inverse();
+        let eye = pose * self.body_from_laser;
+        let laser_from_map = eye.inverse();
+        let within = self.reach + S::of(EXPLAINED) * (vague.noise.range + vague.place).sqrt();
         for wall in walls {
+            // Behind the end of the longest beam a wall is as good as none: every beam ends before it.
+            if wall.distance(eye.origin()) > within {
+                continue;
+            }
             let [a, b] = wall.ends().map(|end| end_beam(laser_from_map * end));
             // The wall from right to left, as the laser sees it.
             let (right, left) = if turn(&a, &b) > zero { (a, b) } else { (b, a) };
@@ -292,7 +302,7 @@ impl<S: Float> Vague<S> {
     fn misfit(&self, beam: &Beam<S>, u: S, slope: S) -> S {
         let off = beam.inverse - u;
         let squared = off.squared().over_positive(self.variance(u, slope));
-        squared.min(S::of(if off > S::of(0.0) { BEFORE } else { BEYOND }))
+        squared.min(if off > S::of(0.0) { S::of(BEFORE) } else { S::of(BEYOND) })
     }
 
     /// The variance of the inverse range where it is `u` and changes by `slope` per radian.

@@ -18,8 +18,8 @@ const CLOSED: u8 = 0x80;
 pub struct Extent<S> {
     low: Point<Map, S>,
     side: S,
-    columns: usize,
-    rows: usize,
+    columns: i32,
+    rows: i32,
 }
 
 impl<S: Float> Extent<S> {
@@ -35,8 +35,8 @@ impl<S: Float> Extent<S> {
         }
         let [low, high] = corners.unwrap_or_default();
         let margin = S::of(REACH);
-        let count = |from: S, to: S| ((to - from + margin + margin).to_f64() / side.to_f64()) as usize + 1;
-        let any = usize::from(corners.is_some());
+        let count = |from: S, to: S| ((to - from + margin + margin).to_f64() / side.to_f64()) as i32 + 1;
+        let any = i32::from(corners.is_some());
         Self {
             low: Point::new(low.x - margin, low.y - margin),
             side,
@@ -47,25 +47,26 @@ impl<S: Float> Extent<S> {
 
     /// How many cells there are.
     pub fn cells(&self) -> usize {
-        self.columns.saturating_mul(self.rows)
+        (self.columns as usize).saturating_mul(self.rows as usize)
     }
 
     /// Draws `walls` into `cells`. Where `is_open` says no, nobody can be: what is outside, or solid.
     pub fn draw(&self, walls: &[Wall<S>], cells: &mut [u8], is_open: impl Fn(Point<Map, S>) -> bool) {
         for (index, cell) in cells.iter_mut().enumerate() {
-            let middle = self.middle(index % self.columns.max(1), index / self.columns.max(1));
+            let columns = self.columns.max(1) as usize;
+            let middle = self.middle(index % columns, index / columns);
             *cell = if is_open(middle) { FAR } else { FAR | CLOSED };
         }
         for wall in walls {
             let [a, b] =
                 wall.ends().map(|end| (self.steps(end.x - self.low.x), self.steps(end.y - self.low.y)));
             let reach = self.steps(S::of(REACH)) + 1;
-            let columns = (a.0.min(b.0) - reach).max(0)..=(a.0.max(b.0) + reach).min(self.columns as i32 - 1);
-            for row in (a.1.min(b.1) - reach).max(0)..=(a.1.max(b.1) + reach).min(self.rows as i32 - 1) {
+            let columns = (a.0.min(b.0) - reach).max(0)..=(a.0.max(b.0) + reach).min(self.columns - 1);
+            for row in (a.1.min(b.1) - reach).max(0)..=(a.1.max(b.1) + reach).min(self.rows - 1) {
                 for column in columns.clone() {
                     let (column, row) = (column as usize, row as usize);
                     let distance = wall.distance(self.middle(column, row)).to_f64() / UNIT;
-                    if let Some(cell) = cells.get_mut(row * self.columns + column) {
+                    if let Some(cell) = cells.get_mut(row * self.columns as usize + column) {
                         *cell = (*cell & FAR).min(distance.min(f64::from(FAR)) as u8) | (*cell & CLOSED);
                     }
                 }
@@ -117,27 +118,29 @@ impl<'a, S: Float> Chart<'a, S> {
 
     /// How far the wall nearest to a cell is, in units.
     #[inline(always)]
-    pub(super) fn distance(&self, (column, row): Cell) -> u32 {
-        let (column, row) = (column as usize, row as usize);
-        if column >= self.extent.columns {
-            return u32::from(FAR);
-        }
-        self.cells
-            .get(row.wrapping_mul(self.extent.columns).wrapping_add(column))
-            .map_or(u32::from(FAR), |cell| u32::from(cell & FAR))
+    pub(super) fn distance(&self, cell: Cell) -> u32 {
+        u32::from(self.at(cell) & FAR)
     }
 
     /// Whether the robot can be in a cell, its middle `clearance` from every wall \[m].
-    pub(super) fn is_free(&self, (column, row): Cell, clearance: S) -> bool {
-        let is_open = |cell: &u8| cell & CLOSED == 0;
-        self.cells.get(row as usize * self.extent.columns + column as usize).is_some_and(is_open)
-            && self.distance((column, row)) >= Self::units(clearance.min(Self::reach()))
+    pub(super) fn is_free(&self, cell: Cell, clearance: S) -> bool {
+        self.at(cell) & CLOSED == 0 && self.distance(cell) >= Self::units(clearance.min(Self::reach()))
+    }
+
+    /// What was drawn; outside, no wall is near and nobody can be.
+    #[inline(always)]
+    fn at(&self, (column, row): Cell) -> u8 {
+        let Extent { columns, rows, .. } = self.extent;
+        if column < 0 || row < 0 || column >= columns || row >= rows {
+            return FAR | CLOSED;
+        }
+        self.cells.get(row as usize * columns as usize + column as usize).copied().unwrap_or(FAR | CLOSED)
     }
 
     /// Every cell in steps of `length` \[m].
     pub(super) fn lattice(&self, length: S) -> impl Iterator<Item = Cell> + use<S> {
         let step = self.extent.steps(length).max(1) as usize;
-        let (columns, rows) = (self.extent.columns as i32, self.extent.rows as i32);
+        let Extent { columns, rows, .. } = self.extent;
         (0..rows)
             .step_by(step)
             .flat_map(move |row| (0..columns).step_by(step).map(move |column| (column, row)))

@@ -113,8 +113,12 @@ impl<S: Float> Fan<S> {
     /// Climbs from `pose` to where the ends lie nearest to walls, in ever smaller steps.
     fn climb(&self, chart: &Chart<'_, S>, mut pose: Pose<Map, Body, S>) -> (Pose<Map, Body, S>, u32) {
         let fine = |pose: Pose<Map, Body, S>| {
+            let cell = chart.cell_at(pose.origin());
+            if !chart.is_free(cell, S::of(0.0)) {
+                return 0;
+            }
             let rays = self.turned(chart, pose.heading, S::of(0.15), S::of(0.02));
-            credit(chart, chart.cell_at(pose.origin()), rays[..self.len].iter())
+            credit(chart, cell, rays[..self.len].iter())
         };
         let mut credit = fine(pose);
         for (step, turn) in [(0.1, 0.05), (0.1, 0.025)] {
@@ -159,4 +163,69 @@ fn credit<'r, S: Float>(chart: &Chart<'_, S>, at: Cell, rays: impl Iterator<Item
         FULL.saturating_sub(distance * ray.falls)
     })
     .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::chart::{Chart, Extent};
+    use super::super::propose::Hint;
+    use super::Fan;
+    use crate::{Point, Pose, Wall};
+
+    extern crate std;
+    use std::vec::Vec;
+
+    /// A room of 5 × 4 m with a plate, and points on its walls as a robot at `pose` sees them.
+    fn room(pose: Pose<crate::Map, crate::Body, f64>) -> (Vec<Wall<f64>>, Vec<Point<crate::Body, f64>>) {
+        let corners = [(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0), (0.0, 0.0)];
+        let mut ends: Vec<_> = corners.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        ends.push([(1.0, 2.5), (2.2, 2.5)]);
+        let walls: Vec<_> = ends
+            .iter()
+            .map(|[a, b]| Wall::between(Point::new(a.0, a.1), Point::new(b.0, b.1)).unwrap())
+            .collect();
+        let points = ends.iter().flat_map(|[a, b]| {
+            (0..24).map(move |k| {
+                let part = (f64::from(k) + 0.5) / 24.0;
+                Point::<crate::Map, f64>::new(a.0 + part * (b.0 - a.0), a.1 + part * (b.1 - a.1))
+            })
+        });
+        let body_from_map = pose.inverse();
+        let seen = points.map(|p| {
+            let (sin, cos) = body_from_map.heading.sin_cos();
+            let (x, y) = (cos * p.x - sin * p.y, sin * p.x + cos * p.y);
+            Point::new(body_from_map.x + x, body_from_map.y + y)
+        });
+        let seen = seen.collect();
+        (walls, seen)
+    }
+
+    #[test]
+    fn the_best_of_all_poses_is_the_true_one() {
+        let truth = Pose::new(3.33, 1.27, crate::Angle::from_degrees(-133.0));
+        let (walls, seen) = room(truth);
+        let extent = Extent::around(&walls, 0.1);
+        let mut cells = std::vec![0; extent.cells()];
+        extent.draw(&walls, &mut cells, |_| true);
+        let chart = Chart::of(extent, &cells).unwrap();
+        let fan = Fan::of(seen.iter().copied(), seen.len());
+        let mut found = Vec::new();
+        fan.search(&chart, &Hint::none(), 0.3, |pose| found.push(pose));
+        let best = found.first().unwrap();
+        let turned = (best.heading - truth.heading).radians().abs();
+        assert!(best.origin().distance(truth.origin()) < 0.12 && turned < 0.04, "{best:?}");
+    }
+
+    #[test]
+    fn nobody_is_found_where_nobody_can_be() {
+        let truth = Pose::new(3.33, 1.27, crate::Angle::from_degrees(-133.0));
+        let (walls, seen) = room(truth);
+        let extent = Extent::around(&walls, 0.1);
+        let mut cells = std::vec![0; extent.cells()];
+        extent.draw(&walls, &mut cells, |at| at.x < 2.5);
+        let chart = Chart::of(extent, &cells).unwrap();
+        let fan = Fan::of(seen.iter().copied(), seen.len());
+        fan.search(&chart, &Hint::none(), 0.3, |pose| assert!(pose.x < 2.6, "{pose:?}"));
+        assert!(Chart::of(extent, &cells[1..]).is_none());
+    }
 }
