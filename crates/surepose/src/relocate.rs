@@ -274,17 +274,21 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
         }
     }
 
-    /// Of two hypotheses that came together, the one that explains more stays, under the number of the elder.
+    /// Of two hypotheses that came together the elder stays, which has counted more scans, unless the younger fits far
+    /// better; that takes its number over.
     fn merge(&mut self) {
         for i in 0..N {
             for j in 0..i {
                 if let (Some(a), Some(b)) = (self.hypotheses[i], self.hypotheses[j])
                     && is_same(a.belief.pose, b.belief.pose)
                 {
-                    let better = if a.agreement.misfit < b.agreement.misfit { a } else { b };
-                    let (elder, younger) = if a.scans > b.scans { (i, j) } else { (j, i) };
-                    self.hypotheses[elder] = Some(Hypothesis { scans: a.scans.max(b.scans), ..better });
-                    self.hypotheses[younger] = None;
+                    let is_elder = a.scans > b.scans;
+                    let (elder, younger) = if is_elder { (a, b) } else { (b, a) };
+                    let stays = younger.agreement.misfit + self.certainty.margin > elder.agreement.misfit;
+                    let (kept, left) = if is_elder { (i, j) } else { (j, i) };
+                    let better = if stays { elder } else { younger };
+                    self.hypotheses[kept] = Some(Hypothesis { scans: elder.scans, ..better });
+                    self.hypotheses[left] = None;
                 }
             }
         }

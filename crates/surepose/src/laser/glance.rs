@@ -179,6 +179,8 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
                 let (a, b) = (u * beam.cos - slope * beam.sin, u * beam.sin + slope * beam.cos);
                 let step = (u * (a * cos - b * sin), u * (a * sin + b * cos));
                 let row = [step.0, step.1, slope + step.0 * swing.0 + step.1 * swing.1];
+                // What the pose may be off by counts as noise of the beam as well: a beam given to the wrong of two walls near
+                // an edge then pulls less, and what is known of the pose is understated rather than overstated.
                 let weight = S::of(1.0).over_positive(vague.variance(u, slope));
                 pull.add(row, beam.inverse - u, weight);
             }
