@@ -1,4 +1,4 @@
-//! Kidnaps robots: `cargo run --release -p surepose-lab --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml]`.
+//! Kidnaps robots: `cargo run --release -p surepose-lab --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml] [FIRST SEED]`.
 
 use surepose_data::{Config, map_server};
 use surepose_lab::lost::{Place, Setup, kidnap, kidnappings};
@@ -9,7 +9,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number =
         |index: usize, usual: f64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
-    let (trials, fraction) = (number(0, 50.0) as u64, number(1, 0.0));
+    let (trials, fraction, first) = (number(0, 50.0) as u64, number(1, 0.0), number(3, 1.0) as u64);
     let name = arguments.get(2).map_or("paper", String::as_str);
     let (place, reading) = match Arena::named(name) {
         Some(arena) => (Place::anywhere(arena), Reading::Lines),
@@ -25,7 +25,7 @@ fn main() {
     for sensors in [Sensors::ALL, Sensors { compass: false, laser: true }] {
         let clutter = Clutter { fraction, width: 5.0 };
         let setup = Setup { config: Config::default(), sensors, reading, clutter };
-        let sum = kidnappings(&place, &setup, 1..=trials);
+        let sum = kidnappings(&place, &setup, first..first + trials);
         println!("{name} {sensors:?} clutter {fraction}: {sum:?}");
         println!("flagged {:.4} recovered {:.4}", sum.flagged_share(), sum.recovered_share());
         for seed in sum.failed_seeds.iter().take(8) {

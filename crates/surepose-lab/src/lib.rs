@@ -9,4 +9,5 @@ pub mod picture;
 pub mod replay;
 pub mod reproduce;
 pub mod rig;
+pub mod survey;
 pub mod sweep;

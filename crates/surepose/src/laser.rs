@@ -15,7 +15,9 @@
 //! [`Aligner`] lays a scan on the walls of a map beam by beam, where rooms are so full that few walls are long enough to be
 //! found without one.
 //!
-//! [`Eye`] is the whole way from a scan to what the filter is told, by lines or by beams.
+//! [`Rays`] asks where the first wall in the way of each beam is, and what the beams together say of the pose.
+//!
+//! [`Eye`] is the whole way from a scan to what the filter is told, by lines, by beams or by rays.
 //!
 //! # The coordinates
 //! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
@@ -36,7 +38,9 @@ mod grow;
 mod join;
 mod list;
 mod matching;
+mod pull;
 mod ray_line;
+mod rays;
 mod scan;
 mod segment;
 mod wall;
@@ -46,5 +50,7 @@ pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
 pub use eye::{Eye, Recognition, Seen};
 pub use glance::{Agreement, Glance};
 pub use matching::{Fate, Matched, Matcher};
+pub(crate) use pull::Pull;
+pub use rays::Rays;
 pub use scan::{RangeFinder, Scan, ScanRefusal};
 pub use wall::{NotAWall, Wall};

@@ -2,12 +2,13 @@
 
 use surepose::closed_loop::{Sight, Witness};
 use surepose::{
-    Belief, Certainty, Drive, Estimator, Finding, Glance, Health, Hypothesis, Matcher, Measurement, Outcome,
-    Refusal, Relocaliser, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wheels, param,
+    Belief, Certainty, Drive, Estimator, Finding, Glance, Health, Hypothesis, Measurement, Outcome, Refusal,
+    Relocaliser, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wall, Wheels, param,
 };
 use surepose_data::Config;
 
 use super::scenario::Reading;
+use crate::survey::Survey;
 
 /// Beams of a scan that are held against the map.
 const BEAMS: usize = 128;
@@ -23,6 +24,7 @@ const HYPOTHESES: usize = 24;
 pub struct Watch {
     supervisor: Supervisor<f64>,
     relocaliser: Box<Relocaliser<f64, HYPOTHESES>>,
+    survey: Survey,
     reading: Reading,
     drive: Drive<f64>,
     period: f64,
@@ -34,16 +36,17 @@ pub struct Watch {
 const ROUGHLY: [f64; 3] = [0.05, 0.05, 0.02];
 
 impl Watch {
-    /// The watch over a robot that starts at `stamp`; `aided` where it has sensors that see where it is.
-    pub fn new(config: &Config, aided: bool, reading: Reading, stamp: Stamp) -> Self {
+    /// The watch over a robot that starts at `stamp` among `walls`; `aided` where it has sensors that see where it is.
+    pub fn new(config: &Config, aided: bool, reading: Reading, walls: &[Wall<f64>], stamp: Stamp) -> Self {
         let usual = Vigilance::default();
         let vigilance = Vigilance { unaided: if aided { usual.unaided } else { f64::INFINITY }, ..usual };
         // A robot that has turned in place has room for its wheels.
         let certainty = Certainty { clearance: 0.5 * config.drive().track, ..Certainty::default() };
-        let relocaliser = Relocaliser::new(config.ekf(), Matcher::default(), certainty, stamp);
+        let relocaliser = Relocaliser::new(config.ekf(), certainty, stamp);
         Self {
             supervisor: Supervisor::new(vigilance, stamp),
             relocaliser: Box::new(relocaliser),
+            survey: Survey::of(walls, |_| true),
             reading,
             drive: config.drive(),
             period: config.number(&param::PERIOD),
@@ -91,8 +94,9 @@ impl Watch {
 
     fn look_for<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
         let Sight { stamp, laser, scan, seen, walls } = *sight;
-        let lines = seen.extracted.lines;
-        if let Finding::Found(belief) = self.relocaliser.look(stamp, laser, scan, lines, walls) {
+        let (lines, chart) = (seen.extracted.lines, self.survey.chart());
+        let found = self.relocaliser.look(stamp, laser, scan, lines, walls, chart.as_ref());
+        if let Finding::Found(belief) = found {
             estimator.restart(self.relocaliser.stamp(), self.told(belief));
             for (end, travel) in self.relocaliser.since_scan() {
                 // What the trail holds was checked when it was taken in.
