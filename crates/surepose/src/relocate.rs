@@ -14,6 +14,7 @@
 
 mod chart;
 mod memory;
+mod nudge;
 mod pool;
 mod propose;
 mod search;
@@ -29,6 +30,7 @@ use crate::pose::Pose;
 use crate::scalar::Float;
 
 pub use chart::{Chart, Extent};
+pub use nudge::Nudge;
 pub use propose::MOST_PAIRS;
 pub use trail::MOST_STRETCHES;
 

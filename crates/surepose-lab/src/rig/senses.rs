@@ -70,6 +70,6 @@ pub fn scan_of(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
 ///
 /// What puts one scan off, a beam given to the wrong of two walls a cell apart, puts the next one off as well: a scan
 /// counts for far less than its beams by themselves.
-fn rays() -> Rays<f64> {
+pub(super) fn rays() -> Rays<f64> {
     Rays { least_share: 0.4, scan_std: [0.03, 0.03, 0.3_f64.to_radians()] }
 }
