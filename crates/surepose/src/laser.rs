@@ -26,6 +26,7 @@
 //! With range noise σ_r and bearing noise σ_φ the variance of the inverse range is u⁴σ_r² + u′²σ_φ²: the same as
 //! the perpendicular residual ρ·cos(φ−ψ) − r with its variance cos²(φ−ψ)·σ_r² + ρ²·sin²(φ−ψ)·σ_φ², divided by r·ρ.
 
+mod agreement;
 mod align;
 mod beam;
 mod boundary;
@@ -43,14 +44,17 @@ mod ray_line;
 mod rays;
 mod scan;
 mod segment;
+mod silence;
 mod wall;
 
+pub use agreement::Agreement;
 pub use align::{Aligned, Aligner, AlignerMemory, Alignment};
 pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
 pub use eye::{Eye, Recognition, Seen};
-pub use glance::{Agreement, Glance};
+pub use glance::Glance;
 pub use matching::{Fate, Matched, Matcher};
 pub(crate) use pull::Pull;
 pub use rays::Rays;
 pub use scan::{RangeFinder, Scan, ScanRefusal};
+pub use silence::Silence;
 pub use wall::{NotAWall, Wall};

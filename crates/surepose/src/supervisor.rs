@@ -138,14 +138,17 @@ impl<S: Float> Supervisor<S> {
     /// Whether a scan that agrees so with the map is against it.
     pub fn is_against(&self, agreement: &Agreement<S>) -> bool {
         let vigilance = &self.vigilance;
-        agreement.explained_share() < vigilance.explained || agreement.beyond_share() > vigilance.beyond
+        // Beams that are missing are as good as any that end beyond the walls.
+        let all = S::of(f64::from(agreement.beams.saturating_add(agreement.missing)));
+        let explained = S::of(f64::from(agreement.explained));
+        explained < vigilance.explained * all || agreement.beyond_share() > vigilance.beyond
     }
 
     /// How a scan agrees with the map at the pose that was believed when it was taken, and how far off it puts the robot:
     /// the normalised innovation squared of what its beams together ask for, per row.
     pub fn looked(&mut self, agreement: &Agreement<S>, off: S) {
         let vigilance = &self.vigilance;
-        let told = agreement.beams >= vigilance.fewest_beams;
+        let told = agreement.beams.saturating_add(agreement.missing) >= vigilance.fewest_beams;
         // One scan may be broken, and weighs no more than one that is just outside a gate.
         let weight = S::of(1.0 / f64::from(vigilance.scans.max(1)));
         self.off = self.off + (off.min(S::of(MOST_OFF)) - self.off) * weight;

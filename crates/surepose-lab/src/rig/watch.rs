@@ -2,8 +2,9 @@
 
 use surepose::closed_loop::{Sight, Witness};
 use surepose::{
-    Belief, Certainty, Drive, Estimator, Finding, Glance, Health, Hypothesis, Measurement, Nudge, Outcome,
-    Refusal, Relocaliser, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wall, Wheels, param,
+    Agreement, Belief, Certainty, Drive, Estimator, Finding, Glance, Health, Hypothesis, Measurement, Nudge,
+    Outcome, Refusal, Relocaliser, Silence, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wall,
+    Wheels, param,
 };
 use surepose_data::Config;
 
@@ -167,7 +168,9 @@ impl<const N: usize> Witness<f64, N> for Watch {
     fn looked(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
         let Some(then) = estimator.belief_at(sight.stamp) else { return };
         let Ok(glance) = Glance::<f64, BEAMS>::of(sight.laser, sight.scan) else { return };
+        let Ok(silence) = Silence::<f64, BEAMS>::of(sight.laser, sight.scan) else { return };
         let (agreement, off) = self.nudge.look(estimator.ekf(), &glance, &then, sight.walls);
+        let agreement = Agreement { missing: silence.missing(&then, sight.walls), ..agreement };
         self.supervisor.looked(&agreement, off);
         let now = estimator.stamp();
         if self.health(now, &estimator.belief()) != Health::Lost {

@@ -6,6 +6,7 @@ use crate::frame::{Body, Laser, Map};
 use crate::pose::{Point, Pose};
 use crate::scalar::Float;
 
+use super::agreement::Agreement;
 use super::beam::{Beam, BeamNoise};
 use super::pull::Pull;
 use super::ray_line::RayLine;
@@ -32,52 +33,9 @@ pub struct Glance<S, const BEAMS: usize> {
     beams: [Beam<S>; BEAMS],
     len: usize,
     /// The longest beam \[m].
-    reach: S,
+    pub(super) reach: S,
     noise: BeamNoise<S>,
     body_from_laser: Pose<Body, Laser, S>,
-}
-
-/// How a scan agrees with the map at a pose.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Agreement<S> {
-    /// How many beams came back.
-    pub beams: u16,
-    /// How many of them end at the first wall in their way.
-    pub explained: u16,
-    /// How many end before it: things on no map do that.
-    pub before: u16,
-    /// How many end beyond it: nothing does that, except at the edge of a wall.
-    pub beyond: u16,
-    /// −2 log of the likelihood of them all, up to a constant: about 1 for an explained beam, at most 17.
-    pub misfit: S,
-}
-
-impl<S: Float> Agreement<S> {
-    /// The part of the beams that the map explains; 1 for a scan without beams, which contradicts nothing.
-    pub fn explained_share(&self) -> S {
-        if self.beams == 0 { S::of(1.0) } else { self.share(self.explained) }
-    }
-
-    /// The part of the beams that end beyond the first wall.
-    pub fn beyond_share(&self) -> S {
-        self.share(self.beyond)
-    }
-
-    /// Two scans as one.
-    #[must_use]
-    pub fn plus(&self, other: &Self) -> Self {
-        Self {
-            beams: self.beams.saturating_add(other.beams),
-            explained: self.explained.saturating_add(other.explained),
-            before: self.before.saturating_add(other.before),
-            beyond: self.beyond.saturating_add(other.beyond),
-            misfit: self.misfit + other.misfit,
-        }
-    }
-
-    fn share(&self, count: u16) -> S {
-        S::of(f64::from(count)).over_positive(S::of(f64::from(self.beams)))
-    }
 }
 
 impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
@@ -88,25 +46,36 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
     pub fn of(laser: &RangeFinder<S>, scan: &Scan<'_, S>) -> Result<Self, ScanRefusal> {
         laser.check()?;
         scan.check(usize::MAX)?;
-        let stride = scan.ranges.len().div_ceil(BEAMS.max(1)).max(1);
-        let mut glance = Self {
-            beams: [Beam::default(); BEAMS],
-            len: 0,
-            reach: S::of(0.0),
-            noise: BeamNoise::of(laser),
-            body_from_laser: laser.body_from_laser,
-        };
-        for (number, range) in scan.ranges.iter().copied().enumerate().step_by(stride) {
-            let Some(slot) = glance.beams.get_mut(glance.len) else { break };
+        let mut glance = Self::none(laser);
+        for (number, range) in Self::chosen(scan) {
             if laser.came_back(range) {
-                let bearing = scan.first_bearing.turned(scan.bearing_step * S::of(number as f64));
-                let (sin, cos) = bearing.sin_cos();
-                *slot = Beam { cos, sin, range, inverse: S::of(1.0) / range, number: number as u16 };
-                glance.len += 1;
+                let (sin, cos) = scan.bearing(number).sin_cos();
+                let inverse = S::of(1.0) / range;
+                glance.push(Beam { cos, sin, range, inverse, number: number as u16 });
                 glance.reach = glance.reach.max(range);
             }
         }
         Ok(glance)
+    }
+
+    /// No beams of this laser.
+    pub(super) fn none(laser: &RangeFinder<S>) -> Self {
+        let (noise, body_from_laser) = (BeamNoise::of(laser), laser.body_from_laser);
+        Self { beams: [Beam::default(); BEAMS], len: 0, reach: S::of(0.0), noise, body_from_laser }
+    }
+
+    /// The numbers and ranges of up to `BEAMS` beams, evenly spread.
+    pub(super) fn chosen<'a>(scan: &Scan<'a, S>) -> impl Iterator<Item = (usize, S)> + use<'a, S, BEAMS> {
+        let stride = scan.ranges.len().div_ceil(BEAMS.max(1)).max(1);
+        scan.ranges.iter().copied().enumerate().step_by(stride)
+    }
+
+    /// With a beam more; without, where there is no room.
+    pub(super) fn push(&mut self, beam: Beam<S>) {
+        if let Some(slot) = self.beams.get_mut(self.len) {
+            *slot = beam;
+            self.len += 1;
+        }
     }
 
     /// Every second beam: half the work, for a first sight.
@@ -194,7 +163,7 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
         ends.map(|beam| self.body_from_laser * Point::new(beam.range * beam.cos, beam.range * beam.sin))
     }
 
-    fn vague(&self, covariance: &Covariance<S, 3>) -> Vague<S> {
+    pub(super) fn vague(&self, covariance: &Covariance<S, 3>) -> Vague<S> {
         Vague {
             noise: self.noise,
             place: covariance.entry(0, 0) + covariance.entry(1, 1),
@@ -202,7 +171,12 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
         }
     }
 
-    fn fates(&self, pose: Pose<Map, Body, S>, vague: &Vague<S>, walls: &[Wall<S>]) -> [Fate<S>; BEAMS] {
+    pub(super) fn fates(
+        &self,
+        pose: Pose<Map, Body, S>,
+        vague: &Vague<S>,
+        walls: &[Wall<S>],
+    ) -> [Fate<S>; BEAMS] {
         let beams = &self.beams[..self.len];
         let zero = S::of(0.0);
         let mut fates = [Fate {
@@ -266,10 +240,10 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
 
 /// What is known of a beam's end so far.
 #[derive(Clone, Copy)]
-struct Fate<S> {
+pub(super) struct Fate<S> {
     /// The inverse range of the nearest wall that is surely in its way, 0 for none, what that costs, and how the inverse
     /// range changes with the bearing.
-    surely: S,
+    pub(super) surely: S,
     misfit: S,
     slope: S,
     /// The wall that may be in its way and explains it best, likewise.
@@ -291,7 +265,7 @@ impl<S: Float> Fate<S> {
 }
 
 /// How well the end of a beam is known.
-struct Vague<S> {
+pub(super) struct Vague<S> {
     noise: BeamNoise<S>,
     /// The variance of the place \[m²] and of the heading \[rad²].
     place: S,

@@ -12,7 +12,7 @@ fn belief(std: f64) -> Belief<f64> {
 }
 
 fn seen(explained: u16, beyond: u16) -> Agreement<f64> {
-    Agreement { beams: 100, explained, before: 100 - explained - beyond, beyond, misfit: 100.0 }
+    Agreement { beams: 100, explained, before: 100 - explained - beyond, beyond, missing: 0, misfit: 100.0 }
 }
 
 #[test]
@@ -110,4 +110,15 @@ fn scans_that_agree_on_another_place_make_it_lost() {
     supervisor.found(START);
     supervisor.looked(&seen(95, 0), 1.0);
     assert_eq!(supervisor.verdict(START, &belief(0.01)), Verdict::Go);
+}
+
+/// Put down where hardly anything is near, a robot sees little that contradicts it, and misses much.
+#[test]
+fn walls_that_are_missing_make_it_lost() {
+    let mut supervisor = supervisor();
+    for missing in [0, 4, 40] {
+        let void = Agreement { beams: 6, explained: 0, before: 0, beyond: 6, missing, misfit: 100.0 };
+        (0..6).for_each(|_| supervisor.looked(&void, 1.0));
+        assert_eq!(supervisor.health(START, &belief(0.01)) == Health::Lost, missing == 40, "{missing}");
+    }
 }
