@@ -27,7 +27,7 @@ fn a_law_that_is_told_of_noise_is_certified_too() {
     for period in [0.02, 0.1] {
         for (position, heading_deg, radius) in [(0.007, 0.25, 0.05), (0.02, 1.2, 0.12)] {
             let law = hybrid(period);
-            let law = HybridLaw { rest: Some(Rest::of(0.005, period, law.capture_radius)), ..law };
+            let law = HybridLaw { rest: Some(Rest::of(0.005, period)), ..law };
             let subject = shipped(law);
             let certificate = certify(&request(&subject, law.gains.h, period, noise(position, heading_deg)));
             assert!(certificate.certified, "{period} s, {position} m: {certificate:?}");

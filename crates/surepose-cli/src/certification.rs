@@ -1,6 +1,6 @@
 //! What the certificate says of the loop in use: for `certify`, and for the commands that warn without it.
 
-use surepose::param;
+use surepose::{Law, param};
 use surepose_cert::{Certificate, Drift, Margins, Noise, Request, Shipped, certify, drift, margins};
 use surepose_data::Config;
 
@@ -18,7 +18,13 @@ pub(crate) const HEADING_NOISE_DEG: f64 = 0.25;
 
 /// The certificate of the configured loop, with the longest period that it would allow.
 pub(crate) fn certificate(config: &Config, noise: Noise) -> Certificate {
-    judge(config, noise, LONGEST_PERIOD)
+    asked(loop_of(config), noise, LONGEST_PERIOD, certify)
+}
+
+/// Whether the configured loop is certified, with this law instead of its own.
+pub(crate) fn holds(config: &Config, law: &Law<f64>, noise: Noise) -> bool {
+    let (subject, period) = loop_of(config);
+    asked((Shipped { law: *law, ..subject }, period), noise, 0.0, certify).certified
 }
 
 /// What is to be said of this configuration before it drives anything.
@@ -29,7 +35,7 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
     if loop_of(config) != loop_of(&Config::default().fitted()) {
         let noise =
             Noise { position: POSITION_NOISE, heading: HEADING_NOISE_DEG.to_radians(), ..Noise::default() };
-        if let Some(reason) = judge(config, noise, 0.0).reason {
+        if let Some(reason) = asked(loop_of(config), noise, 0.0, certify).reason {
             warnings.push(format!(
                 "this loop is not certified for {POSITION_NOISE} m and {HEADING_NOISE_DEG}° of noise: {reason}; see \
                  `surepose certify`"
@@ -41,7 +47,7 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
 
 /// What holds of the configured loop where the bounds of `noise` are standard deviations of white Gaussian noise.
 pub(crate) fn average(config: &Config, noise: Noise) -> Option<Drift> {
-    asked(config, noise, 0.0, drift)
+    asked(loop_of(config), noise, 0.0, drift)
 }
 
 /// Cells of a quadrant of the margin's pictures, and boxes that each is cut into: cells of 5°, and of 10° where the fall
@@ -58,26 +64,21 @@ pub(crate) fn margin(
     watch: impl FnMut(f64) -> bool,
 ) -> Option<Margins> {
     let fineness = if certificate.certified { MARGIN } else { MARGIN_WITH_GAPS };
-    asked(config, noise, 0.0, |request| margins(request, certificate, fineness, watch))
+    asked(loop_of(config), noise, 0.0, |request| margins(request, certificate, fineness, watch))
 }
 
-fn judge(config: &Config, noise: Noise, longest_period: f64) -> Certificate {
-    asked(config, noise, longest_period, certify)
-}
-
-/// What `answer` says to the request about the configured loop.
+/// What `answer` says to the request about a loop.
 fn asked<T>(
-    config: &Config,
+    (subject, period): (Shipped, f64),
     noise: Noise,
     longest_period: f64,
     answer: impl FnOnce(&Request<'_, Shipped>) -> T,
 ) -> T {
-    let (subject, period) = loop_of(config);
     answer(&Request {
         subject: &subject,
         drive: subject.drive,
         limits: subject.limits,
-        h: config.gains().h,
+        h: subject.law.gains().h,
         period,
         noise,
         workspace: WORKSPACE,

@@ -8,6 +8,7 @@ mod replay;
 mod reproduce;
 mod run;
 mod sweep;
+mod tune;
 
 use clap::Subcommand;
 
@@ -24,6 +25,8 @@ pub(crate) enum Command {
     Reproduce(reproduce::ReproduceCommand),
     /// Run many closed-loop trials at once
     Sweep(sweep::SweepCommand),
+    /// Find gains that take least time, always arrive, and are certified
+    Tune(tune::TuneCommand),
     /// Certify that the robot arrives, for these gains, period and noise
     Certify(certify::CertifyCommand),
     /// Make a wall map from a grid or a recording, or show one
@@ -50,6 +53,7 @@ impl Command {
             Self::Run(command) => command.run(output),
             Self::Reproduce(command) => command.run(output),
             Self::Sweep(command) => command.run(output),
+            Self::Tune(command) => command.run(output),
             Self::Certify(command) => command.run(output),
             Self::Map(command) => command.run(output),
             Self::Calibrate(command) => command.run(output),

@@ -44,6 +44,7 @@ Examples:
   surepose reproduce --out figures            the figures of the paper
   surepose certify                            whether the robot is sure to arrive
   surepose sweep --runs 100000 --noise bench  many trials, against the least possible time
+  surepose tune --period 0.05 --out robot.toml gains that take least time, always arrive and are certified
   surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
   surepose replay carmen freiburg-101.log.gz  the same on walls, seen by a laser
   surepose map from-grid room.yaml --out room.toml

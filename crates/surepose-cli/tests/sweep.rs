@@ -133,6 +133,26 @@ fn pictures_stay_small_and_few_starts_or_failures_draw_too() {
     }
 }
 
+/// Only the full loop has a filter to judge.
+#[test]
+fn the_full_loop_says_how_good_the_filter_is() {
+    let keys = ["nees_mean", "position_rmse_m", "heading_rmse_deg", "refused_part"];
+    let full = surepose(&["sweep", "--loop", "ekf", "--runs", "50", "--json"]);
+    assert_eq!(full.code, 0, "{}", full.stderr);
+    assert!(keys.iter().all(|key| full.json()[*key].is_number()), "{}", full.stdout);
+    assert!(
+        full.json()["nees_mean"].as_f64().is_some_and(|nees| (2.7..3.3).contains(&nees)),
+        "{}",
+        full.stdout
+    );
+    let bench = surepose(&["sweep", "--noise", "bench", "--runs", "50", "--json"]);
+    assert!(keys.iter().all(|key| bench.json()[*key].is_null()), "{}", bench.stdout);
+    // A filter that takes the wheels for ten times as exact as they are contradicts itself.
+    let proud =
+        surepose(&["sweep", "--loop", "ekf", "--runs", "50", "--json", "--set", "filter.delta=0.000025"]);
+    assert!(proud.json()["nees_mean"].as_f64() > Some(6.0), "{}", proud.stdout);
+}
+
 #[test]
 fn given_starts_are_driven_and_damaged_ones_exit_with_3() {
     let folder = folder("sweep-starts");
@@ -162,6 +182,7 @@ fn a_wrong_command_line_exits_with_2() {
         &["sweep", "--threads", "0"],
         &["sweep", "--runs", "-1"],
         &["sweep", "--precision", "f16"],
+        &["sweep", "--loop", "open"],
     ] {
         let run = surepose(arguments);
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);

@@ -1,4 +1,4 @@
-//! How fast the sweep drives: `cargo run --release -p surepose-lab --example floor f64|f32 none|bench paper|fitted
+//! How fast the sweep drives: `cargo run --release -p surepose-lab --example floor f64|f32 none|bench|ekf paper|fitted
 //! [THREADS [ROBOTS [PERIODS]]]`.
 //!
 //! Every robot drives for the same number of periods of 0.02 s, 10 000 for 1000 by default, as hand-written programs are
@@ -7,14 +7,14 @@
 use std::process::ExitCode;
 
 use surepose::{Direction, Gains, Law, PaperLaw};
-use surepose_lab::sweep::{Noise, Precision, Starts, Sweep, fitted_law};
+use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Starts, Sweep, fitted_law};
 
 const PERIOD: f64 = 0.02;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let Some((sweep, periods)) = sweep(&arguments) else {
-        eprintln!("usage: floor f64|f32 none|bench paper|fitted [THREADS [ROBOTS [PERIODS]]]");
+        eprintln!("usage: floor f64|f32 none|bench|ekf paper|fitted [THREADS [ROBOTS [PERIODS]]]");
         return ExitCode::from(2);
     };
     let best = (0..5).map(|_| sweep.pace(periods)).fold(0.0, f64::max);
@@ -30,9 +30,10 @@ fn sweep(arguments: &[String]) -> Option<(Sweep, u64)> {
         "f32" => Precision::F32,
         _ => return None,
     };
-    let noise = match text(1)? {
-        "none" => Noise::NONE,
-        "bench" => Noise::BENCH,
+    let (noise, estimate) = match text(1)? {
+        "none" => (Noise::NONE, Estimate::Given),
+        "bench" => (Noise::BENCH, Estimate::Given),
+        "ekf" => (Noise::BENCH, Estimate::Filtered(Filter::BENCH)),
         _ => return None,
     };
     let law = match text(2)? {
@@ -45,6 +46,7 @@ fn sweep(arguments: &[String]) -> Option<(Sweep, u64)> {
         _ => return None,
     };
     let starts = Starts::Random(number(4, 10_000)?);
-    let sweep = Sweep { starts, law, period: PERIOD, noise, precision, threads: number(3, 1)?, seed: 1 };
+    let sweep =
+        Sweep { starts, law, period: PERIOD, noise, estimate, precision, threads: number(3, 1)?, seed: 1 };
     Some((sweep, number(5, 1000)? as u64))
 }

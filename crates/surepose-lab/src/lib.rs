@@ -1,4 +1,5 @@
-//! Experiments: replays of recordings, wall maps and calibration from them, metrics, sweeps, the paper's figures.
+//! Experiments: replays of recordings, wall maps and calibration from them, metrics, sweeps, tuning,
+//! the paper's figures.
 
 pub mod calibrate;
 pub mod drive;
@@ -11,3 +12,4 @@ pub mod reproduce;
 pub mod rig;
 pub mod survey;
 pub mod sweep;
+pub mod tune;

@@ -42,26 +42,26 @@ pub struct Observation<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Covariance<S, N> {
     /// Independent errors with these variances, none of them negative.
-    #[inline]
+    #[inline(always)]
     pub fn from_variances(variances: [S; N]) -> Self {
         Self { upper: [[S::of(0.0); N]; N], diagonal: variances.map(|v| v.max(S::of(0.0))) }
     }
 
     /// Independent errors with these standard deviations.
-    #[inline]
+    #[inline(always)]
     pub fn from_std(std: [S; N]) -> Self {
         Self::from_variances(std.map(S::squared))
     }
 
     /// The matrix times `factor`, which is not negative.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn scaled(self, factor: S) -> Self {
         Self { diagonal: self.diagonal.map(|d| d * factor), ..self }
     }
 
     /// The entry in `row` and `column` of the matrix itself.
-    #[inline]
+    #[inline(always)]
     pub fn entry(&self, row: usize, column: usize) -> S {
         let mut sum = S::of(0.0);
         for k in row.max(column)..N {
@@ -82,12 +82,28 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
     }
 
     /// The standard deviation of component `i`.
-    #[inline]
+    #[inline(always)]
     pub fn std(&self, i: usize) -> S {
         self.entry(i, i).sqrt()
     }
 
+    /// The strict upper triangle of U, the rest of whose square means nothing, and the diagonal of D: for keeping many
+    /// covariances side by side.
+    #[inline(always)]
+    pub fn factors(&self) -> ([[S; N]; N], [S; N]) {
+        (self.upper, self.diagonal)
+    }
+
+    /// The covariance of `upper` and `diagonal` that [`Covariance::factors`] gave.
+    ///
+    /// Nothing checks that no entry of `diagonal` is negative.
+    #[inline(always)]
+    pub fn from_factors(upper: [[S; N]; N], diagonal: [S; N]) -> Self {
+        Self { upper, diagonal }
+    }
+
     /// eᵀ P⁻¹ e, the squared Mahalanobis length of `error`; directions without variance do not count.
+    #[inline(always)]
     pub fn mahalanobis_squared(&self, error: [S; N]) -> S {
         // With e = U y, the length is Σ yᵢ²/dᵢ; U is solved from the last row up.
         let mut y = error;
@@ -103,7 +119,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
 
     /// A P Aᵀ + W diag(`noise`) Wᵀ, [Tran2012] Eq. (12), by weighted Gram–Schmidt: [Thornton1976].
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn propagated<const M: usize>(
         &self,
         a: &Matrix<S, N, N>,
@@ -119,48 +135,27 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
                 }
             }
         }
-        let mut w = w.0;
-        let mut result = Self::from_variances([S::of(0.0); N]);
-        for j in (0..N).rev() {
-            let mut weighted = [S::of(0.0); N];
-            let mut weighted_noise = [S::of(0.0); M];
-            let mut sum = S::of(0.0);
-            for k in 0..N {
-                weighted[k] = au[j][k] * self.diagonal[k];
-                sum = sum + weighted[k] * au[j][k];
-            }
-            for k in 0..M {
-                weighted_noise[k] = w[j][k] * noise[k];
-                sum = sum + weighted_noise[k] * w[j][k];
-            }
-            result.diagonal[j] = sum;
-            let share = S::of(1.0).over_positive(sum);
-            for i in 0..j {
-                let mut dot = S::of(0.0);
-                for k in 0..N {
-                    dot = dot + au[i][k] * weighted[k];
-                }
-                for k in 0..M {
-                    dot = dot + w[i][k] * weighted_noise[k];
-                }
-                let factor = dot * share;
-                result.upper[i][j] = factor;
-                for k in 0..N {
-                    au[i][k] = au[i][k] - factor * au[j][k];
-                }
-                for k in 0..M {
-                    w[i][k] = w[i][k] - factor * w[j][k];
-                }
-            }
+        const { assert!(N <= 3, "a pose has three components") };
+        let zeros = Self { upper: [[S::of(0.0); N]; N], diagonal: [S::of(0.0); N] };
+        let mut rows = Rows { au, w: w.0, weights: self.diagonal, noise, result: zeros };
+        // Written out: a loop that is left inside another keeps the compiler from making vectors of the outer one.
+        if N > 2 {
+            rows.make_orthogonal(2);
         }
-        result
+        if N > 1 {
+            rows.make_orthogonal(1);
+        }
+        if N > 0 {
+            rows.make_orthogonal(0);
+        }
+        rows.result
     }
 
     /// Observes `row`·x with noise `variance` > 0: [Tran2012] Eq. (16), (18), in the factored form of [Bierman1977].
     ///
     /// # Departure
     /// (18) as printed loses symmetry and sign to rounding; this form cannot.
-    #[inline]
+    #[inline(always)]
     pub fn observed(&self, row: [S; N], variance: S) -> Observation<S, N> {
         let mut result = *self;
         let mut gain = [S::of(0.0); N];
@@ -183,12 +178,15 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
             }
         }
         let share = S::of(1.0) / total;
-        Observation { gain: gain.map(|g| g * share), variance: total, covariance: result }
+        for component in &mut gain {
+            *component = *component * share;
+        }
+        Observation { gain, variance: total, covariance: result }
     }
 
     /// `yes` where `mask` is true, else `no`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn select(mask: S::Mask, yes: &Self, no: &Self) -> Self {
         let mut result = *no;
         for i in 0..N {
@@ -200,7 +198,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         result
     }
 
-    #[inline]
+    #[inline(always)]
     fn u(&self, row: usize, column: usize) -> S {
         if row == column { S::of(1.0) } else { self.upper[row][column] }
     }
@@ -244,5 +242,52 @@ impl<S: Float, const N: usize> Covariance<S, N> {
                 && self.diagonal[i] >= S::of(0.0)
                 && (i + 1..N).all(|j| self.upper[i][j].is_finite())
         })
+    }
+}
+
+/// The rows of [A U, W] on their way to being orthogonal under the weights (D, noise), and the factors found so far.
+struct Rows<S, const N: usize, const M: usize> {
+    au: [[S; N]; N],
+    w: [[S; M]; N],
+    weights: [S; N],
+    noise: [S; M],
+    result: Covariance<S, N>,
+}
+
+impl<S: Scalar, const N: usize, const M: usize> Rows<S, N, M> {
+    /// Takes the part along row `j` out of the rows above it: the rows below were taken before.
+    #[inline(always)]
+    fn make_orthogonal(&mut self, j: usize) {
+        let Self { au, w, weights, noise, result } = self;
+        let mut weighted = [S::of(0.0); N];
+        let mut weighted_noise = [S::of(0.0); M];
+        let mut sum = S::of(0.0);
+        for k in 0..N {
+            weighted[k] = au[j][k] * weights[k];
+            sum = sum + weighted[k] * au[j][k];
+        }
+        for k in 0..M {
+            weighted_noise[k] = w[j][k] * noise[k];
+            sum = sum + weighted_noise[k] * w[j][k];
+        }
+        result.diagonal[j] = sum;
+        let share = S::of(1.0).over_positive(sum);
+        for i in 0..j {
+            let mut dot = S::of(0.0);
+            for k in 0..N {
+                dot = dot + au[i][k] * weighted[k];
+            }
+            for k in 0..M {
+                dot = dot + w[i][k] * weighted_noise[k];
+            }
+            let factor = dot * share;
+            result.upper[i][j] = factor;
+            for k in 0..N {
+                au[i][k] = au[i][k] - factor * au[j][k];
+            }
+            for k in 0..M {
+                w[i][k] = w[i][k] - factor * w[j][k];
+            }
+        }
     }
 }

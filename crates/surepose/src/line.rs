@@ -23,7 +23,7 @@ pub struct Line<In, S> {
 
 impl<In: Frame, S: Scalar> Line<In, S> {
     /// The line at `distance` \[m] along `direction`.
-    #[inline]
+    #[inline(always)]
     pub fn new(distance: S, direction: Angle<S>) -> Self {
         let (sin, cos) = direction.sin_cos();
         Self { distance, direction, normal: (cos, sin), frame: PhantomData }
@@ -32,7 +32,7 @@ impl<In: Frame, S: Scalar> Line<In, S> {
     /// The line through two points, its normal to the right of the way from `start` to `end`.
     ///
     /// Where the points coincide the direction is that of a null vector, 0.
-    #[inline]
+    #[inline(always)]
     pub fn through(start: Point<In, S>, end: Point<In, S>) -> Self {
         let direction = Angle::of_vector(end.y - start.y, start.x - end.x);
         let (sin, cos) = direction.sin_cos();
@@ -41,13 +41,13 @@ impl<In: Frame, S: Scalar> Line<In, S> {
     }
 
     /// The unit normal (cos ψ, sin ψ).
-    #[inline]
+    #[inline(always)]
     pub fn normal(&self) -> (S, S) {
         self.normal
     }
 
     /// How far `point` lies before the line: r − p·n \[m], positive on the origin's side where r > 0.
-    #[inline]
+    #[inline(always)]
     pub fn distance_from(&self, point: Point<In, S>) -> S {
         let (nx, ny) = self.normal;
         self.distance - (nx * point.x + ny * point.y)
@@ -56,7 +56,7 @@ impl<In: Frame, S: Scalar> Line<In, S> {
 
 impl<To: Frame, From: Frame, S: Scalar> core::ops::Mul<Line<From, S>> for Pose<To, From, S> {
     type Output = Line<To, S>;
-    #[inline]
+    #[inline(always)]
     fn mul(self, line: Line<From, S>) -> Line<To, S> {
         let direction = self.heading + line.direction;
         let (sin, cos) = direction.sin_cos();

@@ -39,18 +39,8 @@ pub(crate) struct CertifyCommand {
     /// Time between two ticks, in seconds, over the configuration's
     #[arg(long, value_name = "S")]
     period: Option<f64>,
-    /// Bound of the position error, in metres
-    #[arg(long, value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound)]
-    noise_position: f64,
-    /// Bound of the heading error, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = bound)]
-    noise_heading: f64,
-    /// Bound of each rim's speed error, in metres per second
-    #[arg(long, value_name = "M_S", default_value_t = 0.0, value_parser = bound)]
-    noise_speed: f64,
-    /// Bound of each rim's speed error, as a part of that speed: 0.05 is 5 %
-    #[arg(long, value_name = "PART", default_value_t = 0.0, value_parser = bound)]
-    noise_speed_part: f64,
+    #[command(flatten)]
+    noise: NoiseArgs,
     /// Take the noise options as standard deviations of white Gaussian noise (of each coordinate, of the heading, of each rim)
     #[arg(long, conflicts_with = "out")]
     gaussian: bool,
@@ -59,6 +49,35 @@ pub(crate) struct CertifyCommand {
     out: Option<PathBuf>,
     #[command(flatten)]
     config: ConfigArgs,
+}
+
+/// What may go wrong at every tick.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct NoiseArgs {
+    /// Bound of the position error, in metres
+    #[arg(long = "noise-position", value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound)]
+    position: f64,
+    /// Bound of the heading error, in degrees
+    #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = bound)]
+    heading: f64,
+    /// Bound of each rim's speed error, in metres per second
+    #[arg(long = "noise-speed", value_name = "M_S", default_value_t = 0.0, value_parser = bound)]
+    speed: f64,
+    /// Bound of each rim's speed error, as a part of that speed: 0.05 is 5 %
+    #[arg(long = "noise-speed-part", value_name = "PART", default_value_t = 0.0, value_parser = bound)]
+    speed_part: f64,
+}
+
+impl NoiseArgs {
+    /// The same, in radians.
+    pub(super) fn bounds(self) -> Noise {
+        Noise {
+            position: self.position,
+            heading: self.heading.to_radians(),
+            rim_speed: self.speed,
+            rim_speed_part: self.speed_part,
+        }
+    }
 }
 
 fn bound(text: &str) -> Result<f64, String> {
@@ -76,12 +95,7 @@ impl CertifyCommand {
         if let Some(period) = self.period {
             config = config.with_option(&format!("loop.period_s={period}"))?;
         }
-        let noise = Noise {
-            position: self.noise_position,
-            heading: self.noise_heading.to_radians(),
-            rim_speed: self.noise_speed,
-            rim_speed_part: self.noise_speed_part,
-        };
+        let noise = self.noise.bounds();
         if self.gaussian {
             return Ok(average::run(&config, noise, output));
         }

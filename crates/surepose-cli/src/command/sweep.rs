@@ -8,7 +8,7 @@ use serde_json::{Map, Value as Json, json};
 use surepose::param;
 use surepose_data::{Config, starts};
 use surepose_lab::picture;
-use surepose_lab::sweep::{Noise, Precision, Spread, Starts, Sweep, SweepReport, Watch};
+use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Spread, Starts, Sweep, SweepReport, Watch};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
@@ -22,10 +22,16 @@ use crate::{interrupt, progress};
 #[command(after_help = "Examples:
   surepose sweep --runs 100000 --noise bench --json
   surepose sweep --law paper --period 0.1
+  surepose sweep --loop ekf --runs 1000000 --json        is the filter consistent? nees_mean should be 3
   surepose sweep --starts starts.csv --out out          x_m,y_m,heading_deg on each line
 
 The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for
 1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.
+
+With --loop ekf the law sees the filter's belief instead of the noisy truth, and [filter] delta and gate_probability
+count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read what the wheels were told, which the rims are
+off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has
+nees_mean, position_rmse_m, heading_rmse_deg and refused_part, over all ticks.
 
 Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; summary.json,
 which is the JSON of the command without wall_s and steps_per_s. The same command line gives the same bytes.")]
@@ -39,9 +45,12 @@ pub(crate) struct SweepCommand {
     /// Time between two ticks, in seconds
     #[arg(long, value_name = "S")]
     period: Option<f64>,
-    /// What is wrong with the estimate and the wheels
-    #[arg(long, value_enum, default_value_t = NoiseName::None)]
-    noise: NoiseName,
+    /// What tells the law where the robot is
+    #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
+    loop_: LoopName,
+    /// What is wrong with the estimate or the sensors, and with the wheels; none, or bench with --loop ekf, unless given
+    #[arg(long, value_enum)]
+    noise: Option<NoiseName>,
     /// What the loop is computed with
     #[arg(long, value_enum, default_value_t = PrecisionName::F64)]
     precision: PrecisionName,
@@ -62,7 +71,15 @@ pub(crate) struct SweepCommand {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum NoiseName {
+pub(super) enum LoopName {
+    /// The bench trial: the true pose, with white noise
+    Bench,
+    /// The full loop: odometry, compass and walls through the filter
+    Ekf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum NoiseName {
     /// None
     None,
     /// 5 mm and 0.3° on the estimate, 5 % on each wheel's speed
@@ -76,6 +93,9 @@ enum PrecisionName {
     /// The robot's
     F64,
 }
+
+/// What the filter's belief jumps from tick to tick \[m]: of its error of 1.2 mm, the part that is white.
+const FILTER_JITTER: f64 = 5e-4;
 
 /// How often the progress is looked at.
 const LOOK: Duration = Duration::from_millis(50);
@@ -114,27 +134,8 @@ impl SweepCommand {
     }
 
     fn sweep(&self) -> Result<Sweep, Failure> {
-        // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
-        // The law is told how far off the estimate is, as a robot's owner would tell it.
-        let noise = match self.noise {
-            NoiseName::None => Noise::NONE,
-            NoiseName::Bench => Noise::BENCH,
-        };
-        let bench = [
-            (&param::POSITION_NOISE, noise.position),
-            (&param::WHEEL_RADIUS, 0.05),
-            (&param::TRACK, 0.6),
-            (&param::WHEEL_SPEED_LIMIT, 0.3),
-            (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
-            (&param::PERIOD, 0.02),
-        ];
-        let mut config = self.config.over(Config::default().with_preset("bench", &bench))?;
-        if let Some(name) = &self.law {
-            config = config.with_option(&format!("law.name={name}"))?;
-        }
-        if let Some(period) = self.period {
-            config = config.with_option(&format!("loop.period_s={period}"))?;
-        }
+        let noise = self.loop_.noise(self.noise);
+        let config = configured(&self.config, self.law.as_deref(), self.period, self.loop_.told(noise))?;
         Ok(Sweep {
             starts: match &self.starts {
                 Some(file) => Starts::Given(starts::read(file)?),
@@ -143,6 +144,7 @@ impl SweepCommand {
             law: config.law(),
             period: config.number(&param::PERIOD),
             noise,
+            estimate: self.loop_.estimate(&config),
             precision: match self.precision {
                 PrecisionName::F32 => Precision::F32,
                 PrecisionName::F64 => Precision::F64,
@@ -166,7 +168,63 @@ fn write(folder: &Folder, report: &SweepReport, json: &Map<String, Json>) -> Res
     folder.text("summary.json", &format!("{:#}\n", json!(summary)))
 }
 
-fn cores() -> usize {
+/// The configuration of the bench's robot, with the user's over it.
+pub(super) fn configured(
+    arguments: &ConfigArgs,
+    law: Option<&str>,
+    period: Option<f64>,
+    told: f64,
+) -> Result<Config, Failure> {
+    // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
+    let bench = [
+        (&param::POSITION_NOISE, told),
+        (&param::WHEEL_RADIUS, 0.05),
+        (&param::TRACK, 0.6),
+        (&param::WHEEL_SPEED_LIMIT, 0.3),
+        (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
+        (&param::PERIOD, 0.02),
+    ];
+    let mut config = arguments.over(Config::default().with_preset("bench", &bench))?;
+    if let Some(name) = law {
+        config = config.with_option(&format!("law.name={name}"))?;
+    }
+    if let Some(period) = period {
+        config = config.with_option(&format!("loop.period_s={period}"))?;
+    }
+    Ok(config)
+}
+
+impl LoopName {
+    /// The noise that was asked for, or what makes sense with this loop.
+    pub(super) fn noise(self, asked: Option<NoiseName>) -> Noise {
+        match (asked, self) {
+            (Some(NoiseName::None), _) | (None, Self::Bench) => Noise::NONE,
+            (Some(NoiseName::Bench), _) | (None, Self::Ekf) => Noise::BENCH,
+        }
+    }
+
+    /// How far off its estimate the law is told to be from tick to tick \[m], as a robot's owner would tell it.
+    pub(super) fn told(self, noise: Noise) -> f64 {
+        match self {
+            Self::Bench => noise.position,
+            Self::Ekf => FILTER_JITTER,
+        }
+    }
+
+    /// What tells the law where the robot is.
+    pub(super) fn estimate(self, config: &Config) -> Estimate {
+        match self {
+            Self::Bench => Estimate::Given,
+            Self::Ekf => Estimate::Filtered(Filter {
+                delta: config.number(&param::DELTA),
+                gate_probability: config.number(&param::GATE_PROBABILITY),
+                ..Filter::BENCH
+            }),
+        }
+    }
+}
+
+pub(super) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
@@ -187,6 +245,17 @@ fn shown(report: &SweepReport) -> comfy_table::Table {
     if let (Some(success), Some(cusps)) = (report.success_rate, report.cusps_mean) {
         table.add_row(["success", &format!("{:.3} %", 1e2 * success), "of", &report.runs.to_string()]);
         table.add_row(["reversals, mean".to_owned(), format!("{cusps:.2}")]);
+    }
+    let beliefs = [
+        ("NEES, mean (3 if consistent)", report.nees_mean, 1.0, 3),
+        ("estimated position, RMSE [mm]", report.position_rmse_m, 1e3, 2),
+        ("estimated heading, RMSE [°]", report.heading_rmse_deg, 1.0, 3),
+        ("measurements kept out [%]", report.refused_part, 1e2, 3),
+    ];
+    for (name, value, factor, digits) in beliefs {
+        if let Some(value) = value {
+            table.add_row([name.to_owned(), format!("{:.digits$}", value * factor)]);
+        }
     }
     table.add_row(["steps per second".to_owned(), format!("{:.3e}", report.steps_per_s)]);
     align_numbers(&mut table);

@@ -93,7 +93,7 @@ impl Config {
                 capture_radius,
                 direction: self.direction(),
                 actuation: Actuation::of(&self.drive(), &self.limits(), period),
-                rest: (noise > 0.0).then(|| Rest::of(noise, period, capture_radius)),
+                rest: (noise > 0.0).then(|| Rest::of(noise, period)),
             }),
         }
     }

@@ -15,6 +15,8 @@ const WHEEL_SPEED: f64 = 0.3;
 
 /// Half the side of the square of random starts \[m].
 const REACH: f64 = 3.0;
+/// The part of it that is near the goal.
+pub(super) const NEAR: f64 = 1.0 / 15.0;
 
 /// What is wrong with what the law sees and with what the wheels do.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +34,16 @@ impl Noise {
     pub const NONE: Self = Self { position: 0.0, heading: 0.0, wheels: 0.0 };
     /// The bench's.
     pub const BENCH: Self = Self { position: 0.005, heading: 0.3 * PI / 180.0, wheels: 0.05 };
+
+    /// All of it, `factor` times as large.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            position: self.position * factor,
+            heading: self.heading * factor,
+            wheels: self.wheels * factor,
+        }
+    }
 }
 
 /// What the bench's wheels can do: no acceleration limit.
@@ -42,7 +54,7 @@ pub fn limits() -> Limits<f64> {
 /// The default law for the bench's robot, told how far off its estimate is.
 pub fn fitted_law(period: f64, direction: Direction, noise: Noise) -> Law<f64> {
     let law = HybridLaw::fitted(&DRIVE, &limits(), period, direction);
-    let rest = (noise.position > 0.0).then(|| Rest::of(noise.position, period, law.capture_radius));
+    let rest = (noise.position > 0.0).then(|| Rest::of(noise.position, period));
     Law::Hybrid(HybridLaw { rest, ..law })
 }
 

@@ -4,10 +4,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use surepose_lanes::Element;
 
+use super::believing::Beliefs;
 use super::bench::{HOLD, TIMEOUT};
+use super::filter::Estimate;
 use super::fleet::{Fleet, LANES};
 use super::trial::Trial;
-use super::{Start, Sweep, Watch, phases};
+use super::{Start, Sweep, Watch, estimating, phases};
 
 /// When a trial ends, in periods.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +48,10 @@ pub(super) fn drive<T: Element>(
         ends,
         next,
         fleet: Box::new(Fleet::<T>::default()),
+        beliefs: match sweep.estimate {
+            Estimate::Given => None,
+            Estimate::Filtered(filter) => Some(Box::new(Beliefs::new(filter))),
+        },
         under: [None; LANES],
         active: 0,
         now: 0,
@@ -66,6 +72,8 @@ struct Crew<'a, T: Element> {
     ends: Ends,
     next: &'a AtomicUsize,
     fleet: Box<Fleet<T>>,
+    /// What the trials believe, where a filter tells the law where the robot is.
+    beliefs: Option<Box<Beliefs<T>>>,
     under: [Option<Under>; LANES],
     active: usize,
     now: u64,
@@ -84,13 +92,20 @@ impl<T: Element> Crew<'_, T> {
         };
         self.under[lane] = Some(Under { way, start, began: self.now });
         self.fleet.begin(lane, &start, self.sweep.seed, way as u64);
+        if let Some(beliefs) = &mut self.beliefs {
+            beliefs.begin(lane, &start, self.sweep.seed, way as u64);
+        }
         self.active += 1;
         self.deadline = self.deadline.min(self.now + self.ends.most);
     }
 
     /// One period of all trials.
     fn step(&mut self, done: &mut Vec<(usize, Trial)>, watch: &Watch) {
-        phases::step(&mut self.fleet, &self.sweep.law, &self.sweep.noise, self.sweep.period);
+        let Sweep { law, noise, period, .. } = self.sweep;
+        match &mut self.beliefs {
+            None => phases::step(&mut self.fleet, law, noise, *period),
+            Some(beliefs) => estimating::step(&mut self.fleet, beliefs, law, noise, *period),
+        }
         self.now += 1;
         // Nearly always no trial ends: one look at all lanes says so.
         let held = T::of(self.ends.held);
@@ -120,6 +135,7 @@ impl<T: Element> Crew<'_, T> {
         let reached = |value: T| success.then(|| value.to_f64());
         let (distance, turn) = self.fleet.error(lane);
         let entered = steps as f64 - (self.ends.held - 1.0);
+        let belief = self.beliefs.as_ref().map(|beliefs| beliefs.consistency(lane, steps));
         let trial = Trial {
             start_x_m: start.x,
             start_y_m: start.y,
@@ -132,6 +148,10 @@ impl<T: Element> Crew<'_, T> {
             cusps: reached(score.cusps_entered.0[lane]),
             final_position_error_m: distance,
             final_heading_error_deg: turn.degrees().abs(),
+            nees_mean: belief.map(|belief| belief.nees_mean),
+            position_rmse_m: belief.map(|belief| belief.position_rmse),
+            heading_rmse_deg: belief.map(|belief| belief.heading_rmse.to_degrees()),
+            refused_part: belief.map(|belief| belief.refused),
         };
         done.push((way, trial));
         watch.count();

@@ -104,6 +104,11 @@ impl<T: Element> Fleet<T> {
         }
     }
 
+    /// The noise of the right and of the left wheel in this period.
+    pub(super) fn wheel_deviates(&mut self) -> &mut [Numbers<T>] {
+        &mut self.deviates[3..5]
+    }
+
     /// How far lane `lane` is from the goal \[m], and how far turned.
     pub(super) fn error(&self, lane: usize) -> (f64, Angle<f64>) {
         let (x, y) = (self.x.0[lane].to_f64(), self.y.0[lane].to_f64());

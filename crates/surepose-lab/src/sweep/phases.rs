@@ -21,9 +21,24 @@ pub(super) fn step<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>, noise: &Noi
         on_widest(Draw(fleet));
     }
     on_widest(Look(fleet, noise));
+    decide(fleet, law);
+    drive(fleet, noise, period);
+    judge(fleet);
+}
+
+/// Asks the law what every trial's robot shall do.
+pub(super) fn decide<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>) {
     on_widest(Ask(fleet, law, Face));
     on_widest(Ask(fleet, law, Steer));
+}
+
+/// Does it for one `period` \[s], as exactly as the wheels do.
+pub(super) fn drive<T: Element>(fleet: &mut Fleet<T>, noise: Option<&Noise>, period: f64) {
     on_widest(Drive(fleet, noise, period));
+}
+
+/// Notes what came of it.
+pub(super) fn judge<T: Element>(fleet: &mut Fleet<T>) {
     on_widest(Judge(fleet));
 }
 

@@ -58,6 +58,19 @@ pub struct SweepReport {
     pub final_heading_error_deg: Option<Spread>,
     /// Changes of the speed's sign, in the mean.
     pub cusps_mean: Option<f64>,
+    /// The normalised estimation error squared in the mean over all periods, 3 where the filter is consistent; none
+    /// without a filter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nees_mean: Option<f64>,
+    /// Root mean square of the error of the estimated position over all periods \[m]; none without a filter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_rmse_m: Option<f64>,
+    /// The same of the estimated heading \[°].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heading_rmse_deg: Option<f64>,
+    /// The part of the measurements that the gate kept out; none without a filter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused_part: Option<f64>,
     /// What all randomness came from.
     pub seed: u64,
     /// Every trial, in the order of the starts.
@@ -71,6 +84,15 @@ impl SweepReport {
         let spread = |value: fn(&Trial) -> Option<f64>| Spread::of(trials.iter().filter_map(value));
         let mean =
             |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+        // A trial weighs as much as it has periods.
+        let over_periods = |value: fn(&Trial) -> Option<f64>| {
+            let sum: Option<f64> = trials.iter().map(|trial| Some(value(trial)? * trial.steps as f64)).sum();
+            sum.filter(|_| steps > 0).map(|sum| sum / steps as f64)
+        };
+        let nees_mean = over_periods(|trial| trial.nees_mean);
+        let position = over_periods(|trial| trial.position_rmse_m.map(|rmse| rmse * rmse));
+        let heading = over_periods(|trial| trial.heading_rmse_deg.map(|rmse| rmse * rmse));
+        let refused_part = over_periods(|trial| trial.refused_part);
         Self {
             runs: trials.len(),
             success_rate: mean(trials.iter().map(|trial| f64::from(u8::from(trial.success))).collect()),
@@ -83,6 +105,10 @@ impl SweepReport {
             final_position_error_m: spread(|trial| Some(trial.final_position_error_m)),
             final_heading_error_deg: spread(|trial| Some(trial.final_heading_error_deg)),
             cusps_mean: mean(trials.iter().filter_map(|trial| trial.cusps).collect()),
+            nees_mean,
+            position_rmse_m: position.map(f64::sqrt),
+            heading_rmse_deg: heading.map(f64::sqrt),
+            refused_part,
             seed,
             trials,
         }

@@ -1,6 +1,6 @@
 use surepose::{Angle, Direction, Gains, Law, PaperLaw};
 
-use super::{Noise, Precision, Spread, Start, Starts, Sweep, SweepReport, Watch, fitted_law};
+use super::{Estimate, Noise, Precision, Spread, Start, Starts, Sweep, SweepReport, Watch, fitted_law};
 
 fn sweep(runs: usize, period: f64, noise: Noise) -> Sweep {
     Sweep {
@@ -8,6 +8,7 @@ fn sweep(runs: usize, period: f64, noise: Noise) -> Sweep {
         law: fitted_law(period, Direction::Auto, noise),
         period,
         noise,
+        estimate: Estimate::Given,
         precision: Precision::F64,
         threads: 2,
         seed: 1,

@@ -32,6 +32,14 @@ pub struct Trial {
     pub final_position_error_m: f64,
     /// Heading error then \[°].
     pub final_heading_error_deg: f64,
+    /// The normalised estimation error squared, in the mean over the trial; none without a filter.
+    pub nees_mean: Option<f64>,
+    /// Root mean square of the error of the estimated position over the trial \[m]; none without a filter.
+    pub position_rmse_m: Option<f64>,
+    /// The same of the estimated heading \[°].
+    pub heading_rmse_deg: Option<f64>,
+    /// The part of the measurements that the gate kept out; none without a filter.
+    pub refused_part: Option<f64>,
 }
 
 impl Trial {

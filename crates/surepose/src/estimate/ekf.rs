@@ -20,19 +20,19 @@ pub struct Belief<S> {
 
 impl<S: Scalar> Belief<S> {
     /// `pose`, with independent standard deviations of x \[m], y \[m] and θ \[rad].
-    #[inline]
+    #[inline(always)]
     pub fn new(pose: Pose<Map, Body, S>, std: [S; 3]) -> Self {
         Self { pose, covariance: Covariance::from_std(std) }
     }
 
     /// The estimation error `estimate − truth` (x, y, θ), heading wrapped.
-    #[inline]
+    #[inline(always)]
     pub fn error(&self, truth: Pose<Map, Body, S>) -> [S; 3] {
         [self.pose.x - truth.x, self.pose.y - truth.y, (self.pose.heading - truth.heading).radians()]
     }
 
     /// The normalised estimation error squared, χ² with 3 degrees of freedom for a consistent filter.
-    #[inline]
+    #[inline(always)]
     pub fn nees(&self, truth: Pose<Map, Body, S>) -> S {
         self.covariance.mahalanobis_squared(self.error(truth))
     }
@@ -50,7 +50,7 @@ pub struct Travel<S> {
 impl<S: Scalar> Travel<S> {
     /// The part `fraction` ∈ [0, 1] of this travel, with the same share of its variance.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn part(self, fraction: S) -> Self {
         Self { rims: self.rims.scaled(fraction), variance: self.variance.scaled(fraction) }
     }
@@ -82,7 +82,7 @@ impl<S: Scalar> Ekf<S> {
     /// The travel of `rims` \[m] with the variances of [Tran2012] Eq. (15).
     ///
     /// In travels instead of turn rates the factors Δt·R of Q and of W cancel: Var(Δs) = δΔs².
-    #[inline]
+    #[inline(always)]
     pub fn travel(&self, rims: Wheels<S>) -> Travel<S> {
         let variance = |rim: S| self.delta * rim.squared();
         Travel { rims, variance: Wheels::new(variance(rims.right), variance(rims.left)) }
@@ -90,7 +90,7 @@ impl<S: Scalar> Ekf<S> {
 
     /// The belief after `travel`: [Tran2012] Eq. (11), (12).
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn predict(&self, belief: Belief<S>, travel: Travel<S>) -> Belief<S> {
         let motion = self.drive.motion_from_travel(travel.rims);
         let (chord, chord_slope) = motion.chord_and_slope(self.integration);
@@ -121,7 +121,7 @@ impl<S: Scalar> Ekf<S> {
     ///
     /// The rows of `innovation` carry independent noise, so taking them one after the other equals the joint update,
     /// and the sum of their squared normalised residuals is the joint νᵀS⁻¹ν: no matrix is inverted.
-    #[inline]
+    #[inline(always)]
     pub fn correct<const M: usize>(
         &self,
         belief: Belief<S>,
@@ -137,8 +137,8 @@ impl<S: Scalar> Ekf<S> {
             let predicted = row[0] * step[0] + row[1] * step[1] + row[2] * step[2];
             let residual = innovation.residual[m] - predicted;
             nis = nis + residual.squared() / seen.variance;
-            for (component, gain) in step.iter_mut().zip(seen.gain) {
-                *component = *component + gain * residual;
+            for (component, gain) in step.iter_mut().zip(&seen.gain) {
+                *component = *component + *gain * residual;
             }
             covariance = seen.covariance;
         }

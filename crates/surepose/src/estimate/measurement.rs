@@ -97,7 +97,7 @@ impl<S> Measurement<S> {
 
 impl<S: Scalar> Compass<S> {
     /// ν = z − θ, wrapped.
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 1> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         Innovation {
@@ -112,7 +112,7 @@ impl<S: Scalar> WallSighting<S> {
     /// ν of (r, ψ): the wall lies at r = r_m − p·n_m and ψ = ψ_m − θ in the body frame.
     ///
     /// A wall is seen from both sides, so the seen normal is first turned to the side of the map's.
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         let pose = &belief.pose;
@@ -134,7 +134,7 @@ impl<S: Scalar> WallSighting<S> {
 
 impl<S: Scalar> LandmarkSighting<S> {
     /// ν of (range, bearing) of a known point.
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         let pose = &belief.pose;
@@ -154,7 +154,7 @@ impl<S: Scalar> LandmarkSighting<S> {
 
 impl<S: Scalar> PositionFix<S> {
     /// ν = z − (x, y).
-    #[inline]
+    #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
         let (zero, one) = (S::of(0.0), S::of(1.0));
         Innovation::with_correlated_pair(

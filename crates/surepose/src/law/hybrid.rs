@@ -116,7 +116,9 @@ impl<S: Scalar> HybridLaw<S> {
             Twist::select(near, self.near(&seen, -error, trims), self.far(&seen, ahead, error));
         let onward = S::select(reverse, -one, one);
         let (v, travel) = match self.rest {
-            Some(rest) => rest.of_speed(v * onward, seen.ahead * onward, memory.travel),
+            Some(rest) => {
+                rest.within(self.capture_radius).of_speed(v * onward, seen.ahead * onward, memory.travel)
+            }
             None => (v * onward, memory.travel),
         };
         let memory = Memory { near, reverse, side, trims: S::select(trimming, trims + one, zero), travel };

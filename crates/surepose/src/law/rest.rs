@@ -26,10 +26,16 @@ const TURN_ROUND: f64 = 2.4;
 
 impl<S: Scalar> Rest<S> {
     /// The zone for an estimate whose coordinates have the standard deviation `noise` \[m], white from one period \[s]
-    /// to the next; near a goal that captures within `capture_radius` \[m].
-    pub fn of(noise: S, period: S, capture_radius: S) -> Self {
-        let reach = noise * S::of(DEVIATIONS_AT_ONE_SECOND) / period.sqrt();
-        Self { reach: reach.min(capture_radius * S::of(MOST_RADII)) }
+    /// to the next.
+    pub fn of(noise: S, period: S) -> Self {
+        Self { reach: noise * S::of(DEVIATIONS_AT_ONE_SECOND) / period.sqrt() }
+    }
+
+    /// The same, no larger than what a goal that captures within `capture_radius` \[m] leaves room for.
+    #[inline(always)]
+    #[must_use]
+    pub(super) fn within(self, capture_radius: S) -> Self {
+        Self { reach: self.reach.min(capture_radius * S::of(MOST_RADII)) }
     }
 
     /// What is left of the speed `v` \[m/s] where the goal is `ahead` \[m], having been about to travel in the direction

@@ -17,7 +17,7 @@ impl<S: Scalar> Innovation<S, 2> {
     /// Two rows whose noise has this `covariance`, made independent.
     ///
     /// With R = L D Lᵀ, the rows L⁻¹ν, L⁻¹H have the diagonal noise D and carry the same information.
-    #[inline]
+    #[inline(always)]
     pub fn with_correlated_pair(
         residual: [S; 2],
         jacobian: [[S; 3]; 2],
@@ -26,8 +26,8 @@ impl<S: Scalar> Innovation<S, 2> {
     ) -> Self {
         let share = covariance / variance[0];
         let mut second = jacobian[1];
-        for (entry, first) in second.iter_mut().zip(jacobian[0]) {
-            *entry = *entry - share * first;
+        for (entry, first) in second.iter_mut().zip(&jacobian[0]) {
+            *entry = *entry - share * *first;
         }
         Self {
             residual: [residual[0], residual[1] - share * residual[0]],

@@ -1,0 +1,74 @@
+//! `surepose tune`: keys, exit codes, a configuration that can be used.
+
+#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+
+mod common;
+
+use common::{folder, surepose};
+
+const GAINS: [&str; 5] = ["k_v", "k_alpha", "h", "k_theta", "capture_radius_m"];
+
+#[test]
+fn the_result_is_certified_no_slower_and_a_configuration() {
+    let folder = folder("tune");
+    let out = folder.join("tuned.toml");
+    let path = out.to_str().expect("UTF-8");
+    let arguments = ["tune", "--period", "0.1", "--rounds", "2", "--runs", "2000", "--out", path, "--json"];
+    let run = surepose(&arguments);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    for gain in GAINS {
+        assert!(json[gain].is_number() && json["start"][gain].is_number(), "{gain} in {json}");
+    }
+    assert_eq!((&json["certified"], &json["after"]["success_rate"]), (&true.into(), &1.0.into()), "{json}");
+    for quantile in ["p50", "p95"] {
+        let figure = |when: &str| json[when]["time_ratio"][quantile].as_f64();
+        assert!(figure("after") <= figure("before"), "{json}");
+    }
+
+    // The file is a configuration, with these gains, that `sweep` gives the same figures for.
+    assert_eq!(surepose(&["config", "check", path]).code, 0);
+    let sweep = ["sweep", "--config", path, "--noise", "bench", "--runs", "2000", "--json"];
+    assert_eq!(surepose(&sweep).json()["time_ratio"], json["after"]["time_ratio"]);
+    let certify = surepose(&["certify", "--config", path, "--json"]);
+    assert_eq!(certify.code, 0, "{}", certify.stdout);
+}
+
+#[test]
+fn without_a_certificate_the_exit_code_is_1_and_nothing_is_written() {
+    let folder = folder("tune-refused");
+    let out = folder.join("tuned.toml");
+    let path = out.to_str().expect("UTF-8");
+    let run = surepose(&[
+        "tune",
+        "--rounds",
+        "0",
+        "--runs",
+        "100",
+        "--noise-position",
+        "0.5",
+        "--out",
+        path,
+        "--json",
+    ]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let json = run.json();
+    assert_eq!(json["certified"], false, "{json}");
+    assert!(json["k_v"].is_null() && json["after"].is_null() && json["before"].is_object(), "{json}");
+    assert!(!out.exists() && run.stderr.contains("nothing was certified"), "{}", run.stderr);
+}
+
+#[test]
+fn a_wrong_command_line_exits_with_2() {
+    for arguments in [
+        &["tune", "--runs", "0"][..],
+        &["tune", "--noise-position", "-1"],
+        &["tune", "--period", "0"],
+        &["tune", "--rounds", "many"],
+        &["tune", "--rounds", "0", "--runs", "1", "--out", "no/such/folder/tuned.toml"],
+    ] {
+        let run = surepose(arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{arguments:?}");
+    }
+}

@@ -1,0 +1,125 @@
+//! What the trials of a fleet believe, side by side, and how that is judged.
+
+use surepose::{Belief, Gate};
+use surepose_lanes::{Element, Streams};
+
+use super::Start;
+use super::filter::{Filter, START_STD};
+use super::fleet::{LANES, Numbers};
+
+/// One belief for each trial, as the factors of its covariance.
+#[derive(Clone, Debug)]
+pub(super) struct Beliefs<T: Element> {
+    pub(super) filter: Filter,
+    pub(super) gate: Gate<f64>,
+    /// The estimated pose.
+    pub(super) x: Numbers<T>,
+    pub(super) y: Numbers<T>,
+    pub(super) heading: Numbers<T>,
+    /// U₀₁, U₀₂, U₁₂ and D of the covariance.
+    pub(super) upper: [Numbers<T>; 3],
+    pub(super) diagonal: [Numbers<T>; 3],
+    /// How good the beliefs of the trial were so far.
+    pub(super) score: BeliefScore<T>,
+    /// The noise of the sensors in this period.
+    pub(super) deviates: [Numbers<T>; 6],
+    pub(super) drawn: Drawn,
+}
+
+/// Sums over the periods of a trial.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BeliefScore<T: Element> {
+    /// Of the normalised estimation error squared.
+    pub(super) nees: Numbers<T>,
+    /// Of the squared error of the position \[m²].
+    pub(super) position: Numbers<T>,
+    /// Of the squared error of the heading \[rad²].
+    pub(super) heading: Numbers<T>,
+    /// Of measurements that the gate kept out.
+    pub(super) refused: Numbers<T>,
+}
+
+/// Which deviate is which sensor's.
+pub(super) struct Deviates {
+    pub(super) compass: usize,
+    /// Distance and direction of each wall.
+    pub(super) walls: [[usize; 2]; 2],
+}
+
+/// The sixth is nobody's: deviates come in pairs, and the wheels take two.
+pub(super) const DEVIATES: Deviates = Deviates { compass: 0, walls: [[1, 2], [3, 4]] };
+
+/// Measurements in a period.
+pub(super) const MEASUREMENTS: u64 = 3;
+
+/// Deviates as they are drawn: the sensors', then the wheels'.
+#[derive(Clone, Debug)]
+pub(super) struct Drawn(pub(super) [[[f32; LANES]; 2]; 4]);
+
+/// What came of a trial's beliefs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Consistency {
+    pub(super) nees_mean: f64,
+    pub(super) position_rmse: f64,
+    pub(super) heading_rmse: f64,
+    pub(super) refused: f64,
+}
+
+impl<T: Element> Beliefs<T> {
+    pub(super) fn new(filter: Filter) -> Self {
+        Self {
+            filter,
+            gate: filter.gate(),
+            x: Numbers::default(),
+            y: Numbers::default(),
+            heading: Numbers::default(),
+            upper: Default::default(),
+            diagonal: Default::default(),
+            score: BeliefScore::default(),
+            deviates: Default::default(),
+            drawn: Drawn([[[0.0; LANES]; 2]; 4]),
+        }
+    }
+
+    /// Lane `lane` begins trial `number` at `start`, which it believes as well as it knows.
+    pub(super) fn begin(&mut self, lane: usize, start: &Start, seed: u64, number: u64) {
+        let [x, y, turn] = start_error(seed, number);
+        let pose = surepose::Pose::new(start.x + x, start.y + y, start.heading.turned(turn));
+        let (upper, diagonal) = Belief::new(pose, START_STD).covariance.factors();
+        self.x.0[lane] = T::of(pose.x);
+        self.y.0[lane] = T::of(pose.y);
+        self.heading.0[lane] = T::of(pose.heading.radians());
+        for (numbers, value) in self.upper.iter_mut().zip([upper[0][1], upper[0][2], upper[1][2]]) {
+            numbers.0[lane] = T::of(value);
+        }
+        for (numbers, value) in self.diagonal.iter_mut().zip(diagonal) {
+            numbers.0[lane] = T::of(value);
+        }
+        let score = &mut self.score;
+        for sum in [&mut score.nees, &mut score.position, &mut score.heading, &mut score.refused] {
+            sum.0[lane] = T::default();
+        }
+    }
+
+    /// How good the beliefs of lane `lane` were, in the `steps` of its trial.
+    pub(super) fn consistency(&self, lane: usize, steps: u64) -> Consistency {
+        let mean = |sum: &Numbers<T>| sum.0[lane].to_f64() / steps.max(1) as f64;
+        Consistency {
+            nees_mean: mean(&self.score.nees),
+            position_rmse: mean(&self.score.position).sqrt(),
+            heading_rmse: mean(&self.score.heading).sqrt(),
+            refused: mean(&self.score.refused) / MEASUREMENTS as f64,
+        }
+    }
+}
+
+/// How far the first belief of trial `number` is off: from a stream of its own, so that the trial's is not moved.
+fn start_error(seed: u64, number: u64) -> [f64; 3] {
+    let mut streams = Streams::<1>::default();
+    streams.start(0, seed ^ 0x0BE1_1EF5, number);
+    let mut drawn = [[[0.0_f32; 1]; 2]; 2];
+    streams.normals(&mut drawn);
+    let [[[x], [y]], [[turn], _]] = drawn;
+    let deviates = [x, y, turn];
+    core::array::from_fn(|k| f64::from(deviates[k]) * START_STD[k])
+}

@@ -1,0 +1,267 @@
+//! One period of the full loop of every trial: the sensors, the filter, and then the bench's law and wheels.
+//!
+//! The wheels' encoders read what the wheels were told to do, which the rims are off by the wheels' noise: the belief is
+//! carried on by the former, the robot by the latter. Each period the compass and two walls correct the belief. The
+//! filter is the core's, in lanes: its gate is a mask.
+
+use surepose::{
+    Angle, Belief, Body, Compass, Covariance, Goal, Innovation, Line, Map, Navigation, Pose, Scalar, Twist,
+    WallSighting,
+};
+use surepose_lanes::{Element, Lanes, Work, on_widest};
+
+use super::believing::{Beliefs, DEVIATES};
+use super::bench::{DRIVE, Noise, limits};
+use super::filter::{Filter, walls};
+use super::fleet::{Fleet, Numbers};
+use super::phases;
+
+/// One robot at a time: the filter's steps are so long that two of them interleaved leave too few registers.
+type Robot<T> = Lanes<T, 1>;
+
+/// Carries every trial one `period` \[s] forward.
+pub(super) fn step<T: Element>(
+    fleet: &mut Fleet<T>,
+    beliefs: &mut Beliefs<T>,
+    law: &surepose::Law<f64>,
+    noise: &Noise,
+    period: f64,
+) {
+    on_widest(Draw(fleet, beliefs));
+    // Without noise the sensors are exact, and the filter takes them to be what they always are.
+    let real = (*noise != Noise::NONE).then_some(Filter::BENCH);
+    on_widest(Correct(fleet, beliefs, OfCompass { real }));
+    for (wall, deviates) in walls().into_iter().zip(DEVIATES.walls) {
+        on_widest(Correct(fleet, beliefs, OfWall { real, wall, deviates }));
+    }
+    on_widest(Judge(fleet, beliefs));
+    on_widest(Look(fleet, beliefs));
+    phases::decide(fleet, law);
+    phases::drive(fleet, Some(noise), period);
+    on_widest(Predict(fleet, beliefs, period));
+    phases::judge(fleet);
+}
+
+/// Draws this period's noise: of the sensors, and of the wheels.
+struct Draw<'a, T: Element>(&'a mut Fleet<T>, &'a mut Beliefs<T>);
+
+impl<T: Element> Work for Draw<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(fleet, beliefs) = self;
+        fleet.streams.normals(&mut beliefs.drawn.0);
+        let wheels = fleet.wheel_deviates();
+        for (deviates, drawn) in beliefs.deviates.iter_mut().chain(wheels).zip(beliefs.drawn.0.as_flattened())
+        {
+            for (deviate, drawn) in deviates.0.iter_mut().zip(drawn) {
+                *deviate = T::from_single(*drawn);
+            }
+        }
+    }
+}
+
+/// A sensor, which `M` numbers come from.
+trait Sensor<T: Element, const M: usize> {
+    /// What it measures from `truth`, compared with what `belief` expects; `deviate` gives its noise by number.
+    fn innovation(
+        &self,
+        filter: &Filter,
+        truth: Pose<Map, Body, Robot<T>>,
+        belief: &Belief<Robot<T>>,
+        deviate: impl Fn(usize) -> Robot<T>,
+    ) -> Innovation<Robot<T>, M>;
+}
+
+struct OfCompass {
+    real: Option<Filter>,
+}
+
+impl<T: Element> Sensor<T, 1> for OfCompass {
+    #[inline(always)]
+    fn innovation(
+        &self,
+        filter: &Filter,
+        truth: Pose<Map, Body, Robot<T>>,
+        belief: &Belief<Robot<T>>,
+        deviate: impl Fn(usize) -> Robot<T>,
+    ) -> Innovation<Robot<T>, 1> {
+        let std = Robot::of(self.real.map_or(0.0, |real| real.compass_std));
+        let heading = truth.heading + Angle::from_wrapped(deviate(DEVIATES.compass) * std);
+        Compass { heading, std: Robot::of(filter.compass_std) }.innovation(belief)
+    }
+}
+
+struct OfWall<T: Element> {
+    real: Option<Filter>,
+    wall: Line<Map, Robot<T>>,
+    deviates: [usize; 2],
+}
+
+impl<T: Element> Sensor<T, 2> for OfWall<T> {
+    #[inline(always)]
+    fn innovation(
+        &self,
+        filter: &Filter,
+        truth: Pose<Map, Body, Robot<T>>,
+        belief: &Belief<Robot<T>>,
+        deviate: impl Fn(usize) -> Robot<T>,
+    ) -> Innovation<Robot<T>, 2> {
+        let std = |of: fn(&Filter) -> f64| Robot::<T>::of(self.real.as_ref().map_or(0.0, of));
+        let distance = deviate(self.deviates[0]) * std(|real| real.wall_distance_std);
+        let direction = deviate(self.deviates[1]) * std(|real| real.wall_direction_std);
+        let sighting = WallSighting {
+            wall: self.wall,
+            seen: Line::new(
+                self.wall.distance_from(truth.origin()) + distance,
+                (self.wall.direction - truth.heading) + Angle::from_wrapped(direction),
+            ),
+            distance_variance: Robot::of(filter.wall_distance_std).squared(),
+            direction_variance: Robot::of(filter.wall_direction_std).squared(),
+            covariance: Robot::of(0.0),
+        };
+        sighting.innovation(belief)
+    }
+}
+
+/// Measures, and corrects the belief where the gate lets the measurement in.
+struct Correct<'a, T: Element, S>(&'a Fleet<T>, &'a mut Beliefs<T>, S);
+
+impl<T: Element, S> Correct<'_, T, S> {
+    #[inline(always)]
+    fn by<const M: usize>(self)
+    where
+        S: Sensor<T, M>,
+    {
+        let Self(fleet, beliefs, sensor) = self;
+        let filter = beliefs.filter;
+        let ekf = filter.ekf();
+        let threshold = Robot::<T>::of(beliefs.gate.threshold(M));
+        let (zero, one) = (Robot::<T>::of(0.0), Robot::<T>::of(1.0));
+        for k in Numbers::<T>::rows::<1>() {
+            let belief = beliefs.get(k);
+            let innovation =
+                sensor.innovation(&filter, pose_of(fleet, k), &belief, |of| beliefs.deviates[of].get(k));
+            let correction = ekf.correct(belief, &innovation, threshold);
+            beliefs.set(k, correction.belief);
+            let refused = beliefs.score.refused.get(k) + Robot::select(correction.accepted, zero, one);
+            beliefs.score.refused.set(k, refused);
+        }
+    }
+}
+
+impl<T: Element> Work for Correct<'_, T, OfCompass> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.by::<1>();
+    }
+}
+
+impl<T: Element> Work for Correct<'_, T, OfWall<T>> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.by::<2>();
+    }
+}
+
+/// Notes how wrong every belief is, and how wrong it says it may be.
+struct Judge<'a, T: Element>(&'a Fleet<T>, &'a mut Beliefs<T>);
+
+impl<T: Element> Work for Judge<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(fleet, beliefs) = self;
+        for k in Numbers::<T>::rows::<1>() {
+            let (belief, truth) = (beliefs.get(k), pose_of(fleet, k));
+            let [x, y, heading] = belief.error(truth);
+            let score = &mut beliefs.score;
+            score.nees.set(k, score.nees.get(k) + belief.nees(truth));
+            score.position.set(k, score.position.get(k) + (x.squared() + y.squared()));
+            score.heading.set(k, score.heading.get(k) + heading.squared());
+        }
+    }
+}
+
+/// Sees the goal from where the robot believes to be.
+struct Look<'a, T: Element>(&'a mut Fleet<T>, &'a Beliefs<T>);
+
+impl<T: Element> Work for Look<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(fleet, beliefs) = self;
+        let goal: Pose<Map, Goal, Robot<T>> = Pose::identity();
+        for k in Numbers::<T>::rows::<1>() {
+            let navigation = Navigation::of(beliefs.pose(k), goal);
+            fleet.rho.set(k, navigation.rho);
+            fleet.alpha.set(k, navigation.alpha.radians());
+            fleet.phi.set(k, navigation.phi.radians());
+        }
+    }
+}
+
+/// Carries every belief on by what the encoders read.
+struct Predict<'a, T: Element>(&'a Fleet<T>, &'a mut Beliefs<T>, f64);
+
+impl<T: Element> Work for Predict<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(fleet, beliefs, period) = self;
+        let (drive, limits, period) = (DRIVE.cast(), limits().cast(), Robot::<T>::of(period));
+        let ekf = beliefs.filter.ekf();
+        for k in Numbers::<T>::rows::<1>() {
+            let wanted = Twist::new(fleet.v.get(k), fleet.omega.get(k));
+            let rims = drive.rims_from_twist(limits.within_speed(&drive, wanted));
+            let belief = ekf.predict(beliefs.get(k), ekf.travel(rims.scaled(period)));
+            beliefs.set(k, belief);
+        }
+    }
+}
+
+#[inline(always)]
+fn pose_of<T: Element>(fleet: &Fleet<T>, k: usize) -> Pose<Map, Body, Robot<T>> {
+    Pose::new(fleet.x.get(k), fleet.y.get(k), Angle::from_wrapped(fleet.heading.get(k)))
+}
+
+impl<T: Element> Beliefs<T> {
+    #[inline(always)]
+    fn pose(&self, k: usize) -> Pose<Map, Body, Robot<T>> {
+        Pose::new(self.x.get(k), self.y.get(k), Angle::from_wrapped(self.heading.get(k)))
+    }
+
+    #[inline(always)]
+    fn get(&self, k: usize) -> Belief<Robot<T>> {
+        let zero = Robot::<T>::of(0.0);
+        let upper = [
+            [zero, self.upper[0].get(k), self.upper[1].get(k)],
+            [zero, zero, self.upper[2].get(k)],
+            [zero; 3],
+        ];
+        let diagonal = [self.diagonal[0].get(k), self.diagonal[1].get(k), self.diagonal[2].get(k)];
+        Belief { pose: self.pose(k), covariance: Covariance::from_factors(upper, diagonal) }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, belief: Belief<Robot<T>>) {
+        self.x.set(k, belief.pose.x);
+        self.y.set(k, belief.pose.y);
+        self.heading.set(k, belief.pose.heading.radians());
+        let (upper, diagonal) = belief.covariance.factors();
+        self.upper[0].set(k, upper[0][1]);
+        self.upper[1].set(k, upper[0][2]);
+        self.upper[2].set(k, upper[1][2]);
+        for which in 0..3 {
+            self.diagonal[which].set(k, diagonal[which]);
+        }
+    }
+}

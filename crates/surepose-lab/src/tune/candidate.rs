@@ -1,0 +1,53 @@
+//! What is tuned, as numbers of one kind: all are positive, and matter by their ratio.
+
+use surepose::{Gains, HybridLaw, Law, PaperLaw};
+
+/// Gains, with the capture radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// The gains of both laws.
+    pub gains: Gains<f64>,
+    /// ε_P \[m].
+    pub capture_radius: f64,
+}
+
+/// How many numbers that is.
+pub(super) const NUMBERS: usize = 5;
+
+impl Candidate {
+    /// What a law has.
+    pub fn of(law: &Law<f64>) -> Self {
+        let (gains, capture_radius) = match law {
+            Law::Hybrid(HybridLaw { gains, capture_radius, .. })
+            | Law::Paper(PaperLaw { gains, capture_radius, .. }) => (*gains, *capture_radius),
+        };
+        Self { gains, capture_radius }
+    }
+
+    /// `law` with these instead of its own.
+    #[must_use]
+    pub fn with(&self, law: &Law<f64>) -> Law<f64> {
+        let Self { gains, capture_radius } = *self;
+        match *law {
+            Law::Hybrid(law) => Law::Hybrid(HybridLaw { gains, capture_radius, ..law }),
+            Law::Paper(law) => Law::Paper(PaperLaw { gains, capture_radius, ..law }),
+        }
+    }
+
+    /// The logarithms, in which the search steps.
+    pub(super) fn logarithms(&self) -> [f64; NUMBERS] {
+        let Gains { k_v, k_alpha, h, k_theta } = self.gains;
+        [k_v, k_alpha, h, k_theta, self.capture_radius].map(libm::log)
+    }
+
+    /// The candidate of these logarithms, rounded to four digits: nobody needs more, and files show them.
+    pub(super) fn from_logarithms(logarithms: [f64; NUMBERS]) -> Self {
+        let [k_v, k_alpha, h, k_theta, capture_radius] = logarithms.map(|l| four_digits(libm::exp(l)));
+        Self { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius }
+    }
+}
+
+fn four_digits(value: f64) -> f64 {
+    // What is written is what is meant, to the last bit: so the decimal is rounded, not its binary neighbour.
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

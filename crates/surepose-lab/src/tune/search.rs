@@ -1,0 +1,155 @@
+//! The rounds of the search.
+
+use surepose::Law;
+
+use super::candidate::{Candidate, NUMBERS};
+use super::draw::{deviates, seed_of_round};
+use super::{Tune, stressed};
+use crate::sweep::{Starts, Sweep, SweepReport, Watch};
+
+/// Candidates that a round draws.
+const DRAWN: usize = 16;
+/// How many of them are driven from all starts; the others only from a quarter.
+const FINALISTS: usize = 4;
+/// Certificates that a round asks for at most: where that many of its best are refused, it was too bold.
+const ASKED: usize = 2;
+/// Starts of the first round, and of the longest.
+const STARTS: (usize, usize) = (1000, 16_000);
+/// Standard deviation of the steps in the first round and in the last, in logarithms.
+const STEP: (f64, f64) = (0.35, 0.05);
+
+pub(super) struct Search<'a> {
+    tune: &'a Tune,
+    accepts: &'a dyn Fn(&Law<f64>) -> bool,
+    watch: &'a Watch,
+    /// Round what the next candidates are drawn.
+    centre: Candidate,
+    /// Every best one so far, all of them certified; the last is the best.
+    certified: Vec<Candidate>,
+    candidates: usize,
+    certificates: usize,
+}
+
+/// A candidate, and what it takes: less is better.
+type Rated = (Candidate, f64);
+
+impl<'a> Search<'a> {
+    pub(super) fn new(tune: &'a Tune, accepts: &'a dyn Fn(&Law<f64>) -> bool, watch: &'a Watch) -> Self {
+        let centre = Candidate::of(&tune.sweep.law);
+        Self { tune, accepts, watch, centre, certified: Vec::new(), candidates: 0, certificates: 0 }
+    }
+
+    /// Every best one so far; the last is the best.
+    pub(super) fn certified(&self) -> impl DoubleEndedIterator<Item = &Candidate> {
+        self.certified.iter()
+    }
+
+    pub(super) fn candidates(&self) -> usize {
+        self.candidates
+    }
+
+    pub(super) fn certificates(&self) -> usize {
+        self.certificates
+    }
+
+    /// Asks for the certificate of the gains to begin from, and of the fallback where it is refused; whether the former
+    /// has one.
+    pub(super) fn begin(&mut self) -> bool {
+        let start = self.centre;
+        let mut asked = vec![start];
+        if self.tune.fallback != start {
+            asked.push(self.tune.fallback);
+        }
+        let found = asked.into_iter().find(|candidate| self.is_certified(candidate));
+        self.centre = found.unwrap_or(start);
+        self.certified.extend(found);
+        found == Some(start)
+    }
+
+    /// Draws, drives, and moves to the best that is certified.
+    pub(super) fn round(&mut self, round: usize) {
+        let starts = (STARTS.0 << (round / 3)).min(STARTS.1);
+        let seed = seed_of_round(self.tune.sweep.seed, round);
+        let drawn = (0..DRAWN).map(|number| self.drawn(round, number)).collect();
+        let mut few = self.rated(drawn, starts / 4, seed);
+        few.truncate(FINALISTS);
+        let mut finalists: Vec<Candidate> = few.iter().map(|(candidate, _)| *candidate).collect();
+        finalists.extend(mean(&finalists).map(|mean| self.inside(mean)));
+        finalists.extend(self.certified.last().copied());
+        let rated = self.rated(finalists, starts, seed);
+
+        let incumbent = self.certified.last().copied();
+        // Without one, whatever always arrives is welcome.
+        let better =
+            rated.into_iter().take_while(|(candidate, cost)| Some(*candidate) != incumbent && *cost < LOST);
+        let better: Vec<Rated> = better.take(ASKED).collect();
+        let found =
+            better.into_iter().find(|(candidate, _)| !self.watch.stopped() && self.is_certified(candidate));
+        if let Some((candidate, _)) = found {
+            self.certified.push(candidate);
+            self.centre = candidate;
+        }
+    }
+
+    fn drawn(&self, round: usize, number: usize) -> Candidate {
+        let deviates = deviates(self.tune.sweep.seed, round, number);
+        let centre = self.centre.logarithms();
+        // From the first step to the last in equal ratios.
+        let done = round as f64 / self.tune.rounds.max(2).saturating_sub(1) as f64;
+        let step = STEP.0 * libm::pow(STEP.1 / STEP.0, done);
+        self.inside(core::array::from_fn(|k| centre[k] + step * deviates[k]))
+    }
+
+    /// The candidate of these logarithms, brought inside the bounds.
+    fn inside(&self, logarithms: [f64; NUMBERS]) -> Candidate {
+        let (least, most) = (self.tune.least.logarithms(), self.tune.most.logarithms());
+        Candidate::from_logarithms(core::array::from_fn(|k| logarithms[k].max(least[k]).min(most[k])))
+    }
+
+    /// Drives every candidate from the same starts with the same noise; the best first. A search that was stopped rates
+    /// nothing.
+    fn rated(&mut self, candidates: Vec<Candidate>, starts: usize, seed: u64) -> Vec<Rated> {
+        let mut rated = Vec::with_capacity(candidates.len());
+        for candidate in candidates {
+            let law = candidate.with(&self.tune.sweep.law);
+            let sweep = Sweep { law, seed, starts: Starts::Random(starts), ..self.tune.sweep.clone() };
+            let cost = cost(&sweep.run(self.watch)) + LOST * losses(&stressed(&sweep).run(self.watch));
+            if self.watch.stopped() {
+                return Vec::new();
+            }
+            self.candidates += 1;
+            rated.push((candidate, cost));
+        }
+        rated.sort_by(|a, b| a.1.total_cmp(&b.1));
+        rated
+    }
+
+    fn is_certified(&mut self, candidate: &Candidate) -> bool {
+        self.certificates += 1;
+        (self.accepts)(&candidate.with(&self.tune.sweep.law))
+    }
+}
+
+/// No time ratios add up to this: beyond it lie the candidates that do not always arrive.
+const LOST: f64 = 1e6;
+
+/// The median and the 95 % quantile of the time ratio, added; for gains that lose trials, how many they lose.
+fn cost(report: &SweepReport) -> f64 {
+    let time = report.time_ratio.map_or(LOST, |ratio| ratio.p50 + ratio.p95);
+    time + LOST * losses(report)
+}
+
+/// 0 where every trial arrived, and more than 1 where one did not.
+fn losses(report: &SweepReport) -> f64 {
+    match report.success_rate {
+        Some(success) if success >= 1.0 => 0.0,
+        success => 2.0 - success.unwrap_or(0.0),
+    }
+}
+
+/// The mean of the logarithms of several candidates.
+fn mean(candidates: &[Candidate]) -> Option<[f64; NUMBERS]> {
+    let logarithms: Vec<_> = candidates.iter().map(Candidate::logarithms).collect();
+    let count = logarithms.len() as f64;
+    (count > 0.0).then(|| core::array::from_fn(|k| logarithms.iter().map(|l| l[k]).sum::<f64>() / count))
+}

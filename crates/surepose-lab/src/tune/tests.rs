@@ -1,0 +1,106 @@
+use std::cell::Cell;
+
+use surepose::{Direction, Gains, Law};
+
+use super::{Candidate, Tune, Watch};
+use crate::sweep::{Estimate, Noise, Precision, Starts, Sweep, fitted_law};
+
+fn tune(law: Law<f64>, rounds: usize) -> Tune {
+    let fallback = Candidate::of(&fitted_law(0.1, Direction::Auto, Noise::BENCH));
+    let scaled = |factor: f64| {
+        let Candidate { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius } = Candidate::of(&law);
+        let gains =
+            Gains { k_v: k_v * factor, k_alpha: k_alpha * factor, h: h * factor, k_theta: k_theta * factor };
+        Candidate { gains, capture_radius: capture_radius * factor }
+    };
+    Tune {
+        sweep: Sweep {
+            starts: Starts::Random(3000),
+            law,
+            period: 0.1,
+            noise: Noise::BENCH,
+            estimate: Estimate::Given,
+            precision: Precision::F64,
+            threads: 2,
+            seed: 1,
+        },
+        fallback,
+        least: scaled(0.1),
+        most: scaled(10.0),
+        rounds,
+    }
+}
+
+fn fitted() -> Law<f64> {
+    fitted_law(0.1, Direction::Auto, Noise::BENCH)
+}
+
+/// A certificate of its own: it holds up to a capture radius that quick gains would like to exceed.
+fn narrow(law: &Law<f64>) -> bool {
+    Candidate::of(law).capture_radius <= 0.034
+}
+
+#[test]
+fn what_comes_out_is_quicker_certified_and_the_same_every_time() {
+    let run = || tune(fitted(), 4).run(&narrow, &Watch::default());
+    let tuned = run();
+    let best = tuned.best.expect("the start is certified");
+    assert!(narrow(&best.with(&fitted())) && best != tuned.start, "{best:?}");
+    let after = tuned.after.expect("there is a best");
+    let (now, then) = (after.time_ratio.expect("arrived"), tuned.before.time_ratio.expect("arrived"));
+    assert!(now.p50 < then.p50 - 0.005 && now.p95 <= then.p95, "{now:?} after {then:?}");
+    assert_eq!(after.success_rate, Some(1.0));
+    assert_eq!(run().best, Some(best));
+}
+
+#[test]
+fn without_a_certificate_there_is_no_result() {
+    let tuned = tune(fitted(), 1).run(&|_| false, &Watch::default());
+    assert!(tuned.best.is_none() && tuned.after.is_none() && !tuned.start_certified);
+    assert_eq!(tuned.before.runs, 3000);
+}
+
+/// Gains that are refused are left for some that are not, even if those take longer.
+#[test]
+fn gains_that_are_refused_are_replaced() {
+    let law = Candidate { gains: Gains::paper(), capture_radius: 0.05 }.with(&fitted());
+    let tuned = tune(law, 0).run(&narrow, &Watch::default());
+    assert!(!tuned.start_certified);
+    assert_eq!(tuned.best, Some(Candidate::of(&fitted())));
+}
+
+/// Where only the gains to begin from are certified, they come back.
+#[test]
+fn nothing_better_is_no_change() {
+    let start = Candidate::of(&fitted());
+    let tuned = tune(fitted(), 1).run(&|law| Candidate::of(law) == start, &Watch::default());
+    assert_eq!((tuned.best, tuned.after.map(|r| r.trials)), (Some(start), Some(tuned.before.trials)));
+}
+
+#[test]
+fn a_search_that_is_stopped_keeps_the_best_until_then() {
+    let watch = Watch::default();
+    let asked = Cell::new(0);
+    let tuned = tune(fitted(), 50).run(
+        &|law| {
+            asked.set(asked.get() + 1);
+            if asked.get() == 2 {
+                watch.stop();
+            }
+            narrow(law)
+        },
+        &watch,
+    );
+    assert!(tuned.best.is_some_and(|best| narrow(&best.with(&fitted()))));
+    assert!(tuned.before.runs == 2000 && asked.get() == 2, "{} certificates", asked.get());
+}
+
+#[test]
+fn candidates_are_written_as_they_are_meant() {
+    let candidate = Candidate::of(&fitted());
+    let rounded = Candidate::from_logarithms(candidate.logarithms());
+    let again = Candidate::from_logarithms(rounded.logarithms());
+    assert_eq!(rounded, again);
+    assert!((rounded.gains.k_v / candidate.gains.k_v - 1.0).abs() < 5e-4);
+    assert!(rounded.gains.k_v.to_string().len() <= 6, "{}", rounded.gains.k_v);
+}
