@@ -1,5 +1,8 @@
-//! Kidnaps robots: `cargo run --release -p surepose-lab --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml]`.
+//! Kidnaps robots:
+//! `cargo run --release -p surepose-lab --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml] [FIRST SEED] [SENSORS]`,
+//! with SENSORS `laser`, `laser+compass` or, without it, both in turn.
 
+use surepose::{Body, Map, Pose};
 use surepose_data::{Config, map_server};
 use surepose_lab::lost::{Place, Setup, kidnap, kidnappings};
 use surepose_lab::rig::{Reading, Sensors};
@@ -9,7 +12,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number =
         |index: usize, usual: f64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
-    let (trials, fraction) = (number(0, 50.0) as u64, number(1, 0.0));
+    let (trials, fraction, first) = (number(0, 50.0) as u64, number(1, 0.0), number(3, 1.0) as u64);
     let name = arguments.get(2).map_or("paper", String::as_str);
     let (place, reading) = match Arena::named(name) {
         Some(arena) => (Place::anywhere(arena), Reading::Lines),
@@ -22,18 +25,29 @@ fn main() {
         },
     };
     println!("{} walls", place.arena.walls().len());
-    for sensors in [Sensors::ALL, Sensors { compass: false, laser: true }] {
+    let wanted = |name: &str| arguments.get(4).is_none_or(|wanted| wanted == name);
+    let without = Sensors { compass: false, laser: true };
+    let sets = [("laser+compass", Sensors::ALL), ("laser", without)];
+    for (_, sensors) in sets.into_iter().filter(|(name, _)| wanted(name)) {
         let clutter = Clutter { fraction, width: 5.0 };
         let setup = Setup { config: Config::default(), sensors, reading, clutter };
-        let sum = kidnappings(&place, &setup, 1..=trials);
+        let sum = kidnappings(&place, &setup, first..first + trials);
         println!("{name} {sensors:?} clutter {fraction}: {sum:?}");
         println!("flagged {:.4} recovered {:.4}", sum.flagged_share(), sum.recovered_share());
-        for seed in sum.failed_seeds.iter().take(8) {
+        for seed in sum.failed_seeds.iter().chain(&sum.late_seeds).take(24) {
             let trial = kidnap(&place, &setup, *seed);
-            let to = (trial.to.x, trial.to.y, trial.to.heading.degrees());
+            let pose = |at: Pose<Map, Body, f64>| {
+                format!("({:.2}, {:.2}, {:.0}°)", at.x, at.y, at.heading.degrees())
+            };
             println!(
-                "  {seed}: to {to:.2?}, found {:?}, NEES {:.1?}, off {:.3} m",
-                trial.found, trial.found_nees, trial.final_error
+                "  {seed}: {} to {}, flagged {:.2?}, found {:.2?}, NEES {:.1?}, off {:.3} m{}",
+                pose(trial.from),
+                pose(trial.to),
+                trial.flagged,
+                trial.found,
+                trial.found_nees,
+                trial.final_error,
+                if trial.confidently_wrong { ", confidently wrong" } else { "" }
             );
         }
     }

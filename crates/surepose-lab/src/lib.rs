@@ -10,5 +10,6 @@ pub mod picture;
 pub mod replay;
 pub mod reproduce;
 pub mod rig;
+pub mod survey;
 pub mod sweep;
 pub mod tune;

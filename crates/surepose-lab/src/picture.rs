@@ -2,6 +2,7 @@
 
 mod drive;
 mod figures;
+mod hall;
 mod localisation;
 mod margin;
 mod sweep;
@@ -9,6 +10,7 @@ mod walls;
 
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
 pub use figures::{fig3, fig6, fig7};
+pub use hall::hall;
 pub use localisation::{Localised, fig4, fig5};
 pub use margin::{margin, margin_over_distance};
 pub use surepose_plot::{Picture, PlotError};

@@ -10,6 +10,7 @@ mod odometry;
 mod reference;
 mod report;
 mod score;
+mod seeker;
 pub mod ticks;
 pub mod wean;
 

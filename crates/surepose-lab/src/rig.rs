@@ -33,12 +33,13 @@ impl Rig {
         let (start, seed) = (scenario.start(), Seed(seed));
         let told = Belief::new(mistaken(start, scenario.start_std, seed), scenario.start_std);
         let aided = scenario.sensors != Sensors::NONE;
+        let walls = walls_between(scenario.arena.walls());
         Self {
             world: World::new(scenario.world(), start, seed),
             compass: scenario.config.compass(),
             localiser: localisation(&scenario.config, scenario.reading, told),
-            walls: walls_between(scenario.arena.walls()),
-            watch: Watch::new(&scenario.config, aided, scenario.reading, Stamp::default()),
+            watch: Watch::new(&scenario.config, aided, scenario.reading, &walls, Stamp::default()),
+            walls,
         }
     }
 

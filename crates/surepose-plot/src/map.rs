@@ -46,6 +46,8 @@ pub struct Dots {
     pub points: Vec<(f64, f64)>,
     /// What they are drawn in.
     pub paint: DotPaint,
+    /// Radius \[px].
+    pub radius: f64,
 }
 
 /// What dots are drawn in.
@@ -98,8 +100,9 @@ const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
 const LEGEND: f64 = 196.0;
 /// Height of an entry of the legend \[px].
 const ENTRY: f64 = 18.0;
-/// Radius of a dot \[px].
+/// Radius of a dot \[px], and of one where there are very many.
 const DOT: f64 = 4.0;
+const POINT: f64 = 1.2;
 /// More walls than this are a building.
 const CROWDED: usize = 50;
 /// The longest side of a map \[px], and of one with more cells along a side than can be seen on that.
@@ -131,7 +134,15 @@ impl Map {
     /// With places.
     #[must_use]
     pub fn dots(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, paint: DotPaint) -> Self {
-        self.dots.push(Dots { label: label.into(), points, paint });
+        self.dots.push(Dots { label: label.into(), points, paint, radius: DOT });
+        self
+    }
+
+    /// With very many places in one colour.
+    #[must_use]
+    pub fn points(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, color: Color) -> Self {
+        let paint = DotPaint::Plain(color);
+        self.dots.push(Dots { label: label.into(), points, paint, radius: POINT });
         self
     }
 
@@ -285,8 +296,8 @@ impl Map {
         for trace in self.traces {
             plots.push(line(&trace.label, trace.points.into_iter().map(scaled), trace.stroke));
         }
-        for Dots { label, points, paint } in self.dots {
-            let mut dots = ScatterPlot::new().with_data(points.into_iter().map(scaled)).with_size(DOT);
+        for Dots { label, points, paint, radius } in self.dots {
+            let mut dots = ScatterPlot::new().with_data(points.into_iter().map(scaled)).with_size(radius);
             dots = match (paint, &self.scale) {
                 (DotPaint::Plain(color), _) => dots.with_color(color.hex()),
                 (DotPaint::Values(values), Some(scale)) => {

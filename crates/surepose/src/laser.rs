@@ -15,7 +15,9 @@
 //! [`Aligner`] lays a scan on the walls of a map beam by beam, where rooms are so full that few walls are long enough to be
 //! found without one.
 //!
-//! [`Eye`] is the whole way from a scan to what the filter is told, by lines or by beams.
+//! [`Rays`] asks where the first wall in the way of each beam is, and what the beams together say of the pose.
+//!
+//! [`Eye`] is the whole way from a scan to what the filter is told, by lines, by beams or by rays.
 //!
 //! # The coordinates
 //! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
@@ -24,6 +26,7 @@
 //! With range noise σ_r and bearing noise σ_φ the variance of the inverse range is u⁴σ_r² + u′²σ_φ²: the same as
 //! the perpendicular residual ρ·cos(φ−ψ) − r with its variance cos²(φ−ψ)·σ_r² + ρ²·sin²(φ−ψ)·σ_φ², divided by r·ρ.
 
+mod agreement;
 mod align;
 mod beam;
 mod boundary;
@@ -36,15 +39,22 @@ mod grow;
 mod join;
 mod list;
 mod matching;
+mod pull;
 mod ray_line;
+mod rays;
 mod scan;
 mod segment;
+mod silence;
 mod wall;
 
+pub use agreement::Agreement;
 pub use align::{Aligned, Aligner, AlignerMemory, Alignment};
 pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
 pub use eye::{Eye, Recognition, Seen};
-pub use glance::{Agreement, Glance};
+pub use glance::Glance;
 pub use matching::{Fate, Matched, Matcher};
+pub(crate) use pull::Pull;
+pub use rays::Rays;
 pub use scan::{RangeFinder, Scan, ScanRefusal};
+pub use silence::Silence;
 pub use wall::{NotAWall, Wall};

@@ -65,6 +65,8 @@ pub use navigation::{Navigation, NavigationNoise};
 pub use path::{Leg, NotAPath, Path, Place};
 pub use pid::{Pid, PidState};
 pub use pose::{Point, Pose};
-pub use relocate::{Certainty, Finding, Hypothesis, MOST_PAIRS, MOST_STRETCHES, Relocaliser};
+pub use relocate::{
+    Certainty, Chart, Extent, Finding, Hypothesis, MOST_PAIRS, MOST_STRETCHES, Nudge, Relocaliser,
+};
 pub use scalar::{Dual, Float, Mask, Scalar};
 pub use supervisor::{Health, Reason, Supervisor, Verdict, Vigilance};

@@ -1,39 +1,45 @@
 //! Where am I, if I know nothing? From the walls in view to one pose, or to several as long as several explain them.
 //!
-//! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one. What explains the scan
-//! beam by beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the matched walls correct,
+//! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one; and where there is a
+//! [`Chart`] of the map, every pose of a lattice is tried, so that no place is overlooked. What explains the scan beam by
+//! beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the beams correct,
 //! judged by how well the map explains what is seen from there ([`Glance`]), now and in a few scans that are remembered.
 //! A place is found when one hypothesis explains them all and every other explains them far worse. Two places that look
 //! alike stay two: somebody has to move until they do not, to turn for instance.
 //!
-//! Memory is fixed: `N` hypotheses, `N` proposals, [`MOST_STRETCHES`] stretches of odometry, twelve scans. The work of a
+//! Memory is fixed: `N` hypotheses, `N` proposals, [`MOST_STRETCHES`] stretches of odometry, `FRAMES` scans. The work of a
 //! scan is bounded by [`MOST_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
-//! [`Glance::from`] for each that is not, and thirteen for each hypothesis.
+//! [`Glance::from`] for each that is not, and up to 2 · `FRAMES` + 2 for each hypothesis. The lattice is tried each time a
+//! scan is worth remembering: at most 8192 look-ups for each of its places.
 
+mod chart;
 mod memory;
+mod nudge;
 mod pool;
 mod propose;
+mod search;
 mod trail;
+mod view;
 
 use crate::angle::Angle;
 use crate::covariance::Covariance;
 use crate::estimate::{Belief, Compass, Ekf, Stamp, Stamped, Travel};
-use crate::frame::{Body, Map};
-use crate::laser::{Agreement, Glance, Matcher, RangeFinder, Scan, SeenLine, Wall};
+use crate::frame::{Body, Laser, Map};
+use crate::laser::{Agreement, Glance, RangeFinder, Scan, SeenLine, Wall};
 use crate::pose::Pose;
 use crate::scalar::Float;
 
+pub use chart::{Chart, Extent};
+pub use nudge::Nudge;
 pub use propose::MOST_PAIRS;
 pub use trail::MOST_STRETCHES;
 
 use memory::{BEAMS, Memory};
 use pool::Pool;
 use propose::{Hint, propose};
+use search::Fan;
 use trail::Trail;
-
-/// How far a proposal may be off, x and y \[m] and heading \[rad]: ten times what two lines leave open, so that the
-/// lines, which are counted again when the hypothesis starts, count a hundredth twice.
-const VAGUE: [f64; 3] = [0.15, 0.15, 0.05];
+use view::View;
 
 /// Hypotheses nearer than this \[m], \[rad] are one.
 const SAME: (f64, f64) = (0.2, 0.1);
@@ -101,14 +107,13 @@ pub enum Finding<S> {
     Found(Belief<S>),
 }
 
-/// Looks for the pose with up to `N` hypotheses.
+/// Looks for the pose with up to `N` hypotheses, held against up to `FRAMES` scans that are remembered.
 #[derive(Clone, Copy, Debug)]
-pub struct Relocaliser<S, const N: usize = 24> {
+pub struct Relocaliser<S, const N: usize = 24, const FRAMES: usize = 24> {
     ekf: Ekf<S>,
-    matcher: Matcher<S>,
     certainty: Certainty<S>,
     hypotheses: [Option<Hypothesis<S>>; N],
-    memory: Memory<S>,
+    memory: Memory<S, FRAMES>,
     baffled: u16,
     /// The hypothesis that is ahead of all others, by number, and for how many scans.
     ahead: (usize, u16),
@@ -116,14 +121,13 @@ pub struct Relocaliser<S, const N: usize = 24> {
     heading: Option<Stamped<Compass<S>>>,
 }
 
-impl<S: Float, const N: usize> Relocaliser<S, N> {
+impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
     /// Knows nothing at `stamp`.
-    pub fn new(ekf: Ekf<S>, matcher: Matcher<S>, certainty: Certainty<S>, stamp: Stamp) -> Self {
+    pub fn new(ekf: Ekf<S>, certainty: Certainty<S>, stamp: Stamp) -> Self {
         let trail = Trail::starting(stamp);
         let memory = Memory::empty();
         Self {
             ekf,
-            matcher,
             certainty,
             hypotheses: [None; N],
             memory,
@@ -136,7 +140,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
 
     /// Forgets every hypothesis: the robot may be anywhere.
     pub fn forget(&mut self, stamp: Stamp) {
-        *self = Self::new(self.ekf, self.matcher, self.certainty, stamp);
+        *self = Self::new(self.ekf, self.certainty, stamp);
     }
 
     /// The robot rolled until `stamp`.
@@ -176,6 +180,7 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         scan: &Scan<'_, S>,
         lines: &[SeenLine<S>],
         walls: &[Wall<S>],
+        chart: Option<&Chart<'_, S>>,
     ) -> Finding<S> {
         let Ok(glance) = Glance::<S, BEAMS>::of(laser, scan) else { return self.finding() };
         if stamp < self.trail.start() {
@@ -184,18 +189,10 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         let hint = self.hint(stamp);
         let travels = self.trail.take_until(stamp);
         for travel in travels.iter() {
-            self.memory.roll(&self.ekf.drive, travel);
+            self.memory.roll(&self.ekf, travel);
         }
         let memory = self.memory;
-        let view = View {
-            ekf: self.ekf,
-            matcher: self.matcher,
-            laser,
-            lines,
-            walls,
-            glance: &glance,
-            memory: &memory,
-        };
+        let view = View { ekf: self.ekf, walls, glance: &glance, memory: &memory };
         for slot in &mut self.hypotheses {
             if let Some(hypothesis) = slot {
                 for travel in travels.iter() {
@@ -208,10 +205,21 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
                 }
             }
         }
-        self.add(&view, &hint);
+        self.add(&view, &proposed::<S, N>(&glance, lines, walls, &laser.body_from_laser, &hint));
+        if self.memory.keep(&glance)
+            && let Some(chart) = chart
+        {
+            let fan = Fan::of(self.memory.ends(), self.memory.ends().count());
+            let mut found = Pool::<S, N>::empty();
+            let mut rank = S::of(0.0);
+            fan.search(chart, &hint, self.certainty.clearance, |pose| {
+                found.keep(pose, rank);
+                rank = rank + S::of(1.0);
+            });
+            self.add(&view, &found);
+        }
         self.merge();
         self.drop_hopeless(walls);
-        self.memory.keep(&glance);
         self.doubt_memory();
         self.ahead = match self.best_by_far() {
             Some(number) if number == self.ahead.0 => (number, self.ahead.1.saturating_add(1)),
@@ -241,24 +249,18 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         })
     }
 
-    /// Takes in what this scan proposes, the best in place of the worst.
-    fn add(&mut self, view: &View<'_, S>, hint: &Hint<S>) {
-        let quick = view.glance.halved();
-        let vague = Covariance::from_std([S::of(0.05), S::of(0.05), S::of(0.02)]);
-        let mut pool = Pool::<S, N>::empty();
-        propose(view.lines, view.walls, &view.laser.body_from_laser, hint, |pose| {
-            let seen = quick.from(pose, &vague, view.walls);
-            if seen.explained_share() > S::of(0.4) {
-                pool.keep(pose, seen.misfit);
-            }
-        });
+    /// Takes in what was proposed, the best in place of the worst.
+    fn add(&mut self, view: &View<'_, S, FRAMES>, pool: &Pool<S, N>) {
         for pose in pool.poses() {
             let known = self.hypotheses().find(|known| is_same(known.belief.pose, pose));
             // One that went astray does not stand in the way of a better one.
             if known.is_some_and(|known| known.agreement.explained_share() >= self.certainty.explained) {
                 continue;
             }
-            let fresh = view.judged(Belief::new(pose, VAGUE.map(S::of)), 1);
+            let fresh = view.judged(view.settled(pose), 1);
+            if !fresh.agreement.misfit.is_finite() {
+                continue;
+            }
             let slot = match self.hypotheses.iter_mut().find(|slot| slot.is_none()) {
                 Some(free) => Some(free),
                 None => self
@@ -274,17 +276,21 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
         }
     }
 
-    /// Of two hypotheses that came together, the one that explains more stays.
+    /// Of two hypotheses that came together the elder stays, which has counted more scans, unless the younger fits far
+    /// better; that takes its number over.
     fn merge(&mut self) {
         for i in 0..N {
             for j in 0..i {
                 if let (Some(a), Some(b)) = (self.hypotheses[i], self.hypotheses[j])
                     && is_same(a.belief.pose, b.belief.pose)
                 {
-                    let a_stays = a.agreement.misfit < b.agreement.misfit;
-                    let scans = a.scans.max(b.scans);
-                    self.hypotheses[i] = a_stays.then_some(Hypothesis { scans, ..a });
-                    self.hypotheses[j] = (!a_stays).then_some(Hypothesis { scans, ..b });
+                    let is_elder = a.scans > b.scans;
+                    let (elder, younger) = if is_elder { (a, b) } else { (b, a) };
+                    let stays = younger.agreement.misfit + self.certainty.margin > elder.agreement.misfit;
+                    let (kept, left) = if is_elder { (i, j) } else { (j, i) };
+                    let better = if stays { elder } else { younger };
+                    self.hypotheses[kept] = Some(Hypothesis { scans: elder.scans, ..better });
+                    self.hypotheses[left] = None;
                 }
             }
         }
@@ -331,34 +337,24 @@ impl<S: Float, const N: usize> Relocaliser<S, N> {
     }
 }
 
-/// One scan, and what it is held against.
-struct View<'a, S> {
-    ekf: Ekf<S>,
-    matcher: Matcher<S>,
-    laser: &'a RangeFinder<S>,
-    lines: &'a [SeenLine<S>],
-    walls: &'a [Wall<S>],
-    glance: &'a Glance<S, BEAMS>,
-    memory: &'a Memory<S>,
-}
-
-impl<S: Float> View<'_, S> {
-    /// The hypothesis that the robot is where `belief` says, corrected and judged.
-    fn judged(&self, belief: Belief<S>, scans: u16) -> Hypothesis<S> {
-        let belief = self.corrected(belief);
-        let now = self.glance.from(belief.pose, &belief.covariance, self.walls);
-        let agreement = now.plus(&self.memory.agreement(belief.pose, self.walls));
-        Hypothesis { belief, agreement, scans }
-    }
-
-    fn corrected(&self, belief: Belief<S>) -> Belief<S> {
-        let mount = &self.laser.body_from_laser;
-        let matched = self.matcher.matched(&self.ekf, &belief, mount, self.lines, self.walls);
-        matched.sightings().fold(belief, |belief, sighting| {
-            let gate = self.matcher.gate.threshold(2);
-            self.ekf.correct(belief, &sighting.innovation(&belief), gate).belief
-        })
-    }
+/// The poses from which two lines of the scan lie on walls, and most of the beams do.
+fn proposed<S: Float, const N: usize>(
+    glance: &Glance<S, BEAMS>,
+    lines: &[SeenLine<S>],
+    walls: &[Wall<S>],
+    body_from_laser: &Pose<Body, Laser, S>,
+    hint: &Hint<S>,
+) -> Pool<S, N> {
+    let quick = glance.halved();
+    let vague = Covariance::from_std([S::of(0.05), S::of(0.05), S::of(0.02)]);
+    let mut pool = Pool::empty();
+    propose(lines, walls, body_from_laser, hint, |pose| {
+        let seen = quick.from(pose, &vague, walls);
+        if seen.explained_share() > S::of(0.4) {
+            pool.keep(pose, seen.misfit);
+        }
+    });
+    pool
 }
 
 /// A free slot is worse than any hypothesis.
@@ -367,6 +363,10 @@ fn misfit<S: Float>(slot: Option<&Hypothesis<S>>) -> f64 {
 }
 
 fn is_same<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>) -> bool {
+    is_near(a, b, SAME)
+}
+
+fn is_near<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>, (far, turn): (f64, f64)) -> bool {
     let turned: Angle<S> = a.heading - b.heading;
-    a.origin().distance(b.origin()) < S::of(SAME.0) && turned.radians().abs() < S::of(SAME.1)
+    a.origin().distance(b.origin()) < S::of(far) && turned.radians().abs() < S::of(turn)
 }

@@ -87,8 +87,10 @@ pub struct Supervisor<S> {
     /// How many more scans, of the last ones, contradicted the map than agreed with it; likewise measurements.
     scans_against: u16,
     measurements_against: u16,
-    /// The mean normalised innovation squared per row, and the mean following error \[rad/s], of the recent past.
+    /// The mean normalised innovation squared per row, of measurements and of whole scans, and the mean following error
+    /// \[rad/s], of the recent past.
     innovation: S,
+    off: S,
     following: S,
     lost: bool,
 }
@@ -103,6 +105,7 @@ impl<S: Float> Supervisor<S> {
             scans_against: 0,
             measurements_against: 0,
             innovation: S::of(1.0),
+            off: S::of(1.0),
             following: S::of(0.0),
             lost: false,
         }
@@ -132,12 +135,24 @@ impl<S: Float> Supervisor<S> {
         self.lost = self.lost || self.measurements_against >= self.vigilance.measurements;
     }
 
-    /// How a scan agrees with the map at the pose that was believed when it was taken.
-    pub fn looked(&mut self, agreement: &Agreement<S>) {
+    /// Whether a scan that agrees so with the map is against it.
+    pub fn is_against(&self, agreement: &Agreement<S>) -> bool {
         let vigilance = &self.vigilance;
-        let told = agreement.beams >= vigilance.fewest_beams;
-        let against =
-            agreement.explained_share() < vigilance.explained || agreement.beyond_share() > vigilance.beyond;
+        // Beams that are missing are as good as any that end beyond the walls.
+        let all = S::of(f64::from(agreement.beams.saturating_add(agreement.missing)));
+        let explained = S::of(f64::from(agreement.explained));
+        explained < vigilance.explained * all || agreement.beyond_share() > vigilance.beyond
+    }
+
+    /// How a scan agrees with the map at the pose that was believed when it was taken, and how far off it puts the robot:
+    /// the normalised innovation squared of what its beams together ask for, per row.
+    pub fn looked(&mut self, agreement: &Agreement<S>, off: S) {
+        let vigilance = &self.vigilance;
+        let told = agreement.beams.saturating_add(agreement.missing) >= vigilance.fewest_beams;
+        // One scan may be broken, and weighs no more than one that is just outside a gate.
+        let weight = S::of(1.0 / f64::from(vigilance.scans.max(1)));
+        self.off = self.off + (off.min(S::of(MOST_OFF)) - self.off) * weight;
+        let against = self.off > vigilance.innovation || self.is_against(agreement);
         self.scans_against = match (told, against) {
             (true, true) => (self.scans_against + 1).min(vigilance.scans),
             (true, false) => self.scans_against.saturating_sub(1),
@@ -201,6 +216,9 @@ impl<S: Float> Supervisor<S> {
         wrong.into_iter().find_map(|(is_wrong, reason)| is_wrong.then_some(reason))
     }
 }
+
+/// The most that one scan counts, per row: a consistent one of 10⁶ is farther off, the quantile of χ² with 3 rows.
+const MOST_OFF: f64 = 30.7 / 3.0;
 
 fn position_std<S: Float>(belief: &Belief<S>) -> S {
     (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt()

@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use surepose::{Angle, Pose};
+use surepose_data::grid::Grid;
 use surepose_data::wall_map::{self, WallMap};
 use surepose_data::{DataError, map_server};
 use surepose_lab::mapping::from_grid;
-use surepose_lab::replay::{FollowerSettings, ReplayError, carmen, mrclam, ticks, wean};
+use surepose_lab::picture;
+use surepose_lab::replay::{FollowerSettings, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
+use crate::folder::Folder;
 use crate::output::{Output, object, shown, table};
 use crate::settings::{ConfigArgs, PoseArg};
 
@@ -19,7 +22,8 @@ use crate::settings::{ConfigArgs, PoseArg};
 #[command(after_help = "Examples:
   surepose replay mrclam MRCLAM_Dataset7 --robot 3
   surepose replay carmen freiburg-101-corrected.log.gz
-  surepose replay wean robotdata1.log.gz --map wean.dat.gz --start 40,41.4,-96
+  surepose replay wean robotdata1.log.gz --map wean.dat.gz --start 40,41.4,-96 --out pictures
+  surepose replay wean robotdata1.log.gz --map wean.dat.gz
   surepose replay ticks exp1.dat.gz
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json")]
 pub(crate) struct ReplayCommand {
@@ -30,12 +34,15 @@ pub(crate) struct ReplayCommand {
     /// A wall map, or the occupancy grid to make it from (`.yaml`, or Wean Hall's own); without one, `carmen` makes its own from every second scan and is judged on the others
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Where the robot starts, where the recording does not tell: metres, metres, degrees
+    /// Where the robot starts, where the recording does not tell: metres, metres, degrees; without it, `wean` looks for the place
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
     /// Which robot, where the recording has several
     #[arg(long, default_value_t = 1)]
     robot: u32,
+    /// A folder for a picture of `wean`'s scans on its map
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     config: ConfigArgs,
 }
@@ -69,19 +76,11 @@ impl ReplayCommand {
                 let config = self.config.over(ticks::preset())?;
                 ticks::replay(&self.path, &FollowerSettings::of(&config)).map(|explored| explored.report)
             }
-            Format::Wean => {
-                let config = self.config.over(wean::preset())?;
-                let map = self.map.as_deref().map(walls_in).transpose()?.unwrap_or_default();
-                let start = self.start.map(|at| Pose::new(at.x, at.y, Angle::from_degrees(at.heading_deg)));
-                wean::replay(&self.path, &map, start, &wean::settings(&config))
-            }
+            Format::Wean => Ok(self.wean()?),
         };
         let report = report.map_err(|error| match error {
             ReplayError::Data(error) => Failure::Data(error),
             ReplayError::NoStart => Failure::Recording { path: self.path.clone(), what: error.to_string() },
-            ReplayError::StartUnknown => {
-                Failure::Usage { what: error.to_string(), help: "give --start X,Y,DEG".to_owned() }
-            }
         })?;
         let json = object(&report);
         output.result(&json, || {
@@ -91,7 +90,29 @@ impl ReplayCommand {
             }
             table
         });
-        Ok(Exit::Done)
+        // Somewhere is no place: what was asked for was not found.
+        Ok(if report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some()) {
+            Exit::Done
+        } else {
+            Exit::Negative
+        })
+    }
+
+    /// Follows the robot through Wean Hall, looks for it first where nobody says where it starts, and draws it.
+    fn wean(&self) -> Result<ReplayReport, Failure> {
+        let config = self.config.over(wean::preset())?;
+        let hall = match self.map.as_deref().map(known_in).transpose()? {
+            Some(Known::Grid(grid)) => wean::Hall::of_grid(&grid),
+            Some(Known::Walls(map)) => wean::Hall::of_map(&map),
+            None => wean::Hall::of_map(&WallMap::default()),
+        };
+        let log = surepose_data::wean::read(&self.path)?;
+        let start = self.start.map(|at| Pose::new(at.x, at.y, Angle::from_degrees(at.heading_deg)));
+        let followed = wean::replay(&log, &hall, start, &wean::settings(&config));
+        if let Some(out) = &self.out {
+            Folder::at(out)?.picture("replay", &picture::hall(&hall, &log, &followed))?;
+        }
+        Ok(followed.report)
     }
 
     /// Refuses options that the format has no use for, and asks for those that it needs.
@@ -108,6 +129,9 @@ impl ReplayCommand {
             Format::Wean if self.map.is_none() => {
                 usage("wean has no map of its own", "give --map wean.dat.gz, or a wall map made from it")
             }
+            Format::Mrclam | Format::Carmen | Format::Ticks if self.out.is_some() => {
+                usage("only wean's scans are drawn on a map", "leave out --out")
+            }
             Format::Mrclam | Format::Carmen | Format::Ticks if self.start.is_some() => {
                 usage("only wean needs to be told where the robot starts", "leave out --start")
             }
@@ -116,13 +140,27 @@ impl ReplayCommand {
     }
 }
 
+/// What a map file holds.
+enum Known {
+    Walls(WallMap),
+    Grid(Grid),
+}
+
+fn known_in(path: &Path) -> Result<Known, DataError> {
+    let is = |extension: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    Ok(if is("toml") {
+        Known::Walls(wall_map::read(path)?)
+    } else if is("yaml") || is("yml") {
+        Known::Grid(map_server::read(path)?)
+    } else {
+        Known::Grid(surepose_data::wean::read_grid(path)?)
+    })
+}
+
 /// The walls of a map file: a wall map as it is, an occupancy grid turned into walls.
 fn walls_in(path: &Path) -> Result<WallMap, DataError> {
-    let is = |extension: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
-    if is("toml") {
-        return wall_map::read(path);
-    }
-    let grid =
-        if is("yaml") || is("yml") { map_server::read(path)? } else { surepose_data::wean::read_grid(path)? };
-    Ok(from_grid::walls_of(&grid).map)
+    Ok(match known_in(path)? {
+        Known::Walls(map) => map,
+        Known::Grid(grid) => from_grid::walls_of(&grid).map,
+    })
 }

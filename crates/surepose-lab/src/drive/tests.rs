@@ -129,6 +129,33 @@ fn kidnapped_robot_parks_all_the_same() {
     }
 }
 
+/// A push by a hand's breadth is inside what a single beam may be off by, and outside the gates of whole walls.
+#[test]
+fn pushed_robot_parks_all_the_same() {
+    for push in [[0.05, 0.0, 0.0], [0.0, -0.05, 0.0], [0.02, 0.0, 0.0]] {
+        for (compass, seed) in [(true, 1), (true, 2), (true, 3), (false, 1), (false, 2), (false, 3)] {
+            let faults = vec![Fault::at(8.0, Kind::Pushed(push))];
+            let sensors = Sensors { compass, laser: true };
+            let summary = drive(&Scenario { sensors, faults, ..Scenario::default() }, seed).1;
+            assert_parked(&summary, &format!("pushed by {push:?}"));
+        }
+    }
+}
+
+/// A laser that measures a hand's breadth too much or too little for a while leads nobody to a wrong place for good.
+#[test]
+fn laser_that_lies_for_a_while_does_no_lasting_harm() {
+    for off in [0.1, -0.1] {
+        let faults = vec![Fault::between(4.0, 5.0, Kind::Offset(Sensor::Laser, off))];
+        let sensors = Sensors { compass: false, laser: true };
+        for seed in 1..=10 {
+            let summary = drive(&Scenario { sensors, faults: faults.clone(), ..Scenario::default() }, seed).1;
+            assert_parked(&summary, &format!("ranges off by {off} m"));
+            assert!(summary.heading_rmse_deg < Some(1.0), "{summary:?}");
+        }
+    }
+}
+
 /// Without a laser nothing tells where it is, only that it is not where it thinks: it stops and says why.
 #[test]
 fn lost_robot_that_cannot_look_is_stopped() {

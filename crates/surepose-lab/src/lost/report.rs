@@ -33,6 +33,8 @@ pub struct Kidnappings {
     pub found_median_s: f64,
     /// The seeds of the trials that were neither recovered nor ambiguous, and of those confidently wrong.
     pub failed_seeds: Vec<u64>,
+    /// The seeds of the other trials that were not flagged in time.
+    pub late_seeds: Vec<u64>,
 }
 
 impl Kidnappings {
@@ -64,6 +66,8 @@ pub fn kidnappings(place: &Place, setup: &Setup, seeds: impl Iterator<Item = u64
         sum.confidently_wrong += usize::from(trial.confidently_wrong);
         if trial.confidently_wrong || !(trial.recovered || trial.ambiguous) {
             sum.failed_seeds.push(seed);
+        } else if !flagged {
+            sum.late_seeds.push(seed);
         }
         times.extend(trial.found);
         nees.extend(trial.found_nees.filter(|_| trial.recovered));

@@ -80,6 +80,42 @@ impl FollowerSettings {
     }
 }
 
+impl FollowerSettings {
+    /// The filter: the variance of each travel is given with it, so δ plays no part.
+    pub(super) fn ekf(&self) -> Ekf<f64> {
+        let drive = Drive::new(1.0, self.track);
+        Ekf { drive, delta: 0.0, integration: Integration::Arc }
+    }
+
+    /// What the rims rolled for `motion`, as vague as this odometry is.
+    pub(super) fn travel(&self, motion: Motion<f64>) -> Travel<f64> {
+        let rims = self.ekf().drive.rims_from_twist(Twist::new(motion.length, motion.turn));
+        let variance = self.rim_variance_per_metre * motion.length.abs()
+            + self.rim_variance_per_radian * motion.turn.abs();
+        Travel { rims, variance: Wheels::new(variance, variance) }
+    }
+
+    /// The laser that took a scan.
+    pub(super) fn laser(&self, mount: recording::Mount) -> RangeFinder<f64> {
+        RangeFinder {
+            body_from_laser: mounted(mount),
+            range_std: self.range_std,
+            bearing_std: self.bearing_std,
+            nearest: NEAREST,
+            farthest: FARTHEST,
+        }
+    }
+}
+
+/// A recorded scan in the core's form.
+pub(super) fn scan_of(scan: &recording::Scan) -> Scan<'_, f64> {
+    Scan {
+        first_bearing: Angle::wrapped(scan.angle_min),
+        bearing_step: scan.angle_increment,
+        ranges: &scan.ranges,
+    }
+}
+
 /// An estimate that follows a robot with a laser among known walls.
 #[derive(Debug)]
 pub(super) struct Follower {
@@ -145,21 +181,12 @@ impl Follower {
         stamp: Stamp,
         pose: Pose<Map, Body, f64>,
     ) -> Self {
-        let drive = Drive::new(1.0, settings.track);
-        // The variance of each travel is given with it, so δ plays no part.
-        let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };
         let gate = Gate::new(settings.gate_probability);
         let belief = Belief::new(pose, settings.start_std);
         // The history is as long as its memory: some replays count records, where others count seconds.
-        let estimator = Estimator::new(ekf, gate, f64::INFINITY, stamp, belief);
+        let estimator = Estimator::new(settings.ekf(), gate, f64::INFINITY, stamp, belief);
         // Where its laser is, each scan says.
-        let laser = RangeFinder {
-            body_from_laser: Pose::identity(),
-            range_std: settings.range_std,
-            bearing_std: settings.bearing_std,
-            nearest: NEAREST,
-            farthest: FARTHEST,
-        };
+        let laser = settings.laser(recording::Mount::default());
         let eye = Eye::new(laser, Recognition::Beams(settings.aligner));
         Self { localiser: Box::new(Localiser { estimator, eye }), settings, walls }
     }
@@ -171,26 +198,17 @@ impl Follower {
 
     /// Rolls on by `motion` until `stamp`.
     pub(super) fn roll(&mut self, stamp: Stamp, motion: Motion<f64>) {
-        let rims =
-            self.localiser.estimator.ekf().drive.rims_from_twist(Twist::new(motion.length, motion.turn));
-        let variance = self.settings.rim_variance_per_metre * motion.length.abs()
-            + self.settings.rim_variance_per_radian * motion.turn.abs();
         // A refusal is in the estimator's tally, and so in the report.
-        let travel = Travel { rims, variance: Wheels::new(variance, variance) };
-        self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, rims, &[], &mut ());
+        let travel = self.settings.travel(motion);
+        self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, travel.rims, &[], &mut ());
     }
 
     /// Corrects the belief by a scan that was taken at `stamp`.
     pub(super) fn see(&mut self, stamp: Stamp, scan: &recording::Scan) -> Seen {
         let is_remembered = self.localiser.estimator.belief_at(stamp).is_some();
         self.localiser.eye.laser.body_from_laser = mounted(scan.mount);
-        let scan = Scan {
-            first_bearing: Angle::wrapped(scan.angle_min),
-            bearing_step: scan.angle_increment,
-            ranges: &scan.ranges,
-        };
         let mut note = Note::default();
-        self.localiser.hear(&Stamped::new(stamp, Signal::Scan(scan)), &self.walls, &mut note);
+        self.localiser.hear(&Stamped::new(stamp, Signal::Scan(scan_of(scan))), &self.walls, &mut note);
         match (note.alignment, note.outcome) {
             (None, _) if !is_remembered => Seen::OutOfTime,
             (None, _) => Seen::Unusable,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use surepose::{Refusal, Tally};
+use surepose::{Body, Map, Pose, Refusal, Tally};
 use surepose_data::DataError;
 
 use super::score::Summary;
@@ -44,6 +44,24 @@ pub struct ReplayReport {
     /// Part of the beams that came back which lie on walls of the map, mean over scans.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beams_on_walls: Option<f64>,
+    /// When one place was left that explains the scans, for a recording that started anywhere \[s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub found_s: Option<f64>,
+    /// Where that was: x \[m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub found_x_m: Option<f64>,
+    /// Where that was: y \[m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub found_y_m: Option<f64>,
+    /// Where that was: heading \[°].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub found_heading_deg: Option<f64>,
+    /// How many places explain the scans in the end; 1 where the robot was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hypotheses_left: Option<usize>,
+    /// Part of the beams in mind that the map explained when it was found, or last from the likeliest place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explained: Option<f64>,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
     /// Measurements that the filter refused, by reason.
@@ -73,6 +91,14 @@ impl ReplayReport {
         self.dead_reckoning_heading_rmse_deg = odometry.map(|summary| summary.heading_rmse.to_degrees());
     }
 
+    /// The robot was found at `pose`, so many seconds after the recording began.
+    pub(super) fn found(&mut self, after: f64, pose: Pose<Map, Body, f64>) {
+        self.found_s = Some(after);
+        (self.found_x_m, self.found_y_m) = (Some(pose.x), Some(pose.y));
+        self.found_heading_deg = Some(pose.heading.degrees());
+        self.hypotheses_left = Some(1);
+    }
+
     /// Counts a record that the filter never saw, if there is a name for why.
     pub fn skip(&mut self, kind: Option<&'static str>) {
         if let Some(kind) = kind {
@@ -96,9 +122,6 @@ pub enum ReplayError {
     /// Nothing says where the robot starts.
     #[error("no reference pose at the time of any odometry record, so there is nowhere to start")]
     NoStart,
-    /// The recording has no reference, and nobody said where it starts.
-    #[error("the recording does not say where the robot starts")]
-    StartUnknown,
 }
 
 #[cfg(test)]

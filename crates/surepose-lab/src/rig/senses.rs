@@ -1,8 +1,8 @@
 //! The simulated robot's sensors, as the core's loop hears them.
 
 use surepose::closed_loop::{Localiser, Sensed, Signal};
-use surepose::{Aligner, Angle, Belief, Compass, Ekf, Eye, Gate, Matcher, Measurement, RangeFinder};
-use surepose::{Recognition, Scan, Stamp, Stamped};
+use surepose::{Angle, Belief, Compass, Ekf, Eye, Matcher, Measurement, RangeFinder, Rays, Recognition};
+use surepose::{Scan, Stamp, Stamped};
 use surepose_data::Config;
 use surepose_data::config::CompassMounting;
 
@@ -35,7 +35,7 @@ pub fn localisation(config: &Config, reading: Reading, belief: Belief<f64>) -> B
     };
     let recognition = match reading {
         Reading::Lines => Recognition::Lines(Matcher::default()),
-        Reading::Beams => Recognition::Beams(aligner()),
+        Reading::Beams => Recognition::Rays(rays()),
     };
     let estimator = config.estimator(Stamp::default(), belief);
     Box::new(Localiser { estimator, eye: Eye::new(laser, recognition) })
@@ -66,18 +66,10 @@ pub fn scan_of(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
     }
 }
 
-/// Scans laid on walls that a grid was traced with.
+/// Scans read against walls that a grid was traced with.
 ///
 /// What puts one scan off, a beam given to the wrong of two walls a cell apart, puts the next one off as well: a scan
 /// counts for far less than its beams by themselves.
-fn aligner() -> Aligner<f64> {
-    Aligner {
-        gate: Gate::new(0.999),
-        farthest_off: 0.5,
-        fewest_beams: 3,
-        least_share: 0.4,
-        wall_offset_std: 0.01,
-        wall_direction_std: 0.005,
-        scan_std: [0.03, 0.03, 0.3_f64.to_radians()],
-    }
+pub(super) fn rays() -> Rays<f64> {
+    Rays { least_share: 0.4, scan_std: [0.03, 0.03, 0.3_f64.to_radians()] }
 }

@@ -2,12 +2,15 @@
 
 use surepose::closed_loop::{Sight, Witness};
 use surepose::{
-    Belief, Certainty, Drive, Estimator, Finding, Glance, Health, Hypothesis, Matcher, Measurement, Outcome,
-    Refusal, Relocaliser, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wheels, param,
+    Agreement, Belief, Certainty, Drive, Estimator, Finding, Glance, Health, Hypothesis, Measurement, Nudge,
+    Outcome, Refusal, Relocaliser, Silence, Stamp, Stamped, Supervisor, Travel, Verdict, Vigilance, Wall,
+    Wheels, param,
 };
 use surepose_data::Config;
 
 use super::scenario::Reading;
+use super::senses;
+use crate::survey::Survey;
 
 /// Beams of a scan that are held against the map.
 const BEAMS: usize = 128;
@@ -23,6 +26,10 @@ const HYPOTHESES: usize = 24;
 pub struct Watch {
     supervisor: Supervisor<f64>,
     relocaliser: Box<Relocaliser<f64, HYPOTHESES>>,
+    survey: Survey,
+    nudge: Nudge<f64>,
+    /// When the robot was last found to have been pushed a little.
+    nudged: Option<Stamp>,
     reading: Reading,
     drive: Drive<f64>,
     period: f64,
@@ -33,17 +40,31 @@ pub struct Watch {
 /// How well a pose is known at least that lines found in a map of short walls: x, y \[m] and heading \[rad].
 const ROUGHLY: [f64; 3] = [0.05, 0.05, 0.02];
 
+/// A push that was found out in less time \[s] after the last one was none: six scans, and a few that agree by chance.
+const HELD: f64 = 0.8;
+
+/// How well a map is known where scans are read so, x, y \[m] and heading \[rad]: exactly but for rounding, or to a cell.
+fn known_to(reading: Reading) -> [f64; 3] {
+    match reading {
+        Reading::Lines => [0.002, 0.002, 0.05_f64.to_radians()],
+        Reading::Beams => senses::rays().scan_std,
+    }
+}
+
 impl Watch {
-    /// The watch over a robot that starts at `stamp`; `aided` where it has sensors that see where it is.
-    pub fn new(config: &Config, aided: bool, reading: Reading, stamp: Stamp) -> Self {
+    /// The watch over a robot that starts at `stamp` among `walls`; `aided` where it has sensors that see where it is.
+    pub fn new(config: &Config, aided: bool, reading: Reading, walls: &[Wall<f64>], stamp: Stamp) -> Self {
         let usual = Vigilance::default();
         let vigilance = Vigilance { unaided: if aided { usual.unaided } else { f64::INFINITY }, ..usual };
         // A robot that has turned in place has room for its wheels.
         let certainty = Certainty { clearance: 0.5 * config.drive().track, ..Certainty::default() };
-        let relocaliser = Relocaliser::new(config.ekf(), Matcher::default(), certainty, stamp);
+        let relocaliser = Relocaliser::new(config.ekf(), certainty, stamp);
         Self {
             supervisor: Supervisor::new(vigilance, stamp),
             relocaliser: Box::new(relocaliser),
+            survey: Survey::of(walls, |_| true),
+            nudge: Nudge::on_map_known_to(known_to(reading)),
+            nudged: None,
             reading,
             drive: config.drive(),
             period: config.number(&param::PERIOD),
@@ -89,10 +110,30 @@ impl Watch {
         }
     }
 
+    /// What was believed to be at `then` was at `found`: so much it is elsewhere now.
+    fn push<const N: usize>(
+        &mut self,
+        estimator: &mut Estimator<f64, N>,
+        then: &Belief<f64>,
+        found: Belief<f64>,
+    ) {
+        let (now, belief, found) = (estimator.stamp(), estimator.belief(), self.told(found));
+        let pose = found.pose * (then.pose.inverse() * belief.pose);
+        // What odometry has added since is known as well, or as badly, as before.
+        let variance = |i| {
+            let since = belief.covariance.entry(i, i) - then.covariance.entry(i, i);
+            found.covariance.entry(i, i) + since.max(0.0)
+        };
+        estimator.restart(now, Belief::new(pose, [0, 1, 2].map(|i| variance(i).sqrt())));
+        self.supervisor.found(now);
+        self.nudged = Some(now);
+    }
+
     fn look_for<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
         let Sight { stamp, laser, scan, seen, walls } = *sight;
-        let lines = seen.extracted.lines;
-        if let Finding::Found(belief) = self.relocaliser.look(stamp, laser, scan, lines, walls) {
+        let (lines, chart) = (seen.extracted.lines, self.survey.chart());
+        let found = self.relocaliser.look(stamp, laser, scan, lines, walls, chart.as_ref());
+        if let Finding::Found(belief) = found {
             estimator.restart(self.relocaliser.stamp(), self.told(belief));
             for (end, travel) in self.relocaliser.since_scan() {
                 // What the trail holds was checked when it was taken in.
@@ -125,17 +166,26 @@ impl<const N: usize> Witness<f64, N> for Watch {
 
     /// Does the map explain the scan? If the robot is lost, where is it?
     fn looked(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
-        if let Some(belief) = estimator.belief_at(sight.stamp)
-            && let Ok(glance) = Glance::<f64, BEAMS>::of(sight.laser, sight.scan)
-        {
-            self.supervisor.looked(&glance.from(belief.pose, &belief.covariance, sight.walls));
-        }
+        let Some(then) = estimator.belief_at(sight.stamp) else { return };
+        let Ok(glance) = Glance::<f64, BEAMS>::of(sight.laser, sight.scan) else { return };
+        let Ok(silence) = Silence::<f64, BEAMS>::of(sight.laser, sight.scan) else { return };
+        let (agreement, off) = self.nudge.look(estimator.ekf(), &glance, &then, sight.walls);
+        let agreement = Agreement { missing: silence.missing(&then, sight.walls), ..agreement };
+        self.supervisor.looked(&agreement, off);
         let now = estimator.stamp();
-        if self.health(now, &estimator.belief()) == Health::Lost {
-            if !self.searching {
-                self.search(now);
-            }
-            self.look_for(estimator, sight);
+        if self.health(now, &estimator.belief()) != Health::Lost {
+            return;
         }
+        let is_pushed = !self.searching
+            && !self.supervisor.is_against(&agreement)
+            && self.nudged.is_none_or(|last| now.since(last) > HELD);
+        if is_pushed && let Some(found) = self.nudge.settle(estimator.ekf(), &glance, &then, sight.walls) {
+            self.push(estimator, &then, found);
+            return;
+        }
+        if !self.searching {
+            self.search(now);
+        }
+        self.look_for(estimator, sight);
     }
 }

@@ -1,12 +1,13 @@
-//! From a scan to measurements of the pose, by one of two ways to know walls again.
+//! From a scan to measurements of the pose, by one of three ways to know walls again.
 
-use crate::estimate::{Belief, Ekf, Measurement};
+use crate::estimate::{Belief, Ekf, Measurement, PoseFix};
 use crate::pose::Pose;
 use crate::scalar::Float;
 
 use super::align::{Aligner, AlignerMemory, Alignment};
 use super::extract::{Extracted, LineExtractor};
 use super::matching::{Matched, Matcher};
+use super::rays::Rays;
 use super::scan::{RangeFinder, Scan, ScanRefusal};
 use super::wall::Wall;
 
@@ -15,8 +16,10 @@ use super::wall::Wall;
 pub enum Recognition<S> {
     /// Lines are found in it and matched: for places with long flat walls, and a map that has them exactly.
     Lines(Matcher<S>),
-    /// It is laid on the walls beam by beam: for maps of many short walls, traced from a grid for instance.
+    /// It is laid on the walls beam by beam, each on the nearest: for maps of few walls in cluttered rooms.
     Beams(Aligner<S>),
+    /// Each beam ends at the first wall in its way: for maps of many short walls, traced from a grid for instance.
+    Rays(Rays<S>),
 }
 
 /// Reads scans of up to `BEAMS` beams against the walls of the map.
@@ -41,6 +44,8 @@ pub struct Seen<'a, S> {
     pub matched: Matched<S>,
     /// How it lies on the walls, where beams are asked for.
     pub alignment: Option<Alignment<S>>,
+    /// The pose that the rays ask for, where they are asked and enough of them are explained.
+    pub fix: Option<PoseFix<S>>,
 }
 
 impl<S: Float, const BEAMS: usize> Eye<S, BEAMS> {
@@ -62,16 +67,16 @@ impl<S: Float, const BEAMS: usize> Eye<S, BEAMS> {
     ) -> Result<Seen<'_, S>, ScanRefusal> {
         let extracted = self.extractor.extract(&self.laser, scan)?;
         let mount = &self.laser.body_from_laser;
+        let nothing = Seen { extracted, matched: Matched::none(), alignment: None, fix: None };
         Ok(match &self.recognition {
-            Recognition::Lines(matcher) => Seen {
-                extracted,
-                matched: matcher.matched(ekf, belief, mount, extracted.lines, walls),
-                alignment: None,
-            },
+            Recognition::Lines(matcher) => {
+                Seen { matched: matcher.matched(ekf, belief, mount, extracted.lines, walls), ..nothing }
+            }
             Recognition::Beams(aligner) => {
                 let aligned = aligner.align(&mut self.memory, ekf, belief, &self.laser, scan, walls)?;
-                Seen { extracted, matched: Matched::none(), alignment: Some(aligned) }
+                Seen { alignment: Some(aligned), ..nothing }
             }
+            Recognition::Rays(rays) => Seen { fix: rays.fix(&self.laser, scan, belief, walls)?, ..nothing },
         })
     }
 }
@@ -94,10 +99,11 @@ impl<S: Float> Eye<S, 0> {
 impl<S: Float> Seen<'_, S> {
     /// What the filter is to be told.
     pub fn measurements(&self) -> impl Iterator<Item = Measurement<S>> + '_ {
-        let found = match self.alignment {
-            Some(Alignment::Found(aligned)) => Some(Measurement::Pose(aligned.fix)),
+        let aligned = match self.alignment {
+            Some(Alignment::Found(aligned)) => Some(aligned.fix),
             _ => None,
         };
-        self.matched.sightings().map(|sighting| Measurement::Wall(*sighting)).chain(found)
+        let poses = aligned.into_iter().chain(self.fix).map(Measurement::Pose);
+        self.matched.sightings().map(|sighting| Measurement::Wall(*sighting)).chain(poses)
     }
 }

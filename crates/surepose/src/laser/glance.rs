@@ -1,11 +1,14 @@
 //! Does the map explain the scan, if the robot stands here? Beam by beam, without looking for lines.
 
-use crate::covariance::Covariance;
+use crate::covariance::{Covariance, NotACovariance};
+use crate::estimate::{Belief, PoseFix};
 use crate::frame::{Body, Laser, Map};
 use crate::pose::{Point, Pose};
 use crate::scalar::Float;
 
+use super::agreement::Agreement;
 use super::beam::{Beam, BeamNoise};
+use super::pull::Pull;
 use super::ray_line::RayLine;
 use super::scan::{RangeFinder, Scan, ScanRefusal};
 use super::wall::Wall;
@@ -29,51 +32,10 @@ const BEYOND: f64 = 17.0;
 pub struct Glance<S, const BEAMS: usize> {
     beams: [Beam<S>; BEAMS],
     len: usize,
+    /// The longest beam \[m].
+    pub(super) reach: S,
     noise: BeamNoise<S>,
     body_from_laser: Pose<Body, Laser, S>,
-}
-
-/// How a scan agrees with the map at a pose.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Agreement<S> {
-    /// How many beams came back.
-    pub beams: u16,
-    /// How many of them end at the first wall in their way.
-    pub explained: u16,
-    /// How many end before it: things on no map do that.
-    pub before: u16,
-    /// How many end beyond it: nothing does that, except at the edge of a wall.
-    pub beyond: u16,
-    /// −2 log of the likelihood of them all, up to a constant: about 1 for an explained beam, at most 17.
-    pub misfit: S,
-}
-
-impl<S: Float> Agreement<S> {
-    /// The part of the beams that the map explains; 1 for a scan without beams, which contradicts nothing.
-    pub fn explained_share(&self) -> S {
-        if self.beams == 0 { S::of(1.0) } else { self.share(self.explained) }
-    }
-
-    /// The part of the beams that end beyond the first wall.
-    pub fn beyond_share(&self) -> S {
-        self.share(self.beyond)
-    }
-
-    /// Two scans as one.
-    #[must_use]
-    pub fn plus(&self, other: &Self) -> Self {
-        Self {
-            beams: self.beams.saturating_add(other.beams),
-            explained: self.explained.saturating_add(other.explained),
-            before: self.before.saturating_add(other.before),
-            beyond: self.beyond.saturating_add(other.beyond),
-            misfit: self.misfit + other.misfit,
-        }
-    }
-
-    fn share(&self, count: u16) -> S {
-        S::of(f64::from(count)).over_positive(S::of(f64::from(self.beams)))
-    }
 }
 
 impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
@@ -84,23 +46,36 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
     pub fn of(laser: &RangeFinder<S>, scan: &Scan<'_, S>) -> Result<Self, ScanRefusal> {
         laser.check()?;
         scan.check(usize::MAX)?;
-        let stride = scan.ranges.len().div_ceil(BEAMS.max(1)).max(1);
-        let mut glance = Self {
-            beams: [Beam::default(); BEAMS],
-            len: 0,
-            noise: BeamNoise::of(laser),
-            body_from_laser: laser.body_from_laser,
-        };
-        for (number, range) in scan.ranges.iter().copied().enumerate().step_by(stride) {
-            let Some(slot) = glance.beams.get_mut(glance.len) else { break };
+        let mut glance = Self::none(laser);
+        for (number, range) in Self::chosen(scan) {
             if laser.came_back(range) {
-                let bearing = scan.first_bearing.turned(scan.bearing_step * S::of(number as f64));
-                let (sin, cos) = bearing.sin_cos();
-                *slot = Beam { cos, sin, range, inverse: S::of(1.0) / range, number: number as u16 };
-                glance.len += 1;
+                let (sin, cos) = scan.bearing(number).sin_cos();
+                let inverse = S::of(1.0) / range;
+                glance.push(Beam { cos, sin, range, inverse, number: number as u16 });
+                glance.reach = glance.reach.max(range);
             }
         }
         Ok(glance)
+    }
+
+    /// No beams of this laser.
+    pub(super) fn none(laser: &RangeFinder<S>) -> Self {
+        let (noise, body_from_laser) = (BeamNoise::of(laser), laser.body_from_laser);
+        Self { beams: [Beam::default(); BEAMS], len: 0, reach: S::of(0.0), noise, body_from_laser }
+    }
+
+    /// The numbers and ranges of up to `BEAMS` beams, evenly spread.
+    pub(super) fn chosen<'a>(scan: &Scan<'a, S>) -> impl Iterator<Item = (usize, S)> + use<'a, S, BEAMS> {
+        let stride = scan.ranges.len().div_ceil(BEAMS.max(1)).max(1);
+        scan.ranges.iter().copied().enumerate().step_by(stride)
+    }
+
+    /// With a beam more; without, where there is no room.
+    pub(super) fn push(&mut self, beam: Beam<S>) {
+        if let Some(slot) = self.beams.get_mut(self.len) {
+            *slot = beam;
+            self.len += 1;
+        }
     }
 
     /// Every second beam: half the work, for a first sight.
@@ -132,17 +107,94 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
         covariance: &Covariance<S, 3>,
         walls: &[Wall<S>],
     ) -> Agreement<S> {
-        let beams = &self.beams[..self.len];
-        let zero = S::of(0.0);
-        let vague = Vague {
+        self.compare(&self.fates(pose, &self.vague(covariance), walls))
+    }
+
+    /// The pose that the explained beams ask for, seen from what is believed, and how the scan agrees with `walls` there.
+    ///
+    /// # Errors
+    /// [`NotACovariance`] where something is not finite.
+    pub fn fix(
+        &self,
+        belief: &Belief<S>,
+        walls: &[Wall<S>],
+    ) -> (Agreement<S>, Result<PoseFix<S>, NotACovariance>) {
+        let pose = belief.pose;
+        let mut pull = Pull::none();
+        let agreement = self.pulled_from(pose, &belief.covariance, walls, pose.origin(), &mut pull);
+        (agreement, pull.fix(pose))
+    }
+
+    /// How the scan agrees with `walls`, seen from `pose`, and, added to `pull`, what its explained beams say of a pose
+    /// at `center` that moves with it.
+    pub(crate) fn pulled_from(
+        &self,
+        pose: Pose<Map, Body, S>,
+        covariance: &Covariance<S, 3>,
+        walls: &[Wall<S>],
+        center: Point<Map, S>,
+        pull: &mut Pull<S>,
+    ) -> Agreement<S> {
+        let vague = self.vague(covariance);
+        let fates = self.fates(pose, &vague, walls);
+        let eye = pose * self.body_from_laser;
+        let (sin, cos) = eye.heading.sin_cos();
+        // How the eye moves when the pose at the center turns.
+        let swing = (center.y - eye.y, eye.x - center.x);
+        for (beam, fate) in self.beams[..self.len].iter().zip(&fates) {
+            let (u, slope, misfit) = fate.settled();
+            if misfit < S::of(EXPLAINED * EXPLAINED) {
+                // u = a·cos φ + b·sin φ grows by u·(a, b) with a step of the eye and by ∂u/∂φ with its turn.
+                let (a, b) = (u * beam.cos - slope * beam.sin, u * beam.sin + slope * beam.cos);
+                let step = (u * (a * cos - b * sin), u * (a * sin + b * cos));
+                let row = [step.0, step.1, slope + step.0 * swing.0 + step.1 * swing.1];
+                // What the pose may be off by counts as noise of the beam as well: a beam given to the wrong of two walls near
+                // an edge then pulls less, and what is known of the pose is understated rather than overstated.
+                let weight = S::of(1.0).over_positive(vague.variance(u, slope));
+                pull.add(row, beam.inverse - u, weight);
+            }
+        }
+        self.compare(&fates)
+    }
+
+    /// The ends of the beams, seen from the robot.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = Point<Body, S>> + '_ {
+        let ends = self.beams[..self.len].iter();
+        ends.map(|beam| self.body_from_laser * Point::new(beam.range * beam.cos, beam.range * beam.sin))
+    }
+
+    pub(super) fn vague(&self, covariance: &Covariance<S, 3>) -> Vague<S> {
+        Vague {
             noise: self.noise,
             place: covariance.entry(0, 0) + covariance.entry(1, 1),
             heading: covariance.entry(2, 2),
-        };
-        let mut fates =
-            [Fate { surely: zero, misfit: S::of(BEFORE), at: zero, misfit_at: S::of(BEFORE) }; BEAMS];
-        let laser_from_map = (pose * self.body_from_laser).inverse();
+        }
+    }
+
+    pub(super) fn fates(
+        &self,
+        pose: Pose<Map, Body, S>,
+        vague: &Vague<S>,
+        walls: &[Wall<S>],
+    ) -> [Fate<S>; BEAMS] {
+        let beams = &self.beams[..self.len];
+        let zero = S::of(0.0);
+        let mut fates = [Fate {
+            surely: zero,
+            misfit: S::of(BEFORE),
+            slope: zero,
+            at: zero,
+            misfit_at: S::of(BEFORE),
+            slope_at: zero,
+        }; BEAMS];
+        let eye = pose * self.body_from_laser;
+        let laser_from_map = eye.inverse();
+        let within = self.reach + S::of(EXPLAINED) * (vague.noise.range + vague.place).sqrt();
         for wall in walls {
+            // Behind the end of the longest beam a wall is as good as none: every beam ends before it.
+            if wall.distance(eye.origin()) > within {
+                continue;
+            }
             let [a, b] = wall.ends().map(|end| end_beam(laser_from_map * end));
             // The wall from right to left, as the laser sees it.
             let (right, left) = if turn(&a, &b) > zero { (a, b) } else { (b, a) };
@@ -157,26 +209,22 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
                     if u > fate.surely {
                         let misfit = vague.misfit(beam, u, slope);
                         if is_sure {
-                            (fate.surely, fate.misfit) = (u, misfit);
+                            (fate.surely, fate.misfit, fate.slope) = (u, misfit, slope);
                         }
                         if fate.at < fate.surely || misfit < fate.misfit_at {
-                            (fate.at, fate.misfit_at) = (u, misfit);
+                            (fate.at, fate.misfit_at, fate.slope_at) = (u, misfit, slope);
                         }
                     }
                 }
             }
         }
-        self.compare(&fates)
+        fates
     }
 
     fn compare(&self, fates: &[Fate<S>; BEAMS]) -> Agreement<S> {
         let mut result = Agreement { beams: self.len as u16, ..Agreement::default() };
         for (beam, fate) in self.beams[..self.len].iter().zip(fates) {
-            let (u, misfit) = if fate.at < fate.surely || fate.misfit < fate.misfit_at {
-                (fate.surely, fate.misfit)
-            } else {
-                (fate.at, fate.misfit_at)
-            };
+            let (u, _, misfit) = fate.settled();
             if misfit < S::of(EXPLAINED * EXPLAINED) {
                 result.explained += 1;
             } else if beam.inverse > u {
@@ -192,17 +240,32 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
 
 /// What is known of a beam's end so far.
 #[derive(Clone, Copy)]
-struct Fate<S> {
-    /// The inverse range of the nearest wall that is surely in its way, 0 for none, and what that costs.
-    surely: S,
+pub(super) struct Fate<S> {
+    /// The inverse range of the nearest wall that is surely in its way, 0 for none, what that costs, and how the inverse
+    /// range changes with the bearing.
+    pub(super) surely: S,
     misfit: S,
+    slope: S,
     /// The wall that may be in its way and explains it best, likewise.
     at: S,
     misfit_at: S,
+    slope_at: S,
+}
+
+impl<S: Float> Fate<S> {
+    /// Inverse range, slope and cost of the wall at which the beam ends.
+    #[inline]
+    fn settled(&self) -> (S, S, S) {
+        if self.at < self.surely || self.misfit < self.misfit_at {
+            (self.surely, self.slope, self.misfit)
+        } else {
+            (self.at, self.slope_at, self.misfit_at)
+        }
+    }
 }
 
 /// How well the end of a beam is known.
-struct Vague<S> {
+pub(super) struct Vague<S> {
     noise: BeamNoise<S>,
     /// The variance of the place \[m²] and of the heading \[rad²].
     place: S,
@@ -213,13 +276,19 @@ impl<S: Float> Vague<S> {
     /// What a beam costs that ends at a wall of inverse range `u` and slope `slope`, or elsewhere.
     #[inline]
     fn misfit(&self, beam: &Beam<S>, u: S, slope: S) -> S {
+        let off = beam.inverse - u;
+        let squared = off.squared().over_positive(self.variance(u, slope));
+        squared.min(if off > S::of(0.0) { S::of(BEFORE) } else { S::of(BEYOND) })
+    }
+
+    /// The variance of the inverse range where it is `u` and changes by `slope` per radian.
+    #[inline]
+    fn variance(&self, u: S, slope: S) -> S {
         let noise = BeamNoise {
             range: self.noise.range + self.place,
             bearing: self.noise.bearing + self.heading + self.place * u.squared(),
         };
-        let off = beam.inverse - u;
-        let squared = off.squared().over_positive(noise.variance(u, slope));
-        squared.min(S::of(if off > S::of(0.0) { BEFORE } else { BEYOND }))
+        noise.variance(u, slope)
     }
 
     /// How near the end of a wall a beam may slip past it \[rad].

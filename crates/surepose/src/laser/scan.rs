@@ -69,6 +69,13 @@ impl core::fmt::Display for ScanRefusal {
 
 impl core::error::Error for ScanRefusal {}
 
+impl<S: Float> Scan<'_, S> {
+    /// The direction of a beam from the laser's x axis.
+    pub(super) fn bearing(&self, number: usize) -> Angle<S> {
+        self.first_bearing.turned(self.bearing_step * S::of(number as f64))
+    }
+}
+
 impl<S: Float> RangeFinder<S> {
     /// Whether a beam with this range came back from something.
     #[inline]

@@ -12,7 +12,7 @@ fn belief(std: f64) -> Belief<f64> {
 }
 
 fn seen(explained: u16, beyond: u16) -> Agreement<f64> {
-    Agreement { beams: 100, explained, before: 100 - explained - beyond, beyond, misfit: 100.0 }
+    Agreement { beams: 100, explained, before: 100 - explained - beyond, beyond, missing: 0, misfit: 100.0 }
 }
 
 #[test]
@@ -23,7 +23,7 @@ fn nothing_wrong_nothing_said() {
         supervisor.rolled(now, Ok(()));
         supervisor.measured(now, Outcome::Accepted { nis: 2.0 }, 2);
         // A fifth of the beams hidden.
-        supervisor.looked(&seen(78, 2));
+        supervisor.looked(&seen(78, 2), 1.0);
         supervisor.followed(Wheels::new(6.0, 6.0), Wheels::new(5.8, 6.1));
         assert_eq!(supervisor.verdict(now, &belief(0.01)), Verdict::Go);
         assert_eq!(supervisor.health(now, &belief(0.01)), Health::Healthy);
@@ -35,13 +35,13 @@ fn lost_after_six_scans_and_until_found() {
     let mut supervisor = supervisor();
     for against in [seen(30, 5), seen(90, 0), seen(70, 20), seen(30, 5), seen(0, 0), seen(30, 5), seen(30, 5)]
     {
-        supervisor.looked(&against);
+        supervisor.looked(&against, 1.0);
         assert_ne!(supervisor.health(START, &belief(0.01)), Health::Lost);
     }
-    supervisor.looked(&seen(30, 5));
+    supervisor.looked(&seen(30, 5), 1.0);
     assert_eq!(supervisor.verdict(START, &belief(0.01)), Verdict::Stop(Reason::Lost));
     for _ in 0..100 {
-        supervisor.looked(&seen(99, 0));
+        supervisor.looked(&seen(99, 0), 1.0);
     }
     assert_eq!(supervisor.health(START, &belief(0.01)), Health::Lost);
     supervisor.found(START);
@@ -90,5 +90,35 @@ fn pace_never_exceeds_one() {
         [(Verdict::Go, 1.0), (Verdict::Slow(Reason::Unaided), 0.3), (Verdict::Stop(Reason::Lost), 0.0)]
     {
         assert!((verdict.pace::<f64>() - pace).abs() < f64::EPSILON);
+    }
+}
+
+/// Every beam is explained, and all together put the robot elsewhere: a push, which one broken scan is not.
+#[test]
+fn scans_that_agree_on_another_place_make_it_lost() {
+    let mut supervisor = supervisor();
+    supervisor.looked(&seen(95, 0), 1e6);
+    for _ in 0..20 {
+        supervisor.looked(&seen(95, 0), 1.0);
+        assert_eq!(supervisor.health(START, &belief(0.01)), Health::Healthy);
+    }
+    let scans = (1..50).find(|_| {
+        supervisor.looked(&seen(95, 0), 4.5);
+        supervisor.health(START, &belief(0.01)) == Health::Lost
+    });
+    assert!(scans.is_some_and(|scans| (10..=15).contains(&scans)), "{scans:?}");
+    supervisor.found(START);
+    supervisor.looked(&seen(95, 0), 1.0);
+    assert_eq!(supervisor.verdict(START, &belief(0.01)), Verdict::Go);
+}
+
+/// Put down where hardly anything is near, a robot sees little that contradicts it, and misses much.
+#[test]
+fn walls_that_are_missing_make_it_lost() {
+    let mut supervisor = supervisor();
+    for missing in [0, 4, 40] {
+        let void = Agreement { beams: 6, explained: 0, before: 0, beyond: 6, missing, misfit: 100.0 };
+        (0..6).for_each(|_| supervisor.looked(&void, 1.0));
+        assert_eq!(supervisor.health(START, &belief(0.01)) == Health::Lost, missing == 40, "{missing}");
     }
 }

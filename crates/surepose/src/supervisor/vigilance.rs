@@ -19,7 +19,8 @@ pub struct Vigilance<S> {
     pub scans: u16,
     /// The robot is lost when so many more measurements were outliers than were accepted.
     pub measurements: u16,
-    /// The mean of the normalised innovation squared per row may be so large; 1 for a consistent filter.
+    /// The mean of the normalised innovation squared per row may be so large, of measurements, and of scans as a whole; 1
+    /// for a consistent filter.
     pub innovation: S,
     /// Turn rates may be off by so much on average \[rad/s].
     pub following: S,
