@@ -23,8 +23,8 @@ use super::rest::Rest;
 /// | ρ < ε | the same, its ω faded by (ρ/ε)²: the robot finishes the line it is on |
 /// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns only as far as it has arrived: ω·(1 − (ρ cos α/0.35ε)²)₊ |
 ///
-/// (28) keeps the robot until ρ > 0.58ε. With the direction of approach
-/// reversed, α, φ and v are those of a robot whose tail is its nose.
+/// (28) keeps the robot until ρ > 0.58ε. With the direction of approach reversed, α, φ and v are those of a robot whose
+/// tail is its nose.
 ///
 /// # Guarantee
 /// Without noise and in continuous time W = c·ln ρ + ½(α² + h_w·φ²) falls for ρ > ε with c = 2 and h_w = 0.1, at the fitted
@@ -107,6 +107,7 @@ impl<S: Scalar> HybridLaw<S> {
         let error = S::select(near, -ahead.heading_error().radians(), ahead.alpha.radians());
         let (error, side) = commitment::to_side(error, memory.side);
         let (zero, one) = (S::of(0.0), S::of(1.0));
+        // Compared where the local law is in charge only: elsewhere it would be one more undecided comparison of intervals.
         let trimming = S::select(near, error.abs(), one).lt(S::of(WHOLE_THETA));
         let trims = S::select(trimming, memory.trims, zero);
 
