@@ -48,8 +48,7 @@ impl<S: Scalar> Angle<S> {
     /// The direction of the vector (`x`, `y`); 0 for the null vector.
     #[inline(always)]
     pub fn of_vector(x: S, y: S) -> Self {
-        let angle = y.atan2(x);
-        Self(S::select(angle.gt(S::of(-PI)), angle, angle.abs()))
+        Self(y.atan2(x))
     }
 
     /// `yes` where `mask` is true, else `no`.
@@ -71,11 +70,12 @@ impl<S: Scalar> Angle<S> {
         Self(S::of(PI))
     }
 
-    /// This angle turned by half a turn. One subtraction: no wrap is needed.
+    /// This angle turned by half a turn, for which no wrap is needed.
     #[must_use]
     #[inline(always)]
     pub fn opposite(self) -> Self {
-        Self(self.0 - S::select(self.0.gt(S::of(0.0)), S::of(PI), S::of(-PI)))
+        let half = S::of(PI);
+        Self(S::select(self.0.gt(S::of(0.0)), self.0 - half, self.0 + half))
     }
 
     /// The value in (−π, π] \[rad].
@@ -101,6 +101,13 @@ impl<S: Scalar> Angle<S> {
     #[inline(always)]
     pub fn turned(self, radians: S) -> Self {
         Self::wrapped(self.0 + radians)
+    }
+
+    /// This angle turned by less than a whole turn, as by the motion of one period.
+    #[must_use]
+    #[inline(always)]
+    pub fn nudged(self, radians: S) -> Self {
+        Self((self.0 + radians).wrapped_sum())
     }
 }
 

@@ -110,7 +110,7 @@ impl<S: Scalar> Drive<S> {
     pub fn motion_from_travel(&self, travel: Wheels<S>) -> Motion<S> {
         Motion {
             length: (travel.right + travel.left) * S::of(0.5),
-            turn: (travel.right - travel.left) / self.track,
+            turn: (travel.right - travel.left) * (S::of(1.0) / self.track),
         }
     }
 
@@ -130,7 +130,7 @@ impl<S: Scalar> Drive<S> {
     /// Rim speeds \[m/s] that give `twist`: the inverse of Eq. (8), per second.
     #[inline(always)]
     pub fn rims_from_twist(&self, twist: Twist<S>) -> Wheels<S> {
-        let swing = twist.omega * self.track * S::of(0.5);
+        let swing = twist.omega * (self.track * S::of(0.5));
         Wheels::new(twist.v + swing, twist.v - swing)
     }
 
@@ -209,8 +209,8 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
     #[must_use]
     #[inline(always)]
     pub fn moved(self, motion: Motion<S>, integration: Integration) -> Self {
-        let (sin, cos) = (self.heading.radians() + motion.turn * S::of(0.5)).sin_cos();
+        let (sin, cos) = (self.heading.radians() + motion.turn * S::of(0.5)).turn_sin_cos();
         let length = motion.length * motion.chord(integration);
-        Self::new(self.x + length * cos, self.y + length * sin, self.heading.turned(motion.turn))
+        Self::new(self.x + length * cos, self.y + length * sin, self.heading.nudged(motion.turn))
     }
 }

@@ -13,13 +13,19 @@ pub struct Limits<S> {
 }
 
 impl<S: Scalar> Limits<S> {
-    /// The part s ≤ 1 of `wanted` at which the faster rim runs at its limit: [Tran2012] leaves limits out.
+    /// The part s ≤ 1 of these `rims`' speeds \[m/s] at which the faster one runs at its limit: [Tran2012] leaves limits
+    /// out.
     ///
     /// Both V̇_g and V̇_l are linear in (v, ω): scaled by s they keep their sign, and the path is the same.
     #[inline(always)]
+    pub fn share(&self, rims: Wheels<S>) -> S {
+        self.wheel_speed / rims.largest().max(self.wheel_speed)
+    }
+
+    /// The part of `wanted` that the limit of speed leaves.
+    #[inline(always)]
     pub fn within_speed(&self, drive: &Drive<S>, wanted: Twist<S>) -> Twist<S> {
-        let fastest = drive.rims_from_twist(wanted).largest();
-        wanted.scaled(self.wheel_speed / fastest.max(self.wheel_speed))
+        wanted.scaled(self.share(drive.rims_from_twist(wanted)))
     }
 
     /// What of `wanted` the wheels can do after one `period` \[s], having done `before`.

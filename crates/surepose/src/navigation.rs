@@ -3,7 +3,7 @@
 use crate::angle::Angle;
 use crate::drive::Twist;
 use crate::frame::{Body, Goal, Map};
-use crate::pose::Pose;
+use crate::pose::{Point, Pose};
 use crate::scalar::Scalar;
 
 /// ρ, α and φ of the goal: [Tran2012] Eq. (3).
@@ -30,13 +30,21 @@ impl<S: Scalar> Navigation<S> {
     /// The goal seen from the robot: [Tran2012] Eq. (3), or (5) where the pose is an estimate.
     #[inline(always)]
     pub fn of(map_from_body: Pose<Map, Body, S>, map_from_goal: Pose<Map, Goal, S>) -> Self {
-        let (body, goal) = (map_from_body.origin(), map_from_goal.origin());
+        let goal = map_from_goal.origin();
+        let seen = Self::from_goal(Pose::new(
+            map_from_body.x - goal.x,
+            map_from_body.y - goal.y,
+            map_from_body.heading,
+        ));
+        Self { phi: seen.phi - map_from_goal.heading, ..seen }
+    }
+
+    /// The same where the pose is told in the goal's own frame.
+    #[inline(always)]
+    pub fn from_goal(goal_from_body: Pose<Goal, Body, S>) -> Self {
+        let (body, goal) = (goal_from_body.origin(), Point::new(S::of(0.0), S::of(0.0)));
         let bearing = body.direction_to(goal);
-        Self {
-            rho: body.distance(goal),
-            alpha: bearing - map_from_body.heading,
-            phi: bearing - map_from_goal.heading,
-        }
+        Self { rho: body.distance(goal), alpha: bearing - goal_from_body.heading, phi: bearing }
     }
 
     /// θ_e = θ − θ₂ = φ − α, how far the robot is turned from the commanded heading.

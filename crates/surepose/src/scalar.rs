@@ -88,7 +88,7 @@ pub trait Scalar:
     fn sqrt(self) -> Self;
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
-    /// The angle of the vector (`x`, `self`), in [−π, π]; 0 for the null vector.
+    /// The angle of the vector (`x`, `self`), in (−π, π]; 0 for the null vector.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
 
@@ -108,6 +108,21 @@ pub trait Scalar:
     #[inline(always)]
     fn sinc(self) -> Self {
         self.sin_cos_sinc().2
+    }
+
+    /// Sine and cosine of an angle of at most 5π/4, as a wrapped one is that turns on for a period \[rad].
+    ///
+    /// For scalars that know a shorter way than [`Scalar::sin_cos`], which takes any angle.
+    #[inline(always)]
+    fn turn_sin_cos(self) -> (Self, Self) {
+        self.sin_cos()
+    }
+
+    /// Cosine and `sin(x)/x` of such an angle.
+    #[inline(always)]
+    fn turn_cos_sinc(self) -> (Self, Self) {
+        let (_, cos, sinc) = self.sin_cos_sinc();
+        (cos, sinc)
     }
 
     /// The derivative of `sin(x)/x`, given `cos(x)` and `sin(x)/x`.
@@ -149,11 +164,19 @@ pub trait Scalar:
         other.lt(self)
     }
 
-    /// 1 with the sign of `self`, and 1 at 0.
+    /// The magnitude of `self` with the sign of `other`; which of the two where that is 0 is left to the implementation.
+    #[must_use]
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        let magnitude = self.abs();
+        Self::select(other.lt(Self::of(0.0)), -magnitude, magnitude)
+    }
+
+    /// 1 with the sign of `self`.
     #[must_use]
     #[inline(always)]
     fn sign(self) -> Self {
-        Self::select(self.lt(Self::of(0.0)), Self::of(-1.0), Self::of(1.0))
+        Self::of(1.0).with_sign_of(self)
     }
 
     /// `self / divisor`, or 0 where the divisor is not positive: a direction without variance has nothing to share.

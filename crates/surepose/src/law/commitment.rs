@@ -69,10 +69,8 @@ pub(super) fn reverse<S: Scalar>(
         Direction::Auto => {
             let (alpha, phi) = (navigation.alpha.radians().abs(), navigation.phi.radians().abs());
             let less_turning = (alpha + phi).gt(S::of(PI));
-            let half = S::of(PI / 2.0);
-            let excess = (alpha - half) + h * (phi - half);
-            let margin = S::of(DIRECTION_HYSTERESIS);
-            let kept = excess.gt(S::select(memory.reverse, -margin, margin));
+            let (even, margin) = ((S::of(1.0) + h) * S::of(PI / 2.0), S::of(DIRECTION_HYSTERESIS));
+            let kept = (alpha + h * phi).gt(S::select(memory.reverse, even - margin, even + margin));
             memory.is_fresh().select(less_turning, kept)
         }
     }
@@ -84,8 +82,7 @@ pub(super) fn reverse<S: Scalar>(
 /// [Tran2012] wraps every angle. With noise the sign of a wrapped angle near ±π flips, and the robot dithers.
 #[inline(always)]
 pub(super) fn to_side<S: Scalar>(angle: S, side: S) -> (S, S) {
-    let near_branch = angle.abs().gt(S::of(PI - SIDE_HYSTERESIS));
-    let other_side = (angle * side).lt(S::of(0.0));
-    let continued = angle + S::select(near_branch.and(other_side), side * S::of(TAU), S::of(0.0));
+    let beyond = (angle * side).lt(S::of(SIDE_HYSTERESIS - PI));
+    let continued = S::select(beyond, angle + S::of(TAU).with_sign_of(side), angle);
     (continued, continued.sign())
 }

@@ -21,7 +21,7 @@ impl<S: Scalar> Facing<S> {
     #[inline(always)]
     pub fn of(navigation: &Navigation<S>, reverse: S::Mask) -> Self {
         let goal = Navigation::select(reverse, navigation.reversed(), *navigation);
-        let (_, cos, sinc) = goal.alpha.radians().sin_cos_sinc();
+        let (cos, sinc) = goal.alpha.radians().turn_cos_sinc();
         Self { goal, cos, sinc, reverse }
     }
 }

@@ -113,12 +113,12 @@ impl<S: Scalar> HybridLaw<S> {
 
         let Twist { v, omega } =
             Twist::select(near, self.near(&seen, -error, trims), self.far(&seen, ahead, error));
-        let onward = S::select(reverse, -one, one);
+        let onward = |along: S| S::select(reverse, -along, along);
         let (v, travel) = match self.rest {
             Some(rest) => {
-                rest.within(self.capture_radius).of_speed(v * onward, seen.ahead * onward, memory.travel)
+                rest.within(self.capture_radius).of_speed(onward(v), onward(seen.ahead), memory.travel)
             }
-            None => (v * onward, memory.travel),
+            None => (onward(v), memory.travel),
         };
         let memory = Memory { near, reverse, side, trims: S::select(trimming, trims + one, zero), travel };
         Decision { twist: Twist::new(v, omega), memory }
@@ -127,16 +127,15 @@ impl<S: Scalar> HybridLaw<S> {
     /// (23) scheduled, with `alpha` continued beyond ±π.
     #[inline(always)]
     fn far(&self, seen: &Seen<S>, ahead: &Navigation<S>, alpha: S) -> Twist<S> {
-        let (one, zero) = (S::of(1.0), S::of(0.0));
         let global = GlobalLaw {
-            // V/ρ is larger than every k_v where ρ is 0: a quotient of 0 must not become NaN.
-            k_v: self.gains.k_v.min(self.actuation.speed / ahead.rho.max(S::of(1e-9))),
+            // min(k_v, V/ρ), without a quotient that 0 would break.
+            k_v: self.actuation.speed / ahead.rho.max(self.actuation.speed / self.gains.k_v),
             k_alpha: quiet(alpha, WHOLE_ALPHA, self.gains.k_alpha, self.actuation.quiet_alpha),
-            h: self.gains.h * (seen.radii_squared * S::of(1.0 / (APPROACH * APPROACH))).min(one),
+            h: (seen.radii_squared * (self.gains.h * S::of(1.0 / (APPROACH * APPROACH)))).min(self.gains.h),
         };
-        let fade = seen.radii_squared.min(one);
-        // On the goal, where steering has faded, the robot backs up rather than turns round.
-        let drive = seen.cos.max(zero) + (one - fade) * seen.cos.min(zero);
+        let fade = seen.radii_squared.min(S::of(1.0));
+        // Driving away, by as much as steering has faded: on the goal the robot backs up rather than turns round.
+        let drive = seen.cos.max((S::of(1.0) - fade) * seen.cos);
         let twist = global.twist_driven(ahead.rho, alpha, ahead.phi.radians(), drive, seen.sinc);
         Twist::new(twist.v, twist.omega * fade)
     }
@@ -144,7 +143,7 @@ impl<S: Scalar> HybridLaw<S> {
     /// (28) scheduled, with the heading error continued beyond ±π.
     #[inline(always)]
     fn near(&self, seen: &Seen<S>, heading_error: S, trims: S) -> Twist<S> {
-        let (one, zero) = (S::of(1.0), S::of(0.0));
+        let one = S::of(1.0);
         let whole = self.gains.k_theta;
         let local = LocalLaw {
             k_v: self.gains.k_v,
@@ -153,9 +152,9 @@ impl<S: Scalar> HybridLaw<S> {
         let twist = local.twist_toward(seen.ahead, heading_error);
         let limit = self.actuation.turn_rate;
         let omega = twist.omega.clamp(-limit, limit);
-        let arrived = (one - (seen.ahead * seen.per_radius * S::of(1.0 / ARRIVED)).squared()).max(zero);
-        let trimming = (S::of(2.0) - heading_error.abs() * S::of(1.0 / TRIM)).clamp(zero, one);
-        Twist::new(twist.v, omega * arrived.max(trimming))
+        let arrived = one - (seen.ahead * (seen.per_radius * S::of(1.0 / ARRIVED))).squared();
+        let trimming = (S::of(2.0) - heading_error.abs() * S::of(1.0 / TRIM)).min(one);
+        Twist::new(twist.v, omega * arrived.max(trimming).max(S::of(0.0)))
     }
 }
 
@@ -163,8 +162,7 @@ impl<S: Scalar> HybridLaw<S> {
 #[inline(always)]
 fn quiet<S: Scalar>(error: S, knee: f64, whole: S, small: S) -> S {
     let small = small.min(whole);
-    let part = (error * S::of(1.0 / knee)).squared().min(S::of(1.0));
-    small + (whole - small) * part
+    (small + (whole - small) * S::of(1.0 / (knee * knee)) * error.squared()).min(whole)
 }
 
 /// The goal in the robot's axes, and in capture radii.

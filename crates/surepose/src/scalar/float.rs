@@ -58,7 +58,9 @@ macro_rules! float {
             }
             #[inline]
             fn atan2(self, x: Self) -> Self {
-                libm::$atan2(self, x)
+                let angle = libm::$atan2(self, x);
+                // −0 is on the side of −π: the same direction as π. NaN stays NaN.
+                if angle > -core::$float::consts::PI { angle } else { libm::$fabs(angle) }
             }
         }
 
