@@ -11,7 +11,8 @@ use crate::mask::LaneMask;
 /// So consecutive `k` are neighbours in memory for each of the `N`, and the loop over `k` becomes a loop over vectors
 /// with `N` of them in flight: while one waits for its last operation, the processor works on another.
 ///
-/// Masks are kept as numbers, 1 or 0: a loop over numbers of one width is what compilers vectorise best.
+/// Masks are kept as numbers, −1 for yes and 0 for no: a loop over numbers of one width is what compilers vectorise
+/// best.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Column<T, const L: usize>(pub [T; L]);
@@ -36,6 +37,15 @@ impl<T: Element, const L: usize> Column<T, L> {
         Lanes(core::array::from_fn(|j| self.0[k + j * (L / N)]))
     }
 
+    /// The same as numbers of another type.
+    #[inline(always)]
+    pub fn get_as<U: Element, const N: usize>(&self, k: usize) -> Lanes<U, N>
+    where
+        T: Into<f32>,
+    {
+        Lanes(core::array::from_fn(|j| U::from_single(self.0[k + j * (L / N)].into())))
+    }
+
     /// Sets the `N` numbers of row `k`.
     #[inline(always)]
     pub fn set<const N: usize>(&mut self, k: usize, lanes: Lanes<T, N>) {
@@ -47,14 +57,14 @@ impl<T: Element, const L: usize> Column<T, L> {
     /// The `N` answers of row `k`.
     #[inline(always)]
     pub fn mask<const N: usize>(&self, k: usize) -> LaneMask<N> {
-        LaneMask(core::array::from_fn(|j| self.0[k + j * (L / N)] > T::of(0.5)))
+        LaneMask(core::array::from_fn(|j| self.0[k + j * (L / N)].is_negative()))
     }
 
     /// Sets the `N` answers of row `k`.
     #[inline(always)]
     pub fn set_mask<const N: usize>(&mut self, k: usize, mask: LaneMask<N>) {
         for j in 0..N {
-            self.0[k + j * (L / N)] = if mask.0[j] { T::of(1.0) } else { T::of(0.0) };
+            self.0[k + j * (L / N)] = if mask.0[j] { T::of(-1.0) } else { T::of(0.0) };
         }
     }
 }

@@ -111,6 +111,23 @@ impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
         (sin, cos, Self(sinc))
     }
     #[inline(always)]
+    fn turn_sin_cos(self) -> (Self, Self) {
+        let (cos, sinc) = self.turn_cos_sinc();
+        (self * sinc, cos)
+    }
+    #[inline(always)]
+    fn turn_cos_sinc(self) -> (Self, Self) {
+        let (mut cos, mut sinc) = (self.0, self.0);
+        for k in 0..N {
+            (cos[k], sinc[k]) = self.0[k].turn_cos_sinc();
+        }
+        (Self(cos), Self(sinc))
+    }
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        self.zip(other, T::with_sign_of)
+    }
+    #[inline(always)]
     fn sinc(self) -> Self {
         self.map(T::small_sinc)
     }

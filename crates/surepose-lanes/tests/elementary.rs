@@ -57,6 +57,20 @@ fn sinc_of_small_angles() {
 }
 
 #[test]
+fn turns_by_their_halves() {
+    let reach = 1.25 * PI;
+    let exact = |x: f64| (libm::cos(x), if x.abs() < 1e-8 { 1.0 } else { libm::sin(x) / x });
+    let off = |(cos, sinc): (f64, f64), (c, s): (f64, f64)| (cos - c).abs().max((sinc - s).abs());
+    let double = worst(angles(reach).map(|x| off(Element::turn_cos_sinc(x), exact(x))));
+    assert!(double < 2.5e-15, "{double:e}");
+    let single = worst(angles(reach).map(|x| {
+        let (cos, sinc) = Element::turn_cos_sinc(x as f32);
+        off((f64::from(cos), f64::from(sinc)), exact(f64::from(x as f32)))
+    }));
+    assert!(single < 1.2e-6, "{single:e}");
+}
+
+#[test]
 fn arc_tangent() {
     let points = || {
         let scales = [1.0, 1e-3, 1e3, 1e-12].into_iter();

@@ -1,7 +1,7 @@
 //! The normal deviates are normal, and each stream is its own.
 #![allow(clippy::float_cmp, reason = "bits are compared on purpose")]
 
-use surepose_lanes::{Streams, Work, on_widest, portably};
+use surepose_lanes::{Column, Streams, Work, on_widest, portably};
 
 const L: usize = 64;
 
@@ -12,9 +12,9 @@ fn deviates(seed: u64, first: u64, rounds: usize) -> Vec<[f32; L]> {
     }
     let mut all = Vec::new();
     for _ in 0..rounds {
-        let mut pairs = [[[0.0; L]; 2]; 3];
-        streams.normals(&mut pairs);
-        all.extend(pairs.into_iter().flatten());
+        let mut drawn = [Column([0.0; L]); 5];
+        streams.normals(&mut drawn);
+        all.extend(drawn.map(|deviates| deviates.0));
     }
     all
 }
@@ -84,22 +84,23 @@ fn a_stream_is_the_same_in_every_lane() {
     let mut streams = Streams::<4>::default();
     streams.start(1, 3, 9);
     streams.copy(1, 2);
-    let mut pairs = [[[0.0; 4]; 2]; 3];
-    streams.normals(&mut pairs);
-    assert_eq!(pairs[0][0], [pairs[0][0][0], here[0][9], here[0][9], pairs[0][0][3]]);
+    let mut drawn = [Column([0.0; 4]); 5];
+    streams.normals(&mut drawn);
+    let [[first, .., last], ..] = drawn.map(|deviates| deviates.0);
+    assert_eq!(drawn[0].0, [first, here[0][9], here[0][9], last]);
 }
 
 /// Deviates drawn under [`on_widest`] or [`portably`].
 struct Draw(Streams<L>);
 
 impl Work for Draw {
-    type Output = [[[f32; L]; 2]; 3];
+    type Output = [Column<f32, L>; 5];
 
     #[inline(always)]
     fn run(mut self) -> Self::Output {
-        let mut pairs = [[[0.0; L]; 2]; 3];
-        self.0.normals(&mut pairs);
-        pairs
+        let mut drawn = [Column([0.0; L]); 5];
+        self.0.normals(&mut drawn);
+        drawn
     }
 }
 

@@ -1,11 +1,11 @@
 //! What the trials of a fleet believe, side by side, and how that is judged.
 
 use surepose::{Belief, Gate};
-use surepose_lanes::{Element, Streams};
+use surepose_lanes::{Column, Element, Streams};
 
 use super::Start;
 use super::filter::{Filter, START_STD};
-use super::fleet::{LANES, Numbers};
+use super::fleet::{Deviates, Numbers};
 
 /// One belief for each trial, as the factors of its covariance.
 #[derive(Clone, Debug)]
@@ -21,9 +21,8 @@ pub(super) struct Beliefs<T: Element> {
     pub(super) diagonal: [Numbers<T>; 3],
     /// How good the beliefs of the trial were so far.
     pub(super) score: BeliefScore<T>,
-    /// The noise of the sensors in this period.
-    pub(super) deviates: [Numbers<T>; 6],
-    pub(super) drawn: Drawn,
+    /// The noise of this period: of the sensors, and last of the wheels.
+    pub(super) deviates: [Deviates; 7],
 }
 
 /// Sums over the periods of a trial.
@@ -39,22 +38,13 @@ pub(super) struct BeliefScore<T: Element> {
     pub(super) refused: Numbers<T>,
 }
 
-/// Which deviate is which sensor's.
-pub(super) struct Deviates {
-    pub(super) compass: usize,
-    /// Distance and direction of each wall.
-    pub(super) walls: [[usize; 2]; 2],
-}
-
-/// The sixth is nobody's: deviates come in pairs, and the wheels take two.
-pub(super) const DEVIATES: Deviates = Deviates { compass: 0, walls: [[1, 2], [3, 4]] };
+/// Which deviate is the compass's.
+pub(super) const OF_COMPASS: usize = 0;
+/// Which are the distance's and the direction's of each wall.
+pub(super) const OF_WALLS: [[usize; 2]; 2] = [[1, 2], [3, 4]];
 
 /// Measurements in a period.
 pub(super) const MEASUREMENTS: u64 = 3;
-
-/// Deviates as they are drawn: the sensors', then the wheels'.
-#[derive(Clone, Debug)]
-pub(super) struct Drawn(pub(super) [[[f32; LANES]; 2]; 4]);
 
 /// What came of a trial's beliefs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +67,6 @@ impl<T: Element> Beliefs<T> {
             diagonal: Default::default(),
             score: BeliefScore::default(),
             deviates: Default::default(),
-            drawn: Drawn([[[0.0; LANES]; 2]; 4]),
         }
     }
 
@@ -117,9 +106,7 @@ impl<T: Element> Beliefs<T> {
 fn start_error(seed: u64, number: u64) -> [f64; 3] {
     let mut streams = Streams::<1>::default();
     streams.start(0, seed ^ 0x0BE1_1EF5, number);
-    let mut drawn = [[[0.0_f32; 1]; 2]; 2];
-    streams.normals(&mut drawn);
-    let [[[x], [y]], [[turn], _]] = drawn;
-    let deviates = [x, y, turn];
-    core::array::from_fn(|k| f64::from(deviates[k]) * START_STD[k])
+    let mut deviates = [Column([0.0_f32]); 3];
+    streams.normals(&mut deviates);
+    core::array::from_fn(|k| f64::from(deviates[k].0[0]) * START_STD[k])
 }

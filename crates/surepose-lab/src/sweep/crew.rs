@@ -7,7 +7,7 @@ use surepose_lanes::Element;
 use super::believing::Beliefs;
 use super::bench::{HOLD, TIMEOUT};
 use super::filter::Estimate;
-use super::fleet::{Fleet, LANES};
+use super::fleet::{Fleet, LANES, cusps};
 use super::trial::Trial;
 use super::{Start, Sweep, Watch, estimating, phases};
 
@@ -145,7 +145,7 @@ impl<T: Element> Crew<'_, T> {
             time_s: success.then_some(entered * self.sweep.period),
             optimal_time_s: 0.0,
             path_m: reached(score.path_entered.0[lane]),
-            cusps: reached(score.cusps_entered.0[lane]),
+            cusps: success.then(|| cusps(score.legs_entered.0[lane])),
             final_position_error_m: distance,
             final_heading_error_deg: turn.degrees().abs(),
             nees_mean: belief.map(|belief| belief.nees_mean),

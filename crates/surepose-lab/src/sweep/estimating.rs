@@ -10,7 +10,7 @@ use surepose::{
 };
 use surepose_lanes::{Element, Lanes, Work, on_widest};
 
-use super::believing::{Beliefs, DEVIATES};
+use super::believing::{Beliefs, OF_COMPASS, OF_WALLS};
 use super::bench::{DRIVE, Noise, limits};
 use super::filter::{Filter, walls};
 use super::fleet::{Fleet, Numbers};
@@ -31,7 +31,7 @@ pub(super) fn step<T: Element>(
     // Without noise the sensors are exact, and the filter takes them to be what they always are.
     let real = (*noise != Noise::NONE).then_some(Filter::BENCH);
     on_widest(Correct(fleet, beliefs, OfCompass { real }));
-    for (wall, deviates) in walls().into_iter().zip(DEVIATES.walls) {
+    for (wall, deviates) in walls().into_iter().zip(OF_WALLS) {
         on_widest(Correct(fleet, beliefs, OfWall { real, wall, deviates }));
     }
     on_widest(Judge(fleet, beliefs));
@@ -51,14 +51,10 @@ impl<T: Element> Work for Draw<'_, T> {
     #[inline(always)]
     fn run(self) {
         let Self(fleet, beliefs) = self;
-        fleet.streams.normals(&mut beliefs.drawn.0);
-        let wheels = fleet.wheel_deviates();
-        for (deviates, drawn) in beliefs.deviates.iter_mut().chain(wheels).zip(beliefs.drawn.0.as_flattened())
-        {
-            for (deviate, drawn) in deviates.0.iter_mut().zip(drawn) {
-                *deviate = T::from_single(*drawn);
-            }
-        }
+        fleet.streams.normals(&mut beliefs.deviates);
+        let [.., right, left] = beliefs.deviates;
+        let [.., of_right, of_left] = &mut fleet.deviates;
+        (*of_right, *of_left) = (right, left);
     }
 }
 
@@ -88,7 +84,7 @@ impl<T: Element> Sensor<T, 1> for OfCompass {
         deviate: impl Fn(usize) -> Robot<T>,
     ) -> Innovation<Robot<T>, 1> {
         let std = Robot::of(self.real.map_or(0.0, |real| real.compass_std));
-        let heading = truth.heading + Angle::from_wrapped(deviate(DEVIATES.compass) * std);
+        let heading = truth.heading + Angle::from_wrapped(deviate(OF_COMPASS) * std);
         Compass { heading, std: Robot::of(filter.compass_std) }.innovation(belief)
     }
 }
@@ -142,7 +138,7 @@ impl<T: Element, S> Correct<'_, T, S> {
         for k in Numbers::<T>::rows::<1>() {
             let belief = beliefs.get(k);
             let innovation =
-                sensor.innovation(&filter, pose_of(fleet, k), &belief, |of| beliefs.deviates[of].get(k));
+                sensor.innovation(&filter, pose_of(fleet, k), &belief, |of| beliefs.deviates[of].get_as(k));
             let correction = ekf.correct(belief, &innovation, threshold);
             beliefs.set(k, correction.belief);
             let refused = beliefs.score.refused.get(k) + Robot::select(correction.accepted, zero, one);

@@ -15,6 +15,9 @@ pub(super) const VECTORS: usize = 4;
 /// One number for each trial.
 pub(super) type Numbers<T> = Column<T, LANES>;
 
+/// A standard normal deviate for each trial, as it was drawn.
+pub(super) type Deviates = Column<f32, LANES>;
+
 /// `LANES` trials under way.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Fleet<T: Element> {
@@ -38,13 +41,10 @@ pub(super) struct Fleet<T: Element> {
     /// The twist that is wanted this period.
     pub(super) v: Numbers<T>,
     pub(super) omega: Numbers<T>,
-    /// How far the robot drove this period \[m].
-    pub(super) length: Numbers<T>,
     /// What came of the trial so far.
     pub(super) score: Score<T>,
-    /// The noise of this period.
-    pub(super) deviates: [Numbers<T>; 6],
-    pub(super) drawn: Drawn,
+    /// The noise of this period: of the estimated pose, and of the right and the left wheel.
+    pub(super) deviates: [Deviates; 5],
     pub(super) streams: Streams<LANES>,
 }
 
@@ -55,23 +55,16 @@ pub(super) struct Score<T: Element> {
     pub(super) held: Numbers<T>,
     /// Way of the robot's middle \[m].
     pub(super) path: Numbers<T>,
-    /// Reversals of its travel.
-    pub(super) cusps: Numbers<T>,
-    /// Way and reversals when the robot came inside the tolerance, in which it has been since.
+    /// How many legs it drove, each to where its travel turned round, with the sign of the last; 0 at first.
+    pub(super) legs: Numbers<T>,
+    /// Way and legs when the robot came inside the tolerance, in which it has been since.
     pub(super) path_entered: Numbers<T>,
-    pub(super) cusps_entered: Numbers<T>,
-    /// Which way it last travelled: ±1, 0 at first.
-    pub(super) travel: Numbers<T>,
+    pub(super) legs_entered: Numbers<T>,
 }
 
-/// Deviates as they are drawn.
-#[derive(Clone, Debug)]
-pub(super) struct Drawn(pub(super) [[[f32; LANES]; 2]; 3]);
-
-impl Default for Drawn {
-    fn default() -> Self {
-        Self([[[0.0; LANES]; 2]; 3])
-    }
+/// How often the travel of so many `legs` turned round.
+pub(super) fn cusps<T: Element>(legs: T) -> f64 {
+    (legs.to_f64().abs() - 1.0).max(0.0)
 }
 
 impl<T: Element> Fleet<T> {
@@ -81,10 +74,9 @@ impl<T: Element> Fleet<T> {
         let memory = [&mut self.near, &mut self.reverse, &mut self.side, &mut self.trims, &mut self.travel];
         let zeros = memory.into_iter().chain([
             &mut score.path,
-            &mut score.cusps,
+            &mut score.legs,
             &mut score.path_entered,
-            &mut score.cusps_entered,
-            &mut score.travel,
+            &mut score.legs_entered,
         ]);
         for numbers in zeros {
             numbers.0[lane] = T::default();
@@ -101,11 +93,6 @@ impl<T: Element> Fleet<T> {
         for numbers in [&mut self.x, &mut self.y, &mut self.heading] {
             numbers.0[lane] = T::of(f64::NAN);
         }
-    }
-
-    /// The noise of the right and of the left wheel in this period.
-    pub(super) fn wheel_deviates(&mut self) -> &mut [Numbers<T>] {
-        &mut self.deviates[3..5]
     }
 
     /// How far lane `lane` is from the goal \[m], and how far turned.

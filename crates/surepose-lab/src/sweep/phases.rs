@@ -4,7 +4,7 @@
 //! loop at once: a trial's period is one long chain of operations that wait for each other.
 
 use surepose::{
-    Angle, Body, Direction, Facing, Goal, HybridLaw, Integration, Law, Map, Mask, Memory, Motion, Navigation,
+    Angle, Body, Direction, Facing, Goal, HybridLaw, Integration, Law, Mask, Memory, Motion, Navigation,
     Pose, Scalar, Twist, Wheels,
 };
 use surepose_lanes::{Element, Lanes, Work, on_widest};
@@ -71,13 +71,8 @@ impl<T: Element> Work for Draw<'_, T> {
 
     #[inline(always)]
     fn run(self) {
-        let fleet = self.0;
-        fleet.streams.normals(&mut fleet.drawn.0);
-        for (deviates, drawn) in fleet.deviates.iter_mut().zip(fleet.drawn.0.as_flattened()) {
-            for (deviate, drawn) in deviates.0.iter_mut().zip(drawn) {
-                *deviate = T::from_single(*drawn);
-            }
-        }
+        let Fleet { streams, deviates, .. } = self.0;
+        streams.normals(deviates);
     }
 }
 
@@ -94,10 +89,9 @@ impl<T: Element> Work for Look<'_, T> {
             let (position, heading) = (Robots::<T>::of(noise.position), Robots::<T>::of(noise.heading));
             for k in Numbers::<T>::rows::<VECTORS>() {
                 let at = fleet.pose(k);
-                let (x, y, turn) =
-                    (fleet.deviates[0].get(k), fleet.deviates[1].get(k), fleet.deviates[2].get(k));
+                let (x, y, turn) = (fleet.deviate(0, k), fleet.deviate(1, k), fleet.deviate(2, k));
                 let estimate =
-                    Pose::new(at.x + x * position, at.y + y * position, at.heading.turned(turn * heading));
+                    Pose::new(at.x + x * position, at.y + y * position, at.heading.nudged(turn * heading));
                 fleet.see(k, estimate);
             }
         } else {
@@ -110,17 +104,21 @@ impl<T: Element> Work for Look<'_, T> {
 
 impl<T: Element> Fleet<T> {
     #[inline(always)]
-    fn pose(&self, k: usize) -> Pose<Map, Body, Robots<T>> {
+    fn pose(&self, k: usize) -> Pose<Goal, Body, Robots<T>> {
         Pose::new(self.x.get(k), self.y.get(k), Angle::from_wrapped(self.heading.get(k)))
     }
 
     #[inline(always)]
-    fn see(&mut self, k: usize, estimate: Pose<Map, Body, Robots<T>>) {
-        let goal: Pose<Map, Goal, Robots<T>> = Pose::identity();
-        let navigation = Navigation::of(estimate, goal);
+    fn see(&mut self, k: usize, estimate: Pose<Goal, Body, Robots<T>>) {
+        let navigation = Navigation::from_goal(estimate);
         self.rho.set(k, navigation.rho);
         self.alpha.set(k, navigation.alpha.radians());
         self.phi.set(k, navigation.phi.radians());
+    }
+
+    #[inline(always)]
+    fn deviate(&self, of: usize, k: usize) -> Robots<T> {
+        self.deviates[of].get_as(k)
     }
 
     #[inline(always)]
@@ -151,7 +149,7 @@ impl<T: Element> Fleet<T> {
         self.x.set(k, pose.x);
         self.y.set(k, pose.y);
         self.heading.set(k, pose.heading.radians());
-        self.length.set(k, motion.length);
+        self.score.path.set(k, self.score.path.get(k) + motion.length.abs());
     }
 }
 
@@ -241,25 +239,26 @@ impl<T: Element> Work for Drive<'_, T> {
     fn run(self) {
         let Self(fleet, noise, period) = self;
         let (drive, limits, period) = (DRIVE.cast(), limits().cast(), Robots::<T>::of(period));
+        // What the limits leave of a twist, held for a period, is the whole twist held for that part of it.
         if let Some(noise) = noise {
             let (one, std) = (Robots::<T>::of(1.0), Robots::<T>::of(noise.wheels));
             for k in Numbers::<T>::rows::<VECTORS>() {
-                let right = one + fleet.deviates[3].get(k) * std;
-                let left = one + fleet.deviates[4].get(k) * std;
-                let rims = drive.rims_from_twist(limits.within_speed(&drive, fleet.wanted(k)));
+                let rims = drive.rims_from_twist(fleet.wanted(k));
+                let right = one + fleet.deviate(3, k) * std;
+                let left = one + fleet.deviate(4, k) * std;
                 let turning = Wheels::new(rims.right * right, rims.left * left);
-                fleet.drive(k, drive.twist_from_rims(turning).over(period));
+                fleet.drive(k, drive.motion_from_travel(turning.scaled(limits.share(rims) * period)));
             }
         } else {
             for k in Numbers::<T>::rows::<VECTORS>() {
-                let granted = limits.within_speed(&drive, fleet.wanted(k));
-                fleet.drive(k, granted.over(period));
+                let wanted = fleet.wanted(k);
+                fleet.drive(k, wanted.over(limits.share(drive.rims_from_twist(wanted)) * period));
             }
         }
     }
 }
 
-/// Notes how far every robot drove, and whether it is inside the tolerance.
+/// Notes how often every robot turned its travel round, and whether it is inside the tolerance.
 struct Judge<'a, T: Element>(&'a mut Fleet<T>);
 
 impl<T: Element> Work for Judge<'_, T> {
@@ -272,25 +271,23 @@ impl<T: Element> Work for Judge<'_, T> {
         let (zero, one) = (Robots::<T>::of(0.0), Robots::<T>::of(1.0));
         for k in Numbers::<T>::rows::<VECTORS>() {
             let (x, y, heading) = (fleet.x.get(k), fleet.y.get(k), fleet.heading.get(k));
-            let (length, held) = (fleet.length.get(k), score.held.get(k));
-            let (speed, travel) = (fleet.v.get(k), score.travel.get(k));
-            let (path_entered, cusps_entered) = (score.path_entered.get(k), score.cusps_entered.get(k));
-            let path = score.path.get(k) + length.abs();
+            let (speed, legs, path) = (fleet.v.get(k), score.legs.get(k), score.path.get(k));
+            let (held, path_entered, legs_entered) =
+                (score.held.get(k), score.path_entered.get(k), score.legs_entered.get(k));
 
-            // A cusp is a change of sign of the speed that the wheels are told, a rest between left out; the start is none.
-            let cusps = score.cusps.get(k) + Robots::select((speed * travel).lt(zero), one, zero);
-            let travel = Robots::select(speed.abs().gt(zero), speed.sign(), travel);
+            // A leg ends where the speed that the wheels are told changes its sign, a rest between left out.
+            let number = legs.abs().max(one);
+            let number = Robots::select((speed * legs).lt(zero), number + one, number);
+            let legs = Robots::select(speed.abs().gt(zero), number.with_sign_of(speed), legs);
 
             let close = !Robots::of(POSITION_TOLERANCE * POSITION_TOLERANCE).lt(x.squared() + y.squared());
             let inside = close.and(!Robots::of(HEADING_TOLERANCE).lt(heading.abs()));
             let holding = inside.and(held.gt(zero));
 
-            score.path.set(k, path);
-            score.travel.set(k, travel);
-            score.cusps.set(k, cusps);
+            score.legs.set(k, legs);
             score.held.set(k, Robots::select(inside, held + one, zero));
             score.path_entered.set(k, Robots::select(holding, path_entered, path));
-            score.cusps_entered.set(k, Robots::select(holding, cusps_entered, cusps));
+            score.legs_entered.set(k, Robots::select(holding, legs_entered, legs));
         }
     }
 }
@@ -306,8 +303,8 @@ mod tests {
             fleet.v.0[77] = *speed;
             on_widest(Judge(&mut fleet));
         }
-        assert!(fleet.score.cusps.0[76].abs() < 0.5, "the neighbour stands still");
-        fleet.score.cusps.0[77]
+        assert!(fleet.score.legs.0[76].abs() < 0.5, "the neighbour stands still");
+        super::super::fleet::cusps(fleet.score.legs.0[77])
     }
 
     #[test]

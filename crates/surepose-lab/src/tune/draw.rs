@@ -1,6 +1,6 @@
 //! Where the candidates of a round lie.
 
-use surepose_lanes::Streams;
+use surepose_lanes::{Column, Streams};
 
 use super::candidate::NUMBERS;
 
@@ -8,9 +8,9 @@ use super::candidate::NUMBERS;
 pub(super) fn deviates(seed: u64, round: usize, number: usize) -> [f64; NUMBERS] {
     let mut streams = Streams::<1>::default();
     streams.start(0, seed ^ STREAM, (round as u64) << 32 | number as u64);
-    let mut drawn = [[[0.0_f32; 1]; 2]; NUMBERS.div_ceil(2)];
+    let mut drawn = [Column([0.0_f32]); NUMBERS];
     streams.normals(&mut drawn);
-    core::array::from_fn(|k| f64::from(drawn[k / 2][k % 2][0]))
+    drawn.map(|deviate| f64::from(deviate.0[0]))
 }
 
 /// The seed of the trials of a round: none of them is a trial that the result is judged by.

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::{Element, polynomial};
+use super::{Element, horner, polynomial};
 
 /// Adding and subtracting 1.5·2^(digits − 1) rounds to a whole number, whose lowest bits then are those of the sum.
 const SHIFT: f64 = 6_755_399_441_055_744.0;
@@ -28,6 +28,30 @@ const COSINE: [f64; 5] = [
     2.480_158_095_266_42e-5,
     -2.755_556_362_810_103e-7,
     2.064_750_945_063_471_5e-9,
+];
+/// sin(√z/2)/√z for z ≤ (5π/4)², error 2⁻⁵⁷.
+const HALF_SINE: [f64; 9] = [
+    0.5,
+    -0.020_833_333_333_333_273,
+    0.000_260_416_666_666_564_1,
+    -1.550_099_206_280_826_2e-6,
+    5.382_288_888_098_014e-9,
+    -1.223_247_051_162_100_3e-11,
+    1.960_285_212_333_011_4e-14,
+    -2.330_683_640_076_388_2e-17,
+    2.038_770_704_154_469_5e-20,
+];
+/// cos(√z/2) for z ≤ (5π/4)², error 2⁻⁵².
+const HALF_COSINE: [f64; 9] = [
+    0.999_999_999_999_999_8,
+    -0.124_999_999_999_997_75,
+    0.002_604_166_666_662_786_4,
+    -2.170_138_888_630_211_5e-5,
+    9.688_119_953_279_753e-8,
+    -2.691_142_833_555_883e-10,
+    5.096_685_502_279_44e-13,
+    -6.989_654_072_774_588e-16,
+    6.890_367_378_614_653e-19,
 ];
 /// (atan(√z)/√z − 1)/z for z ≤ tan²(π/8), relative error of the arc tangent 2⁻⁵⁴·⁷.
 const ARC_TANGENT: [f64; 10] = [
@@ -98,6 +122,22 @@ impl Element for f64 {
         if z <= FRAC_PI_4 * FRAC_PI_4 { near } else { Self::NAN }
     }
     #[inline(always)]
+    fn half_sine(square: Self) -> Self {
+        horner(square, HALF_SINE)
+    }
+    #[inline(always)]
+    fn half_cosine(square: Self) -> Self {
+        horner(square, HALF_COSINE)
+    }
+    #[inline(always)]
+    fn is_negative(self) -> bool {
+        self.to_bits() & SIGN != 0
+    }
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        Self::from_bits((self.to_bits() & !SIGN) | (other.to_bits() & SIGN))
+    }
+    #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         // The angle within the octant, from 0 or from π/4, whichever is nearer: the quotient stays below tan(π/8).
         let (across, up) = (x.abs(), self.abs());
@@ -105,13 +145,15 @@ impl Element for f64 {
         let steep = low > high * TAN_22_5;
         let numerator = if steep { low - high } else { low };
         let denominator = if steep { low + high } else { high };
-        let tangent = numerator / Element::max(denominator, Self::MIN_POSITIVE);
+        let tangent = numerator / (denominator + Self::MIN_POSITIVE);
         let z = tangent * tangent;
         let from = if steep { FRAC_PI_4 } else { 0.0 };
         let octant = from + (tangent * z).mul_add(polynomial(z, ARC_TANGENT), tangent);
 
         let quarter = if up > across { FRAC_PI_2 - octant } else { octant };
-        let half = if x < 0.0 { PI - quarter } else { quarter };
-        f64::from_bits(half.to_bits() | (self.to_bits() & SIGN))
+        // Below the axis the largest angle is a hair less than π: −π is the same direction as π, which stands for both.
+        let straight = f64::from_bits(PI.to_bits() - (self.to_bits() >> 63));
+        let half = Element::min(if x < 0.0 { PI - quarter } else { quarter }, straight);
+        half.with_sign_of(self)
     }
 }

@@ -2,7 +2,7 @@
 
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::{Element, polynomial};
+use super::{Element, horner, polynomial};
 
 /// Adding and subtracting 1.5·2^(digits − 1) rounds to a whole number, whose lowest bits then are those of the sum.
 const SHIFT: f32 = 12_582_912.0;
@@ -16,6 +16,11 @@ const SIGN: u32 = 1 << 31;
 const SINE: [f32; 3] = [-0.166_666_55, 0.008_332_176, -0.000_195_169_78];
 /// (cos(√z) − 1 + z/2)/z² for z ≤ (π/4)², error of the cosine 2⁻³³.
 const COSINE: [f32; 3] = [0.041_666_646, -0.001_388_736_4, 0.000_024_438_09];
+/// sin(√z/2)/√z for z ≤ (5π/4)², error 2⁻²⁵·⁶.
+const HALF_SINE: [f32; 5] = [0.499_999_97, -0.020_833_27, 0.000_260_383_8, -1.544_080_4e-6, 4.929_714e-9];
+/// cos(√z/2) for z ≤ (5π/4)², error 2⁻²⁸.
+const HALF_COSINE: [f32; 6] =
+    [1.0, -0.124_999_985, 0.002_604_155_6, -2.169_831_4e-5, 9.649_38e-8, -2.464_681_5e-10];
 /// (atan(√z)/√z − 1)/z for z ≤ tan²(π/8), relative error of the arc tangent 2⁻²⁵·⁶.
 const ARC_TANGENT: [f32; 4] = [-0.333_329_56, 0.199_779_2, -0.138_797_8, 0.080_600_66];
 
@@ -74,6 +79,22 @@ impl Element for f32 {
         if z <= FRAC_PI_4 * FRAC_PI_4 { near } else { Self::NAN }
     }
     #[inline(always)]
+    fn half_sine(square: Self) -> Self {
+        horner(square, HALF_SINE)
+    }
+    #[inline(always)]
+    fn half_cosine(square: Self) -> Self {
+        horner(square, HALF_COSINE)
+    }
+    #[inline(always)]
+    fn is_negative(self) -> bool {
+        self.to_bits() & SIGN != 0
+    }
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        Self::from_bits((self.to_bits() & !SIGN) | (other.to_bits() & SIGN))
+    }
+    #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         // The angle within the octant, from 0 or from π/4, whichever is nearer: the quotient stays below tan(π/8).
         let (across, up) = (x.abs(), self.abs());
@@ -81,13 +102,15 @@ impl Element for f32 {
         let steep = low > high * TAN_22_5;
         let numerator = if steep { low - high } else { low };
         let denominator = if steep { low + high } else { high };
-        let tangent = numerator / Element::max(denominator, Self::MIN_POSITIVE);
+        let tangent = numerator / (denominator + Self::MIN_POSITIVE);
         let z = tangent * tangent;
         let from = if steep { FRAC_PI_4 } else { 0.0 };
         let octant = from + (tangent * z).mul_add(polynomial(z, ARC_TANGENT), tangent);
 
         let quarter = if up > across { FRAC_PI_2 - octant } else { octant };
-        let half = if x < 0.0 { PI - quarter } else { quarter };
-        f32::from_bits(half.to_bits() | (self.to_bits() & SIGN))
+        // Below the axis the largest angle is a hair less than π: −π is the same direction as π, which stands for both.
+        let straight = f32::from_bits(PI.to_bits() - (self.to_bits() >> 31));
+        let half = Element::min(if x < 0.0 { PI - quarter } else { quarter }, straight);
+        half.with_sign_of(self)
     }
 }
