@@ -86,7 +86,7 @@ fn impossible_values_are_refused_with_the_reason() {
          [laser]\nbeams = 180.5\nrange_std_m = true",
     );
     let expected = [
-        ("robot.toml:2: `track_m` is out of range: 0 m", "two wheels cannot share one contact point"),
+        ("robot.toml:2: `track_m` is out of range: 0 m", "wheels less than a centimetre apart"),
         ("robot.toml:4: `std_deg` is negative: -0.1 °", "a standard deviation is positive"),
         ("robot.toml:6: `k_v` is NaN, and must be finite", "positive gains"),
         ("robot.toml:7: `h` is inf, and must be finite", "positive gains"),

@@ -45,13 +45,13 @@ const TURN: &str = "an angle beyond one turn is a mistake of unit";
 parameters! {
     /// Radius of the drive wheels; where they differ, the mean of the two.
     WHEEL_RADIUS = "robot" "wheel_radius_m", Metre,
-        positive(1.0, 0.05, "a wheel has a radius, and one above 1 m is a mistake of unit");
+        within(0.001, 1.0, 0.05, "a wheel of less than a millimetre, or of more than a metre, is a mistake of unit");
     /// Radius of the right drive wheel over that of the left one.
     WHEEL_RADIUS_RATIO = "robot" "wheel_radius_ratio", One,
         within(0.5, 2.0, 1.0, "wheels that differ by a factor of two are no pair");
     /// Distance between the contact points of the two drive wheels.
     TRACK = "robot" "track_m", Metre,
-        positive(5.0, 0.6, "two wheels cannot share one contact point, and a track above 5 m is a mistake of unit");
+        within(0.01, 5.0, 0.6, "wheels less than a centimetre apart, or more than 5 m, are a mistake of unit");
     /// Largest speed of a wheel's rim. Faster wishes are slowed down along their path.
     WHEEL_SPEED_LIMIT = "robot" "wheel_speed_limit_m_s", MetrePerSecond,
         positive(10.0, 0.3, "a robot whose wheels may not turn goes nowhere, and 10 m/s is beyond this class");
