@@ -226,7 +226,17 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
             Some(number) => (number, 1),
             None => (0, 0),
         };
+        self.settle_found(&view);
         self.finding()
+    }
+
+    /// Puts the place that is found where all scans in mind fit best: the last ones alone may leave it beside that.
+    fn settle_found(&mut self, view: &View<'_, S, FRAMES>) {
+        if let Finding::Found(belief) = self.finding()
+            && let Some(Some(found)) = self.hypotheses.get_mut(self.ahead.0)
+        {
+            found.belief = view.found(belief.pose);
+        }
     }
 
     /// Forgets the remembered scans where nothing explains them together with those of now.

@@ -9,7 +9,6 @@ use surepose::{
 use surepose_data::Config;
 
 use super::scenario::Reading;
-use super::senses;
 use crate::survey::Survey;
 
 /// Beams of a scan that are held against the map.
@@ -37,8 +36,9 @@ pub struct Watch {
     searching: bool,
 }
 
-/// How well a pose is known at least that lines found in a map of short walls: x, y \[m] and heading \[rad].
-const ROUGHLY: [f64; 3] = [0.05, 0.05, 0.02];
+/// How far off a pose is that was found on a map of short walls, besides what its covariance says: x, y \[m] and
+/// heading \[rad].
+const ROUGHLY: [f64; 3] = [0.01, 0.01, 0.0035];
 
 /// A push that was found out in less time \[s] after the last one was none: six scans, and a few that agree by chance.
 const HELD: f64 = 0.8;
@@ -47,7 +47,7 @@ const HELD: f64 = 0.8;
 fn known_to(reading: Reading) -> [f64; 3] {
     match reading {
         Reading::Lines => [0.002, 0.002, 0.05_f64.to_radians()],
-        Reading::Beams => senses::rays().scan_std,
+        Reading::Beams => [0.03, 0.03, 0.3_f64.to_radians()],
     }
 }
 
@@ -102,9 +102,9 @@ impl Watch {
     fn told(&self, found: Belief<f64>) -> Belief<f64> {
         match self.reading {
             Reading::Lines => found,
-            // Where lines are laid over steps in the walls, their covariance is not what they are off by.
+            // Beams given to the wrong one of two steps in a wall are so together.
             Reading::Beams => {
-                let std = [0, 1, 2].map(|i| found.covariance.std(i).max(ROUGHLY[i]));
+                let std = [0, 1, 2].map(|i| found.covariance.std(i).hypot(ROUGHLY[i]));
                 Belief::new(found.pose, std)
             }
         }

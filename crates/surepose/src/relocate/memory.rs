@@ -2,7 +2,7 @@
 
 use crate::covariance::Covariance;
 use crate::drive::Integration;
-use crate::estimate::{Belief, Ekf, Travel};
+use crate::estimate::{Belief, Ekf, PoseFix, Travel};
 use crate::frame::{Body, Map};
 use crate::laser::{Agreement, Glance, Pull, Wall};
 use crate::pose::{Point, Pose};
@@ -153,6 +153,23 @@ impl<S: Float, const FRAMES: usize> Memory<S, FRAMES> {
             let then = pose * frame.now_from_then;
             let _judged_elsewhere = frame.glance.pulled_from(then, covariance, walls, pose.origin(), pull);
         }
+    }
+
+    /// The pose of now that each asks for, the robot being near what is believed: blurred by what odometry may have drifted
+    /// since.
+    pub(super) fn fixes<'a>(
+        &'a self,
+        near: &'a Belief<S>,
+        walls: &'a [Wall<S>],
+    ) -> impl Iterator<Item = PoseFix<S>> + 'a {
+        self.sharp().filter_map(|frame| {
+            let (then, center) = (near.pose * frame.now_from_then, near.pose.origin());
+            let mut pull = Pull::none();
+            let _judged_elsewhere =
+                frame.glance.pulled_from(then, &near.covariance, walls, center, &mut pull);
+            let Drift { place, heading } = frame.drift;
+            Some(pull.fix(near.pose).ok()?.blurred([place, place, heading]))
+        })
     }
 
     /// How the remembered scans agree with the map if the robot is at `pose` now.

@@ -30,7 +30,7 @@ const AT_FIRST: f64 = 0.2;
 const ENOUGH: f64 = 0.3;
 
 /// Climbers, and how far apart they start \[m], \[rad].
-const CLIMBERS: usize = 64;
+const CLIMBERS: usize = 160;
 const APART: (f64, f64) = (0.45, 0.25);
 
 /// Rays to where beams ended, seen from the robot.

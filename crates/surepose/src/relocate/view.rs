@@ -16,6 +16,11 @@ const VAGUE: [f64; 3] = [0.15, 0.15, 0.05];
 /// How far off a proposal is taken to be while it settles, step by step.
 const SETTLING: [[f64; 3]; 3] = [[0.1, 0.1, 0.03], [0.05, 0.05, 0.02], [0.05, 0.05, 0.02]];
 
+/// How far off the place that was found may be, and is taken to be while it settles.
+const REACH: [f64; 3] = [0.15, 0.15, 0.1];
+const FINDING: [[f64; 3]; 4] =
+    [[0.1, 0.1, 0.03], [0.05, 0.05, 0.02], [0.02, 0.02, 0.01], [0.01, 0.01, 0.005]];
+
 /// One scan, and what it is held against.
 pub(super) struct View<'a, S, const FRAMES: usize> {
     pub ekf: Ekf<S>,
@@ -48,6 +53,21 @@ impl<S: Float, const FRAMES: usize> View<'_, S, FRAMES> {
             pose = self.pulled(vague, &pull).pose;
         }
         Belief::new(pose, VAGUE.map(S::of))
+    }
+
+    /// The place near `pose` that all scans in mind ask for, each as far as odometry still ties it to now.
+    pub(super) fn found(&self, pose: Pose<Map, Body, S>) -> Belief<S> {
+        let prior = Belief::new(pose, REACH.map(S::of));
+        let mut found = prior;
+        for vague in FINDING {
+            // Beams are laid on walls from where the robot seems to be by now, but what they say is said once.
+            let near = Belief::new(found.pose, vague.map(S::of));
+            let now = self.glance.fix(&near, self.walls).1.ok();
+            found = now.into_iter().chain(self.memory.fixes(&near, self.walls)).fold(prior, |belief, fix| {
+                self.ekf.correct(belief, &fix.innovation(&belief), S::of(f64::MAX)).belief
+            });
+        }
+        found
     }
 
     fn pulled(&self, belief: Belief<S>, pull: &Pull<S>) -> Belief<S> {
