@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use surepose::param::LASER_BEAMS;
 use surepose_data::Config;
+use surepose_lab::Watch;
 use surepose_lab::reproduce::{Configuration, LoopWorld, extraction, localisation};
 use surepose_sim::Clutter;
 
@@ -20,7 +21,7 @@ fn main() -> ExitCode {
         let Ok(world) = LoopWorld::new(&config, clutter) else { return ExitCode::FAILURE };
         println!("{name}, {beams} beams, {runs} runs");
         for configuration in Configuration::ALL {
-            if let Some(a) = localisation(&world, configuration, runs) {
+            if let Some(a) = localisation(&world, configuration, 1..runs + 1, &Watch::default()) {
                 let (position, heading) = (a.position_rmse * 1e3, a.heading_rmse.to_degrees());
                 println!(
                     "  {:<24} {position:8.3} mm {heading:7.4}° NEES {:.3}",
@@ -29,7 +30,7 @@ fn main() -> ExitCode {
                 );
             }
         }
-        let e = extraction(&world, runs.min(50));
+        let e = extraction(&world, 1..runs.min(50) + 1, &Watch::default());
         println!(
             "  found {} of {}, line NEES {:.3} over {}, spurious {}, wrong {} of {}",
             e.found,

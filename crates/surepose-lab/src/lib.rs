@@ -13,3 +13,6 @@ pub mod rig;
 pub mod survey;
 pub mod sweep;
 pub mod tune;
+mod watch;
+
+pub use watch::Watch;

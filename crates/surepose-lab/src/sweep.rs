@@ -27,11 +27,13 @@ mod tests;
 mod trial;
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
 use surepose::Law;
 use surepose_lanes::Element;
+
+use crate::Watch;
 
 pub use bench::{DRIVE, HEADING_TOLERANCE, Noise, POSITION_TOLERANCE, fitted_law, limits};
 pub use filter::{Estimate, Filter};
@@ -114,33 +116,6 @@ pub struct Sweep {
     pub threads: usize,
     /// What all randomness comes from.
     pub seed: u64,
-}
-
-/// How far a running sweep is, and whether it shall end early. Shared with whoever watches.
-#[derive(Debug, Default)]
-pub struct Watch {
-    done: AtomicUsize,
-    stop: AtomicBool,
-}
-
-impl Watch {
-    /// How many trials are done.
-    pub fn done(&self) -> usize {
-        self.done.load(Ordering::Relaxed)
-    }
-
-    /// Ends the sweep at once: the trials that are done are kept, those under way are not.
-    pub fn stop(&self) {
-        self.stop.store(true, Ordering::Relaxed);
-    }
-
-    fn count(&self) {
-        self.done.fetch_add(1, Ordering::Relaxed);
-    }
-
-    pub(crate) fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
 }
 
 impl Sweep {

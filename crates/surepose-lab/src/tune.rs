@@ -21,7 +21,7 @@ use surepose::Law;
 
 pub use candidate::Candidate;
 
-use crate::sweep::{self, Starts, Sweep, SweepReport};
+use crate::sweep::{Starts, Sweep, SweepReport};
 
 use search::Search;
 
@@ -65,7 +65,7 @@ pub struct Tuned {
 /// How far a search is, and whether it shall end early. Shared with whoever watches.
 #[derive(Debug, Default)]
 pub struct Watch {
-    sweeps: sweep::Watch,
+    sweeps: crate::Watch,
     steps: AtomicUsize,
 }
 
@@ -125,8 +125,8 @@ impl Tune {
         let fresh = Sweep { starts, ..self.sweep.clone() };
         let drive = |candidate: &Candidate| {
             let sweep = Sweep { law: candidate.with(&self.sweep.law), ..fresh.clone() };
-            let stressed = stressed(&sweep).run(&sweep::Watch::default());
-            let report = sweep.run(&sweep::Watch::default());
+            let stressed = stressed(&sweep).run(&crate::Watch::default());
+            let report = sweep.run(&crate::Watch::default());
             (report, stressed.success_rate)
         };
         let before = drive(&start);

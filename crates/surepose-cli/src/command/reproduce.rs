@@ -23,7 +23,9 @@ use localisation::Localisation;
 #[command(after_help = "Examples:
   surepose reproduce --out figures                 every figure
   surepose reproduce fig4 fig5 --out figures --runs 200
-  surepose reproduce fig4 --out figures --set laser.beams=361")]
+  surepose reproduce fig4 --out figures --set laser.beams=361
+
+After Ctrl-C the figures that are done are kept, and fig4 is that of the runs that were.")]
 pub(crate) struct ReproduceCommand {
     /// Which figures; all of them where none is named
     figures: Vec<Figure>,
@@ -82,8 +84,8 @@ impl ReproduceCommand {
             }
             let (name, outcome) = match figure {
                 Figure::Fig3 => ("fig3", self.fig3(&folder)?),
-                Figure::Fig4 => ("fig4", self.localised(&config, &mut localised)?.fig4(&folder)?),
-                Figure::Fig5 => ("fig5", self.localised(&config, &mut localised)?.fig5(&folder)?),
+                Figure::Fig4 => ("fig4", self.localised(&config, output, &mut localised)?.fig4(&folder)?),
+                Figure::Fig5 => ("fig5", self.localised(&config, output, &mut localised)?.fig5(&folder)?),
                 Figure::Fig6 => ("fig6", self.fig6(&folder, &config)?),
                 Figure::Fig7 => ("fig7", self.fig7(&folder, &config)?),
             };
@@ -131,11 +133,12 @@ impl ReproduceCommand {
     fn localised<'a>(
         &self,
         config: &Config,
+        output: Output,
         kept: &'a mut Option<Localisation>,
     ) -> Result<&'a Localisation, Failure> {
         match kept {
             Some(localised) => Ok(localised),
-            None => Ok(kept.insert(Localisation::run(config, self.runs, self.seed)?)),
+            None => Ok(kept.insert(Localisation::run(config, self.runs, self.seed, output)?)),
         }
     }
 

@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value as Json};
 use surepose::param;
 use surepose_data::{Config, starts};
-use surepose_lab::picture;
-use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Spread, Starts, Sweep, SweepReport, Watch};
+use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Spread, Starts, Sweep, SweepReport};
+use surepose_lab::{Watch, picture};
 
 use crate::exit::Exit;
 use crate::failure::Failure;

@@ -1,10 +1,14 @@
 //! How well lines are extracted, judged by the truth of the loop world.
 
+use std::ops::Range;
+
 use surepose::closed_loop::{Sight, Witness};
 use surepose::{
     Body, Estimator, Fate, Laser, Map, Measurement, Outcome, Pose, Refusal, SeenLine, Stamp, Stamped, Travel,
     Wall, Wheels,
 };
+
+use crate::Watch;
 
 use super::loop_world::{LoopWorld, Tick};
 use super::seeds::for_each;
@@ -68,9 +72,10 @@ fn share(part: f64, of: u64) -> Option<f64> {
     (of > 0).then(|| part / of as f64)
 }
 
-/// Judges every scan of the runs with the seeds 1 to `runs`, as the filter with encoders, compass and laser sees it.
-pub fn extraction(world: &LoopWorld, runs: u64) -> Extraction {
-    let results = for_each(runs, |seed| {
+/// Judges every scan of the runs with `seeds`, until `watch` is stopped, as the filter with encoders, compass and laser
+/// sees it.
+pub fn extraction(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Extraction {
+    let results = for_each(seeds, watch, |seed| {
         let mut run = world.run(seed);
         let mut robot = run.robot();
         let mut sum = Extraction::default();

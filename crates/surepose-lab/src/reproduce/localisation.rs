@@ -1,7 +1,11 @@
 //! Fig. 4 and Fig. 5 of the paper: how far odometry, compass and laser leave the estimate from the truth.
 
+use std::ops::Range;
+
 use surepose::{Belief, Body, Map, Pose};
 use surepose_sim::Seed;
+
+use crate::Watch;
 
 use super::loop_world::{LoopWorld, Tick};
 use super::seeds::for_each;
@@ -71,9 +75,14 @@ pub struct Moment {
     pub belief: Belief<f64>,
 }
 
-/// The whole pipeline in the loop world, for the seeds 1 to `runs`; `None` without a run.
-pub fn localisation(world: &LoopWorld, configuration: Configuration, runs: u64) -> Option<Accuracy> {
-    let sums = for_each(runs, |seed| {
+/// The whole pipeline in the loop world, for each of `seeds` until `watch` is stopped; `None` without a run.
+pub fn localisation(
+    world: &LoopWorld,
+    configuration: Configuration,
+    seeds: Range<u64>,
+    watch: &Watch,
+) -> Option<Accuracy> {
+    let sums = for_each(seeds, watch, |seed| {
         let mut sum = Sum::default();
         drive(world, configuration, seed, |moment| sum.add(&moment));
         sum

@@ -9,7 +9,8 @@ use super::bench::{HOLD, TIMEOUT};
 use super::filter::Estimate;
 use super::fleet::{Fleet, LANES, cusps};
 use super::trial::Trial;
-use super::{Start, Sweep, Watch, estimating, phases};
+use super::{Start, Sweep, estimating, phases};
+use crate::Watch;
 
 /// When a trial ends, in periods.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,9 @@
 
 use surepose::Direction;
 
-use super::{Estimate, Filter, Noise, Precision, Starts, Sweep, SweepReport, Watch, fitted_law};
+use crate::Watch;
+
+use super::{Estimate, Filter, Noise, Precision, Starts, Sweep, SweepReport, fitted_law};
 
 fn run(runs: usize, filter: Filter, change: impl FnOnce(Sweep) -> Sweep) -> SweepReport {
     let sweep = Sweep {

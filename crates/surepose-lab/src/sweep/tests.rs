@@ -1,6 +1,8 @@
 use surepose::{Angle, Direction, Gains, Law, PaperLaw};
 
-use super::{Estimate, Noise, Precision, Spread, Start, Starts, Sweep, SweepReport, Watch, fitted_law};
+use crate::Watch;
+
+use super::{Estimate, Noise, Precision, Spread, Start, Starts, Sweep, SweepReport, fitted_law};
 
 fn sweep(runs: usize, period: f64, noise: Noise) -> Sweep {
     Sweep {

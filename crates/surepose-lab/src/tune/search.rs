@@ -5,7 +5,8 @@ use surepose::Law;
 use super::candidate::{Candidate, NUMBERS};
 use super::draw::{deviates, seed_of_round};
 use super::{Tune, stressed};
-use crate::sweep::{Starts, Sweep, SweepReport, Watch};
+use crate::Watch;
+use crate::sweep::{Starts, Sweep, SweepReport};
 
 /// Candidates that a round draws.
 const DRAWN: usize = 16;

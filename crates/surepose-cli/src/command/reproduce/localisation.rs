@@ -1,8 +1,12 @@
 //! `surepose reproduce fig4 fig5`: one experiment, two figures.
 
+use std::ops::Range;
+use std::time::Duration;
+
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 use surepose_data::Config;
+use surepose_lab::Watch;
 use surepose_lab::picture::{self, Localised};
 use surepose_lab::reproduce::{
     Accuracy, Configuration, Extraction, LoopWorld, Moment, deviations, extraction, localisation,
@@ -12,6 +16,11 @@ use surepose_sim::{Clutter, Seed};
 use super::Outcome;
 use crate::failure::Failure;
 use crate::folder::Folder;
+use crate::output::Output;
+use crate::progress;
+
+/// How often the progress is looked at.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// The experiment: one run for the pictures, many for the figures.
 pub(super) struct Localisation {
@@ -21,21 +30,30 @@ pub(super) struct Localisation {
 }
 
 impl Localisation {
-    pub(super) fn run(config: &Config, count: u64, seed: u64) -> Result<Self, Failure> {
+    /// Drives `count` runs from `seed` on with each set of sensors, or those until Ctrl-C.
+    pub(super) fn run(config: &Config, count: u64, seed: u64, output: Output) -> Result<Self, Failure> {
         let world = LoopWorld::new(config, Clutter::default())
             .map_err(|error| Failure::Usage { what: error.to_string(), help: "report this".to_owned() })?;
+        let (watch, bar) = (Watch::default(), progress::bar(output, "localising"));
+        let drives = count * (Configuration::ALL.len() as u64 + 1);
+        let part = || watch.done() as f64 / drives as f64;
+        let work = || Self::drive(&world, seed..seed.saturating_add(count), &watch);
+        progress::attended(&bar, LOOK, part, || watch.stop(), work)
+    }
+
+    fn drive(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Self {
         let mut result = Self { runs: Vec::new(), json: Map::new(), rows: Vec::new() };
         for configuration in Configuration::ALL {
-            result.runs.push((configuration, deviations(&world, configuration, Seed(seed))));
-            if let Some(accuracy) = localisation(&world, configuration, count) {
+            result.runs.push((configuration, deviations(world, configuration, Seed(seeds.start))));
+            if let Some(accuracy) = localisation(world, configuration, seeds.clone(), watch) {
                 result.json.insert(configuration.name().to_owned(), json!(Figures::of(accuracy)));
                 result.rows.push([configuration.name().to_owned(), shown(&accuracy)]);
             }
         }
-        let lines = LineFigures::of(&extraction(&world, count));
+        let lines = LineFigures::of(&extraction(world, seeds, watch));
         result.rows.push(["lines".to_owned(), lines.shown()]);
         result.json.insert("extraction".to_owned(), json!(lines));
-        Ok(result)
+        result
     }
 
     pub(super) fn fig4(&self, folder: &Folder) -> Result<Outcome, Failure> {

@@ -1,4 +1,5 @@
 use super::{Configuration, deviations, localisation};
+use crate::Watch;
 use crate::reproduce::{LoopWorld, extraction};
 use surepose::param::{LASER_BEAMS, LASER_HEADING, LASER_X, LASER_Y, Parameter};
 use surepose_data::Config;
@@ -17,7 +18,8 @@ fn set(values: &[(&Parameter, f64)], clutter: Clutter) -> LoopWorld {
 /// errors, and 1.05 times it.
 #[test]
 fn laser_and_compass_come_within_five_percent_of_the_bound() {
-    let accuracy = localisation(&world(181, Clutter::default()), Configuration::Both, 20).unwrap();
+    let accuracy =
+        localisation(&world(181, Clutter::default()), Configuration::Both, 1..21, &Watch::default()).unwrap();
     let (position, heading) = (accuracy.position_rmse * 1e3, accuracy.heading_rmse.to_degrees());
     assert!(position > 1.67 * 0.956 && position <= 1.75, "{position} mm");
     assert!(heading > 0.0604 * 0.956 && heading <= 0.0635, "{heading}°");
@@ -26,10 +28,12 @@ fn laser_and_compass_come_within_five_percent_of_the_bound() {
 
 #[test]
 fn laser_alone_and_twice_the_beams() {
-    let alone = localisation(&world(181, Clutter::default()), Configuration::Laser, 20).unwrap();
+    let alone = localisation(&world(181, Clutter::default()), Configuration::Laser, 1..21, &Watch::default())
+        .unwrap();
     assert!(alone.position_rmse <= 1.80e-3, "{alone:?}");
     assert!(alone.heading_rmse.to_degrees() <= 0.080, "{alone:?}");
-    let many = localisation(&world(361, Clutter::default()), Configuration::Both, 20).unwrap();
+    let many =
+        localisation(&world(361, Clutter::default()), Configuration::Both, 1..21, &Watch::default()).unwrap();
     assert!(many.position_rmse <= 1.43e-3, "{many:?}");
     assert!(many.heading_rmse.to_degrees() <= 0.051, "{many:?}");
 }
@@ -37,7 +41,8 @@ fn laser_alone_and_twice_the_beams() {
 /// Steps finer than the bearing noise: many beams beside an edge or a corner are not certain of their wall.
 #[test]
 fn a_laser_with_fine_steps_is_no_surer_than_it_may_be() {
-    let accuracy = localisation(&world(1081, Clutter::default()), Configuration::Both, 8).unwrap();
+    let accuracy =
+        localisation(&world(1081, Clutter::default()), Configuration::Both, 1..9, &Watch::default()).unwrap();
     assert!((accuracy.nees_mean - 3.0).abs() < 0.4, "{accuracy:?}");
     assert!(accuracy.position_rmse <= 1.05e-3, "{accuracy:?}");
 }
@@ -53,7 +58,7 @@ fn dead_reckoning_and_compass_are_at_the_bound() {
     for (configuration, position, heading) in
         [(Configuration::Odometry, 137.6, 4.02), (Configuration::Compass, 22.6, 0.0918)]
     {
-        let accuracy = localisation(&world, configuration, 500).unwrap();
+        let accuracy = localisation(&world, configuration, 1..501, &Watch::default()).unwrap();
         let (p, h) = (accuracy.position_rmse * 1e3, accuracy.heading_rmse.to_degrees());
         assert!((p / position - 1.0).abs() < 0.1, "{configuration:?}: {p} mm");
         assert!((h / heading - 1.0).abs() < 0.1, "{configuration:?}: {h}°");
@@ -66,7 +71,7 @@ fn dead_reckoning_and_compass_are_at_the_bound() {
 fn clutter_costs_less_than_a_third() {
     for width in [1.0, 6.0] {
         let world = world(181, Clutter { fraction: 0.2, width });
-        let accuracy = localisation(&world, Configuration::Both, 10).unwrap();
+        let accuracy = localisation(&world, Configuration::Both, 1..11, &Watch::default()).unwrap();
         assert!(accuracy.position_rmse <= 1.3 * 1.706e-3, "{accuracy:?}");
         assert!(accuracy.heading_rmse.to_degrees() <= 1.3 * 0.0607, "{accuracy:?}");
     }
@@ -76,7 +81,7 @@ fn clutter_costs_less_than_a_third() {
 #[test]
 fn walls_are_found_and_matched_and_their_lines_know_their_errors() {
     for beams in [181, 361] {
-        let result = extraction(&world(beams, Clutter::default()), 10);
+        let result = extraction(&world(beams, Clutter::default()), 1..11, &Watch::default());
         assert!(result.visible > 9000 && result.matched > 9000, "{beams} beams: {result:?}");
         assert!(result.walls_found_share().unwrap() >= 0.99, "{beams} beams: {result:?}");
         assert!(result.wrong_match_share().unwrap() <= 0.001, "{beams} beams: {result:?}");
@@ -90,10 +95,10 @@ fn walls_are_found_and_matched_and_their_lines_know_their_errors() {
 fn a_laser_mounted_off_centre_and_turned_does_as_well() {
     let mounting = [(&LASER_X, 0.25), (&LASER_Y, -0.1), (&LASER_HEADING, 40.0)];
     let world = set(&mounting, Clutter::default());
-    let accuracy = localisation(&world, Configuration::Both, 20).unwrap();
+    let accuracy = localisation(&world, Configuration::Both, 1..21, &Watch::default()).unwrap();
     assert!((accuracy.nees_mean - 3.0).abs() < 0.25, "{accuracy:?}");
     assert!(accuracy.position_rmse < 1.1 * 1.75e-3, "{accuracy:?}");
-    let lines = extraction(&world, 10);
+    let lines = extraction(&world, 1..11, &Watch::default());
     let nees = lines.line_nees_mean().unwrap();
     assert!((1.9..=2.1).contains(&nees) && lines.wrong * 1000 <= lines.matched, "{lines:?}");
 }
