@@ -26,12 +26,10 @@ mod report;
 mod tests;
 mod trial;
 
-use std::sync::Mutex;
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
 use surepose::Law;
-use surepose_lanes::Element;
 
 use crate::Watch;
 
@@ -41,6 +39,7 @@ pub use report::{Spread, SweepReport};
 pub use trial::Trial;
 
 use crew::Ends;
+use trial::Ended;
 
 /// A start pose, seen from the goal.
 pub type Start = surepose::Pose<surepose::Goal, surepose::Body, f64>;
@@ -121,55 +120,45 @@ pub struct Sweep {
 impl Sweep {
     /// Runs every trial, or those up to where `watch` stops it. The trials come in the order of their starts.
     pub fn run(&self, watch: &Watch) -> SweepReport {
-        let (trials, wall) = self.drive(Ends::of_bench(self.period), watch);
-        let trials = self.on_threads(|share| {
-            trials
-                .iter()
-                .skip(share)
-                .step_by(self.threads.max(1))
-                .map(|(way, trial)| (*way, trial.bounded()))
-                .collect()
-        });
-        SweepReport::of(trials.into_iter().map(|(_, trial)| trial).collect(), wall, self.seed)
+        let ends = Ends::of_bench(self.period);
+        let (ended, wall) = self.drive(ends, watch);
+        // The least times take as long to work out as many periods in lanes take to drive: all threads do it.
+        let share = ended.len().div_ceil(self.threads.max(1)).max(1);
+        let bounded = |thread: usize| {
+            let mine = ended.chunks(share).nth(thread).unwrap_or_default();
+            mine.iter().filter_map(|ended| Trial::of(ended, self, ends)).collect()
+        };
+        SweepReport::of(self.on_threads(bounded), wall, self.seed)
     }
 
     /// How many periods a second are driven if every trial goes on for `periods`, on the goal too.
     pub fn pace(&self, periods: u64) -> f64 {
         let ends = Ends { held: f64::INFINITY, most: periods };
-        let (trials, wall) = self.drive(ends, &Watch::default());
-        trials.iter().map(|(_, trial)| trial.steps).sum::<u64>() as f64 / wall
+        let (ended, wall) = self.drive(ends, &Watch::default());
+        ended.iter().map(|ended| ended.steps).sum::<u64>() as f64 / wall
     }
 
-    /// Drives every trial to its end; also, how long that took \[s].
-    fn drive(&self, ends: Ends, watch: &Watch) -> (Vec<(usize, Trial)>, f64) {
+    /// Drives every trial to its end, in the order of the starts; also, how long that took \[s].
+    fn drive(&self, ends: Ends, watch: &Watch) -> (Vec<Ended>, f64) {
         let begin = Instant::now();
         let next = AtomicUsize::new(0);
-        let trials = self.on_threads(|_| match self.precision {
-            Precision::F32 => self.crew::<f32>(ends, &next, watch),
-            Precision::F64 => self.crew::<f64>(ends, &next, watch),
+        let mut ended = self.on_threads(|_| match self.precision {
+            Precision::F32 => crew::drive::<f32>(self, ends, &next, watch),
+            Precision::F64 => crew::drive::<f64>(self, ends, &next, watch),
         });
-        (trials, begin.elapsed().as_secs_f64())
+        let wall = begin.elapsed().as_secs_f64();
+        ended.sort_unstable_by_key(|ended| ended.way);
+        (ended, wall)
     }
 
-    fn crew<T: Element>(&self, ends: Ends, next: &AtomicUsize, watch: &Watch) -> Vec<(usize, Trial)> {
-        crew::drive::<T>(self, ends, next, watch)
-    }
-
-    /// What `work` gives on each thread, put in the order of the starts.
-    fn on_threads(&self, work: impl Fn(usize) -> Vec<(usize, Trial)> + Sync) -> Vec<(usize, Trial)> {
-        let results = Mutex::new(Vec::new());
+    /// What `work` gives on each thread, one after the other.
+    fn on_threads<T: Send>(&self, work: impl Fn(usize) -> Vec<T> + Sync) -> Vec<T> {
         std::thread::scope(|scope| {
-            for share in 0..self.threads.max(1) {
-                let (work, results) = (&work, &results);
-                scope.spawn(move || {
-                    let mine = work(share);
-                    // A thread that panicked has poisoned nothing that matters: the trials are whole.
-                    results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).extend(mine);
-                });
-            }
-        });
-        let mut trials = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        trials.sort_by_key(|(way, _)| *way);
-        trials
+            let work = &work;
+            let threads: Vec<_> =
+                (0..self.threads.max(1)).map(|thread| scope.spawn(move || work(thread))).collect();
+            let joined = threads.into_iter().map(std::thread::ScopedJoinHandle::join);
+            joined.flat_map(|part| part.unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
+        })
     }
 }

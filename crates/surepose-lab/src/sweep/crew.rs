@@ -8,8 +8,8 @@ use super::believing::Beliefs;
 use super::bench::{HOLD, TIMEOUT};
 use super::filter::Estimate;
 use super::fleet::{Fleet, LANES, cusps};
-use super::trial::Trial;
-use super::{Start, Sweep, estimating, phases};
+use super::trial::Ended;
+use super::{Sweep, estimating, phases};
 use crate::Watch;
 
 /// When a trial ends, in periods.
@@ -32,18 +32,12 @@ impl Ends {
 #[derive(Clone, Copy, Debug)]
 struct Under {
     way: usize,
-    start: Start,
     /// The period at which it began, of the fleet's.
     began: u64,
 }
 
-/// Takes trials from `next` until none is left, and gives each with its place among the starts.
-pub(super) fn drive<T: Element>(
-    sweep: &Sweep,
-    ends: Ends,
-    next: &AtomicUsize,
-    watch: &Watch,
-) -> Vec<(usize, Trial)> {
+/// Takes trials from `next` until none is left.
+pub(super) fn drive<T: Element>(sweep: &Sweep, ends: Ends, next: &AtomicUsize, watch: &Watch) -> Vec<Ended> {
     let mut crew = Crew {
         sweep,
         ends,
@@ -61,7 +55,7 @@ pub(super) fn drive<T: Element>(
     for lane in 0..LANES {
         crew.take(lane);
     }
-    let mut done = Vec::new();
+    let mut done = Vec::with_capacity(sweep.starts.len() / sweep.threads.max(1) + LANES);
     while crew.active > 0 && !watch.stopped() {
         crew.step(&mut done, watch);
     }
@@ -91,7 +85,7 @@ impl<T: Element> Crew<'_, T> {
             self.fleet.rest(lane);
             return;
         };
-        self.under[lane] = Some(Under { way, start, began: self.now });
+        self.under[lane] = Some(Under { way, began: self.now });
         self.fleet.begin(lane, &start, self.sweep.seed, way as u64);
         if let Some(beliefs) = &mut self.beliefs {
             beliefs.begin(lane, &start, self.sweep.seed, way as u64);
@@ -101,19 +95,19 @@ impl<T: Element> Crew<'_, T> {
     }
 
     /// One period of all trials.
-    fn step(&mut self, done: &mut Vec<(usize, Trial)>, watch: &Watch) {
+    fn step(&mut self, done: &mut Vec<Ended>, watch: &Watch) {
         let Sweep { law, noise, period, .. } = self.sweep;
         match &mut self.beliefs {
             None => phases::step(&mut self.fleet, law, noise, *period),
             Some(beliefs) => estimating::step(&mut self.fleet, beliefs, law, noise, *period),
         }
         self.now += 1;
-        // Nearly always no trial ends: one look at all lanes says so.
         let held = T::of(self.ends.held);
         let due = self.now >= self.deadline;
         if due {
             self.deadline = u64::MAX;
         }
+        // Nearly always no trial ends: one look at all lanes says so.
         if due || phases::any_held(&self.fleet, held) {
             for lane in 0..LANES {
                 if due || self.fleet.score.held.0[lane] >= held {
@@ -124,37 +118,26 @@ impl<T: Element> Crew<'_, T> {
     }
 
     /// Ends the trial of `lane` if it is to end, and takes another.
-    fn end(&mut self, lane: usize, done: &mut Vec<(usize, Trial)>, watch: &Watch) {
-        let Some(Under { way, start, began }) = self.under[lane] else { return };
+    fn end(&mut self, lane: usize, done: &mut Vec<Ended>, watch: &Watch) {
+        let Some(Under { way, began }) = self.under[lane] else { return };
         let steps = self.now - began;
-        let success = self.fleet.score.held.0[lane].to_f64() >= self.ends.held;
+        let (fleet, score) = (&self.fleet, &self.fleet.score);
+        let success = score.held.0[lane].to_f64() >= self.ends.held;
         if !success && steps < self.ends.most {
             self.deadline = self.deadline.min(began + self.ends.most);
             return;
         }
-        let score = &self.fleet.score;
-        let reached = |value: T| success.then(|| value.to_f64());
-        let (distance, turn) = self.fleet.error(lane);
-        let entered = steps as f64 - (self.ends.held - 1.0);
-        let belief = self.beliefs.as_ref().map(|beliefs| beliefs.consistency(lane, steps));
-        let trial = Trial {
-            start_x_m: start.x,
-            start_y_m: start.y,
-            start_heading_deg: start.heading.degrees(),
-            success,
+        done.push(Ended {
+            way,
             steps,
-            time_s: success.then_some(entered * self.sweep.period),
-            optimal_time_s: 0.0,
-            path_m: reached(score.path_entered.0[lane]),
-            cusps: success.then(|| cusps(score.legs_entered.0[lane])),
-            final_position_error_m: distance,
-            final_heading_error_deg: turn.degrees().abs(),
-            nees_mean: belief.map(|belief| belief.nees_mean),
-            position_rmse_m: belief.map(|belief| belief.position_rmse),
-            heading_rmse_deg: belief.map(|belief| belief.heading_rmse.to_degrees()),
-            refused_part: belief.map(|belief| belief.refused),
-        };
-        done.push((way, trial));
+            success,
+            x: fleet.x.0[lane].to_f64(),
+            y: fleet.y.0[lane].to_f64(),
+            heading: fleet.heading.0[lane].to_f64(),
+            path: score.path_entered.0[lane].to_f64(),
+            cusps: cusps(score.legs_entered.0[lane]),
+            belief: self.beliefs.as_ref().map(|beliefs| beliefs.consistency(lane, steps)),
+        });
         watch.count();
         self.active -= 1;
         self.take(lane);

@@ -1,6 +1,5 @@
 //! Many trials side by side: where each robot is, what it remembers, and what it is judged by.
 
-use surepose::Angle;
 use surepose_lanes::{Column, Element, Streams};
 
 use super::Start;
@@ -93,11 +92,5 @@ impl<T: Element> Fleet<T> {
         for numbers in [&mut self.x, &mut self.y, &mut self.heading] {
             numbers.0[lane] = T::of(f64::NAN);
         }
-    }
-
-    /// How far lane `lane` is from the goal \[m], and how far turned.
-    pub(super) fn error(&self, lane: usize) -> (f64, Angle<f64>) {
-        let (x, y) = (self.x.0[lane].to_f64(), self.y.0[lane].to_f64());
-        (x.hypot(y), Angle::wrapped(self.heading.0[lane].to_f64()))
     }
 }

@@ -3,9 +3,31 @@
 use serde::Serialize;
 use surepose::Angle;
 
-use super::Start;
+use super::Sweep;
+use super::believing::Consistency;
 use super::bench::{DRIVE, limits};
+use super::crew::Ends;
 use crate::optimal;
+
+/// A trial that ended, in few numbers: what can be worked out from them waits until all have ended.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ended {
+    /// Its place among the starts.
+    pub(super) way: usize,
+    /// Periods that were driven.
+    pub(super) steps: u64,
+    /// Whether the goal was held.
+    pub(super) success: bool,
+    /// The pose at the end.
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) heading: f64,
+    /// Way \[m] and reversals until the robot came inside the tolerance.
+    pub(super) path: f64,
+    pub(super) cusps: f64,
+    /// How good its beliefs were, if it had any.
+    pub(super) belief: Option<Consistency>,
+}
 
 /// How a trial went.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -43,11 +65,27 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Works out the least time: it takes as long as many periods in lanes, so it is done after them.
-    pub(super) fn bounded(mut self) -> Self {
-        let start = Start::new(self.start_x_m, self.start_y_m, Angle::from_degrees(self.start_heading_deg));
-        self.optimal_time_s = optimal::fastest(start, &DRIVE, limits().wheel_speed).time;
-        self
+    /// What came of a trial of `sweep`, with the least time that it could have taken; none where it has no start.
+    pub(super) fn of(ended: &Ended, sweep: &Sweep, ends: Ends) -> Option<Self> {
+        let start = sweep.starts.nth(sweep.seed, ended.way)?;
+        let belief = ended.belief;
+        Some(Self {
+            start_x_m: start.x,
+            start_y_m: start.y,
+            start_heading_deg: start.heading.degrees(),
+            success: ended.success,
+            steps: ended.steps,
+            time_s: ended.success.then(|| (ended.steps as f64 - (ends.held - 1.0)) * sweep.period),
+            optimal_time_s: optimal::fastest(start, &DRIVE, limits().wheel_speed).time,
+            path_m: ended.success.then_some(ended.path),
+            cusps: ended.success.then_some(ended.cusps),
+            final_position_error_m: ended.x.hypot(ended.y),
+            final_heading_error_deg: Angle::wrapped(ended.heading).degrees().abs(),
+            nees_mean: belief.map(|belief| belief.nees_mean),
+            position_rmse_m: belief.map(|belief| belief.position_rmse),
+            heading_rmse_deg: belief.map(|belief| belief.heading_rmse.to_degrees()),
+            refused_part: belief.map(|belief| belief.refused),
+        })
     }
 
     /// Time over the least time; none for a failure, and for a start on the goal.
