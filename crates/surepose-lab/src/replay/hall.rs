@@ -49,13 +49,14 @@ fn drawn(walls: &[Wall<f64>]) -> Grid {
     for end in walls.iter().flat_map(Wall::ends) {
         (low, high) = ((low.0.min(end.x), low.1.min(end.y)), (high.0.max(end.x), high.1.max(end.y)));
     }
-    let cells = |low: f64, high: f64| ((high - low).max(0.0) / SIDE).floor() + 3.0;
+    let cells = |low: f64, high: f64| ((high - low).max(0.0) / SIDE).floor() + 4.0;
     let (width, height) = (cells(low.0, high.0), cells(low.1, high.1));
     if low.0 > high.0 || width * height > MOST_CELLS {
         return Grid { width: 0, height: 0, resolution: SIDE, origin: Origin::default(), cells: Vec::new() };
     }
     let (width, height) = (width as usize, height as usize);
-    let origin = Origin { x: low.0 - SIDE, y: low.1 - SIDE, heading: 0.0 };
+    // The lowest and the leftmost wall run through the middles of cells.
+    let origin = Origin { x: low.0 - 1.5 * SIDE, y: low.1 - 1.5 * SIDE, heading: 0.0 };
     let mut grid = Grid { width, height, resolution: SIDE, origin, cells: vec![Some(0.0); width * height] };
     for wall in walls {
         let [from, to] = wall.ends();

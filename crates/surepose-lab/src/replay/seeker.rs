@@ -29,8 +29,8 @@ use surface::{Sighting, Surface};
 
 /// By how much the log likelihood of the place must be above that of any other.
 ///
-/// A piece of surface that is not where the map has it takes 3 at most, and a door is nine of them at 10 cm: the margin is
-/// as much as three doors that stand otherwise than on the map, and another place as if by design.
+/// A piece of surface that is not where the map has it takes 3 at most, and a door is nine of them at 10 cm: the margin
+/// outweighs three doors that stand otherwise than on the map and by chance as another place has them.
 const MARGIN: f64 = 100.0;
 
 /// The place explains at least this part of the surface that was seen.
