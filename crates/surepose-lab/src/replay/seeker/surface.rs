@@ -10,13 +10,10 @@ use std::collections::HashMap;
 use surepose::{Body, Map, Point, Pose};
 use surepose_data::recording::Scan;
 
-use crate::replay::mounted;
+use crate::replay::follower::{FARTHEST, NEAREST, mounted};
 
 /// The most beams of a scan that are looked at.
 const MOST_BEAMS: usize = 128;
-
-/// Returns from nearer \[m] are the robot's own; from farther, a degree moves them across half a room.
-const RANGES: std::ops::Range<f64> = 0.02..30.0;
 
 /// The beams of one scan.
 #[derive(Clone, Debug)]
@@ -34,7 +31,7 @@ impl Sighting {
     pub(super) fn of(scan: &Scan) -> Self {
         let body_from_laser = mounted(scan.mount);
         let beams = scan.ranges.iter().enumerate().step_by(scan.ranges.len().div_ceil(MOST_BEAMS).max(1));
-        let ends = beams.filter(|(_, range)| RANGES.contains(*range)).map(|(number, range)| {
+        let ends = beams.filter(|(_, range)| (NEAREST..FARTHEST).contains(*range)).map(|(number, range)| {
             let (sin, cos) = scan.angle(number).sin_cos();
             body_from_laser * Point::new(range * cos, range * sin)
         });
