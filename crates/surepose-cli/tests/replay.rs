@@ -104,3 +104,26 @@ fn a_real_recording_is_replayed_far_faster_than_it_was_made() {
     assert!(json["position_rmse_m"].as_f64().is_some_and(|rmse| rmse < 0.25), "{json}");
     assert!(json["duration_s"].as_f64().is_some_and(|duration| duration > 800.0), "{json}");
 }
+
+#[test]
+fn a_run_through_the_hall_is_placed_and_drawn() {
+    let Some(data) = recordings() else { return };
+    let (log, grid) = (data.join("cmu_wean/robotdata3.log.gz"), data.join("cmu_wean/wean.dat.gz"));
+    if !(log.exists() && grid.exists()) {
+        eprintln!("skipped: no cmu_wean in {}", data.display());
+        return;
+    }
+    let out = folder("replay-hall");
+    let [log, grid, out] = [&log, &grid, &out].map(|path| path.to_str().expect("UTF-8"));
+    let run = surepose(&["replay", "wean", log, "--map", grid, "--out", out, "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let json = run.json();
+    assert_eq!(json["hypotheses_left"], 1, "{json}");
+    for key in ["found_s", "found_x_m", "found_y_m", "found_heading_deg", "explained", "beams_on_walls"] {
+        assert!(json[key].is_number(), "{key} in {json}");
+    }
+    assert!(json["position_rmse_m"].is_null() && json["withdrawn"].is_null(), "{json}");
+    for picture in ["replay.svg", "replay.png"] {
+        assert!(Path::new(out).join(picture).exists(), "{picture}");
+    }
+}

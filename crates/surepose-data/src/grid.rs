@@ -57,14 +57,15 @@ impl Grid {
         inside.then_some((column as usize, row as usize))
     }
 
-    fn map_from_cells(&self) -> Pose<Map, Cells, f64> {
+    /// Where the frame of the cells lies in the map.
+    pub fn map_from_cells(&self) -> Pose<Map, Cells, f64> {
         Pose::new(self.origin.x, self.origin.y, Angle::wrapped(self.origin.heading))
     }
 }
 
 /// The frame of a grid: origin at the outer corner of cell (0, 0), x along a row.
-#[derive(Clone, Copy, Debug)]
-struct Cells;
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cells;
 impl Frame for Cells {}
 
 #[cfg(test)]

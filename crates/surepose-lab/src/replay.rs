@@ -5,6 +5,7 @@
 
 pub mod carmen;
 mod follower;
+mod hall;
 pub mod mrclam;
 mod odometry;
 mod reference;
@@ -16,6 +17,7 @@ pub mod wean;
 
 pub(crate) use follower::mounted;
 pub use follower::{FollowerSettings, walls_of};
+pub use hall::Hall;
 pub use reference::Reference;
 pub use report::{ReplayError, ReplayReport};
 pub use score::{Score, Summary};

@@ -1,6 +1,6 @@
 //! The memory for a chart of a map, see [`Chart`].
 
-use surepose::{Chart, Extent, Map, Point, Wall};
+use surepose::{Chart, Extent, Wall};
 
 /// The side of a cell \[m].
 const SIDE: f64 = 0.1;
@@ -16,13 +16,13 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// The survey of a map with these walls; where `is_open` says no, no robot can be.
-    pub fn of(walls: &[Wall<f64>], is_open: impl Fn(Point<Map, f64>) -> bool) -> Self {
+    /// The survey of a map with these walls.
+    pub fn of(walls: &[Wall<f64>]) -> Self {
         let extent = Extent::around(walls, SIDE);
         let mut cells = Vec::new();
         if extent.cells() <= MOST_CELLS {
             cells.resize(extent.cells(), 0);
-            extent.draw(walls, &mut cells, is_open);
+            extent.draw(walls, &mut cells, |_| true);
         }
         Self { extent, cells }
     }

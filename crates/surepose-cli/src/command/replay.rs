@@ -9,7 +9,7 @@ use surepose_data::wall_map::{self, WallMap};
 use surepose_data::{DataError, map_server};
 use surepose_lab::mapping::from_grid;
 use surepose_lab::picture;
-use surepose_lab::replay::{FollowerSettings, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
+use surepose_lab::replay::{FollowerSettings, Hall, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
@@ -34,13 +34,13 @@ pub(crate) struct ReplayCommand {
     /// A wall map, or the occupancy grid to make it from (`.yaml`, or Wean Hall's own); without one, `carmen` makes its own from every second scan and is judged on the others
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Where the robot starts, where the recording does not tell: metres, metres, degrees; without it, `wean` looks for the place
+    /// Where the robot starts, where the recording does not tell: metres, metres, degrees; without it, `wean` looks for the place, and exits with 1 while several explain the scans
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
     /// Which robot, where the recording has several
     #[arg(long, default_value_t = 1)]
     robot: u32,
-    /// A folder for a picture of `wean`'s scans on its map
+    /// A folder for a picture of `wean`'s scans and the robot's way on its map
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -102,9 +102,9 @@ impl ReplayCommand {
     fn wean(&self) -> Result<ReplayReport, Failure> {
         let config = self.config.over(wean::preset())?;
         let hall = match self.map.as_deref().map(known_in).transpose()? {
-            Some(Known::Grid(grid)) => wean::Hall::of_grid(&grid),
-            Some(Known::Walls(map)) => wean::Hall::of_map(&map),
-            None => wean::Hall::of_map(&WallMap::default()),
+            Some(Known::Grid(grid)) => Hall::of_grid(grid),
+            Some(Known::Walls(map)) => Hall::of_map(&map),
+            None => Hall::of_map(&WallMap::default()),
         };
         let log = surepose_data::wean::read(&self.path)?;
         let start = self.start.map(|at| Pose::new(at.x, at.y, Angle::from_degrees(at.heading_deg)));

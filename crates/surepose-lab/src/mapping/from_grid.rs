@@ -1,6 +1,6 @@
 //! Walls from an occupancy grid.
 
-use surepose::{Angle, Map, Point, Pose};
+use surepose::Point;
 use surepose_data::grid::Grid;
 use surepose_data::wall_map::WallMap;
 
@@ -104,8 +104,6 @@ fn surface(grid: &Grid, column: usize, row: usize) -> Option<Surface> {
 
 /// A place in units of cells, from the middle of cell (0, 0), on the map \[m].
 fn place(grid: &Grid, x: f64, y: f64) -> [f64; 2] {
-    let origin = grid.origin;
-    let map_from_grid: Pose<Map, Map, f64> = Pose::new(origin.x, origin.y, Angle::wrapped(origin.heading));
-    let at = map_from_grid * Point::new((x + 0.5) * grid.resolution, (y + 0.5) * grid.resolution);
+    let at = grid.map_from_cells() * Point::new((x + 0.5) * grid.resolution, (y + 0.5) * grid.resolution);
     [at.x, at.y]
 }

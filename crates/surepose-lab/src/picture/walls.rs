@@ -38,8 +38,7 @@ pub fn wall_map(map: &WallMap, ground: Ground<'_>) -> Picture {
     let picture = Map::new(title).walls(map.walls.iter().map(|wall| [wall.from.into(), wall.to.into()]));
     let below = match ground {
         Ground::Nothing => None,
-        Ground::Grid(grid) => grid_tiles(grid, map)
-            .map(|tiles| (tiles, vec![("occupied".to_owned(), SOLID), ("unknown".to_owned(), UNKNOWN)])),
+        Ground::Grid(grid) => grid_tiles(grid, map).map(|tiles| (tiles, grid_keys())),
         Ground::Ends(ends) => {
             end_tiles(ends, map).map(|tiles| (tiles, vec![("beams ended here".to_owned(), SEEN)]))
         }
@@ -59,36 +58,7 @@ fn grid_tiles(grid: &Grid, map: &WallMap) -> Option<Tiles> {
         let ends = [(0..grid.width).find(known), (0..grid.width).rev().find(known)];
         ends.into_iter().flatten().for_each(|column| bounds.include(grid.center(column, row)));
     }
-    let margin = MARGIN as f64 * grid.resolution;
-    let extent = [bounds.high.0 - bounds.low.0, bounds.high.1 - bounds.low.1].map(|side| side + 2.0 * margin);
-    // Where there are more cells than pixels, several are one; it is as solid as the most solid of them.
-    let merged = (extent[0].max(extent[1]) / grid.resolution / MOST as f64).ceil().max(1.0);
-    let side = merged * grid.resolution;
-    // Cells of the picture are cells of the grid, unless that is turned in the map.
-    let aligned = |low: f64, origin: f64| origin + ((low - margin - origin) / side).floor() * side;
-    let low = (aligned(bounds.low.0, grid.origin.x), aligned(bounds.low.1, grid.origin.y));
-    let [columns, rows] = extent.map(|extent| (extent / side).ceil() as usize + 1);
-    if !(bounds.any() && columns <= MOST + 2 && rows <= MOST + 2) {
-        return None;
-    }
-    let samples = merged as usize;
-    let tile = |k: usize| {
-        let (x, y) = (low.0 + (k % columns) as f64 * side, low.1 + (k / columns) as f64 * side);
-        let mut tile = Tile::Plain(UNKNOWN);
-        for sample in 0..samples * samples {
-            let at = |part: usize| (part as f64 + 0.5) * grid.resolution;
-            let cell = grid.cell_at(x + at(sample % samples), y + at(sample / samples));
-            let occupancy = cell.and_then(|(column, row)| grid.occupancy(column, row));
-            if is_solid(occupancy) {
-                return Tile::Plain(SOLID);
-            }
-            if is_free(occupancy) {
-                tile = Tile::Nothing;
-            }
-        }
-        tile
-    };
-    Some(Tiles { low, side, columns, cells: (0..columns * rows).map(tile).collect() })
+    bounds.tiles_of(grid)
 }
 
 /// The cells around the walls in which beams ended.
@@ -112,16 +82,26 @@ fn end_tiles(ends: &[(f64, f64)], map: &WallMap) -> Option<Tiles> {
     Some(Tiles { low: bounds.low, side, columns, cells })
 }
 
+/// What the colours of a grid's tiles mean.
+pub(super) fn grid_keys() -> Vec<(String, Color)> {
+    vec![("occupied".to_owned(), SOLID), ("unknown".to_owned(), UNKNOWN)]
+}
+
 /// The corners of what is to be seen \[m].
-struct Bounds {
+pub(super) struct Bounds {
     low: (f64, f64),
     high: (f64, f64),
 }
 
 impl Bounds {
+    /// Around nothing yet.
+    pub(super) fn of_nothing() -> Self {
+        Self { low: (f64::MAX, f64::MAX), high: (f64::MIN, f64::MIN) }
+    }
+
     /// Around all walls, with `space` on each side.
     fn of_walls(map: &WallMap, space: f64) -> Self {
-        let mut bounds = Self { low: (f64::MAX, f64::MAX), high: (f64::MIN, f64::MIN) };
+        let mut bounds = Self::of_nothing();
         for [x, y] in map.walls.iter().flat_map(|wall| [wall.from, wall.to]) {
             bounds.include((x - space, y - space));
             bounds.include((x + space, y + space));
@@ -129,13 +109,47 @@ impl Bounds {
         bounds
     }
 
-    fn include(&mut self, (x, y): (f64, f64)) {
+    pub(super) fn include(&mut self, (x, y): (f64, f64)) {
         self.low = (self.low.0.min(x), self.low.1.min(y));
         self.high = (self.high.0.max(x), self.high.1.max(y));
     }
 
     fn any(&self) -> bool {
         self.low.0 <= self.high.0
+    }
+
+    /// The cells of a grid within these corners, and a few around them.
+    pub(super) fn tiles_of(&self, grid: &Grid) -> Option<Tiles> {
+        let margin = MARGIN as f64 * grid.resolution;
+        let extent = [self.high.0 - self.low.0, self.high.1 - self.low.1].map(|side| side + 2.0 * margin);
+        // Where there are more cells than pixels, several are one; it is as solid as the most solid of them.
+        let merged = (extent[0].max(extent[1]) / grid.resolution / MOST as f64).ceil().max(1.0);
+        let side = merged * grid.resolution;
+        // Cells of the picture are cells of the grid, unless that is turned in the map.
+        let aligned = |low: f64, origin: f64| origin + ((low - margin - origin) / side).floor() * side;
+        let low = (aligned(self.low.0, grid.origin.x), aligned(self.low.1, grid.origin.y));
+        let [columns, rows] = extent.map(|extent| (extent / side).ceil() as usize + 1);
+        if !(self.any() && columns <= MOST + 2 && rows <= MOST + 2) {
+            return None;
+        }
+        let samples = merged as usize;
+        let tile = |k: usize| {
+            let (x, y) = (low.0 + (k % columns) as f64 * side, low.1 + (k / columns) as f64 * side);
+            let mut tile = Tile::Plain(UNKNOWN);
+            for sample in 0..samples * samples {
+                let at = |part: usize| (part as f64 + 0.5) * grid.resolution;
+                let cell = grid.cell_at(x + at(sample % samples), y + at(sample / samples));
+                let occupancy = cell.and_then(|(column, row)| grid.occupancy(column, row));
+                if is_solid(occupancy) {
+                    return Tile::Plain(SOLID);
+                }
+                if is_free(occupancy) {
+                    tile = Tile::Nothing;
+                }
+            }
+            tile
+        };
+        Some(Tiles { low, side, columns, cells: (0..columns * rows).map(tile).collect() })
     }
 }
 

@@ -239,10 +239,10 @@ impl<const N: usize> Witness<f64, N> for Note {
 }
 
 /// Returns from nearer than this are the robot's own \[m].
-const NEAREST: f64 = 0.02;
+pub(super) const NEAREST: f64 = 0.02;
 
 /// Returns from farther away are not used \[m]: there, a degree of heading moves a beam across half a room.
-const FARTHEST: f64 = 30.0;
+pub(super) const FARTHEST: f64 = 30.0;
 
 /// Where the laser is, in the core's form.
 pub(crate) fn mounted(mount: recording::Mount) -> Pose<Body, Laser, f64> {

@@ -7,6 +7,7 @@ use surepose::{Body, Map, Pose, Refusal, Tally};
 use surepose_data::DataError;
 
 use super::score::Summary;
+use super::seeker::Account;
 
 /// The figures of one replay; those that need a reference are absent where the recording has none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -59,9 +60,19 @@ pub struct ReplayReport {
     /// How many places explain the scans in the end; 1 where the robot was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hypotheses_left: Option<usize>,
-    /// Part of the beams in mind that the map explained when it was found, or last from the likeliest place.
+    /// How often a place was withdrawn because it did not explain what was seen from there afterwards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub withdrawn: Option<u32>,
+    /// Part of the surface that was seen which lies on walls of the map, from where the robot was found or from the likeliest
+    /// place; each piece as large as a cell counts once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explained: Option<f64>,
+    /// Part of it that stands before walls, as people and furniture do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before_walls: Option<f64>,
+    /// Part of it where nothing could be seen if the map were right.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_walls: Option<f64>,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
     /// Measurements that the filter refused, by reason.
@@ -96,7 +107,19 @@ impl ReplayReport {
         self.found_s = Some(after);
         (self.found_x_m, self.found_y_m) = (Some(pose.x), Some(pose.y));
         self.found_heading_deg = Some(pose.heading.degrees());
-        self.hypotheses_left = Some(1);
+    }
+
+    /// The robot is not where it was found.
+    pub(super) fn withdraw(&mut self) {
+        self.withdrawn = Some(self.withdrawn.unwrap_or(0) + 1);
+        (self.found_s, self.found_x_m, self.found_y_m, self.found_heading_deg) = (None, None, None, None);
+    }
+
+    /// Fills in what a place explains.
+    pub(super) fn account(&mut self, account: Option<Account>) {
+        self.explained = account.map(|account| account.explained);
+        self.before_walls = account.map(|account| account.before);
+        self.beyond_walls = account.map(|account| account.beyond);
     }
 
     /// Counts a record that the filter never saw, if there is a name for why.

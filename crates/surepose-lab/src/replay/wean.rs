@@ -4,18 +4,15 @@
 
 use std::time::Instant;
 
-use surepose::{Aligner, Belief, Body, Certainty, Map, Motion, Pose, Stamp, Wall, param};
+use surepose::{Aligner, Belief, Body, Map, Pose, Stamp, param};
 use surepose_data::Config;
-use surepose_data::grid::Grid;
 use surepose_data::recording::{Recording, StampedPose};
-use surepose_data::wall_map::WallMap;
 
-use super::follower::{Follower, FollowerSettings, Shares, walls_of};
+use super::follower::{Follower, FollowerSettings, Shares};
+use super::hall::Hall;
 use super::odometry::{motion_between, pose_of};
 use super::report::ReplayReport;
 use super::seeker::Seeker;
-use crate::mapping::from_grid::{self, is_free, is_solid};
-use crate::survey::Survey;
 
 /// A start that somebody pointed at on a map is not known to centimetres: standard deviations of x \[m], y \[m], θ \[rad].
 const START_STD: [f64; 3] = [0.3, 0.3, 0.2];
@@ -35,47 +32,6 @@ pub fn settings(config: &Config) -> FollowerSettings {
     FollowerSettings { aligner, start_std: START_STD, ..common }
 }
 
-/// The hall: its walls, and where in it a robot can be.
-#[derive(Clone, Debug)]
-pub struct Hall {
-    walls: Vec<Wall<f64>>,
-    survey: Survey,
-    /// The middles of the solid cells of its grid, if it has one.
-    solid: Vec<(f64, f64)>,
-}
-
-impl Hall {
-    /// The hall of a wall map, in which a robot can be anywhere.
-    pub fn of_map(map: &WallMap) -> Self {
-        let walls = walls_of(map);
-        let survey = Survey::of(&walls, |_| true);
-        Self { walls, survey, solid: Vec::new() }
-    }
-
-    /// The hall of an occupancy grid: its walls, and its free cells.
-    pub fn of_grid(grid: &Grid) -> Self {
-        let walls = walls_of(&from_grid::walls_of(grid).map);
-        let survey = Survey::of(&walls, |at| {
-            let cell = grid.cell_at(at.x, at.y);
-            is_free(cell.and_then(|(column, row)| grid.occupancy(column, row)))
-        });
-        let cells = (0..grid.height).flat_map(|row| (0..grid.width).map(move |column| (column, row)));
-        let solid = cells.filter(|(column, row)| is_solid(grid.occupancy(*column, *row)));
-        let solid = solid.map(|(column, row)| grid.center(column, row)).collect();
-        Self { walls, survey, solid }
-    }
-
-    /// The middles of the solid cells of its grid; none for a wall map.
-    pub fn solid(&self) -> &[(f64, f64)] {
-        &self.solid
-    }
-
-    /// The walls.
-    pub fn walls(&self) -> &[Wall<f64>] {
-        &self.walls
-    }
-}
-
 /// What came of a replay.
 #[derive(Clone, Debug)]
 pub struct Followed {
@@ -83,33 +39,20 @@ pub struct Followed {
     pub report: ReplayReport,
     /// Where the robot was at each scan, from when that was known.
     pub way: Vec<Option<Pose<Map, Body, f64>>>,
+    /// The way to where it was found, as that place saw it, at each look until then; empty if it was not found.
+    pub before: Vec<Pose<Map, Body, f64>>,
     /// Where it may be at the end, the likeliest first, if it was not found.
     pub places: Vec<Pose<Map, Body, f64>>,
 }
 
-/// What must hold of the pose that is found.
-///
-/// Doors, people and glass are on no map, walls are drawn to half a cell: the right place leaves beams unexplained, and
-/// some of them beyond the walls. So more must speak for a place than where the map is exact.
-const CERTAINTY: Certainty<f64> = Certainty {
-    explained: 0.6,
-    beyond: 0.2,
-    clearance: 0.15,
-    margin: 60.0,
-    share: 0.5,
-    scans: 5,
-    turned: core::f64::consts::FRAC_PI_2,
-};
-
-/// How often a robot that is lost looks \[s]: it moves by centimetres from scan to scan.
-const LOOK_EVERY: f64 = 1.0;
-
-/// How well a pose that was found is known at best: x \[m], y \[m], θ \[rad].
-const FOUND_STD: [f64; 3] = [0.1, 0.1, 0.05];
+/// How well a pose that was found is known: standard deviations of x \[m], y \[m], θ \[rad]. Walls are drawn up to half a
+/// metre thick, and along a corridor only the edges of its doorways tell where it is.
+const FOUND_STD: [f64; 3] = [0.2, 0.2, 0.05];
 
 /// Replays a log in `hall` from `start` on, or from where the scans put it once one place is left.
 ///
-/// A scan carries the odometry of its own moment, so the estimate goes from scan to scan.
+/// A scan carries the odometry of its own moment, so the estimate goes from scan to scan. A place that was found is held
+/// against what is seen from then on, and withdrawn if it does not explain that.
 pub fn replay(
     log: &Recording<StampedPose>,
     hall: &Hall,
@@ -119,78 +62,64 @@ pub fn replay(
     let begun = Instant::now();
     let mut report = ReplayReport { duration_s: log.duration(), ..ReplayReport::default() };
     let first = log.scans.first().map_or(0.0, |scan| scan.time);
-    let stamp = Stamp::from_seconds(first);
-    let follow = |at| Box::new(Follower::new(hall.walls.clone(), *settings, stamp, at));
-    let mut robot = match start {
-        Some(start) => Robot::Followed(follow(start)),
-        None => Robot::Sought(Seeker::new(&hall.walls, &hall.survey, *settings, CERTAINTY, stamp)),
-    };
-    let mut look_at = first;
+    let follow = |stamp, at| Follower::new(hall.walls().to_vec(), *settings, stamp, at);
+    let mut follower = start.map(|start| follow(Stamp::from_seconds(first), start));
+    let mut seeker = start.is_none().then(|| Seeker::new(hall.grid(), *settings));
     let mut shares = Shares::default();
     let mut way = Vec::new();
+    let mut led_there = Vec::new();
     let mut before: Option<Pose<Map, Body, f64>> = None;
     for scan in &log.scans {
         let stamp = Stamp::from_seconds(scan.time);
         if let Some(here) = scan.odometry.as_ref().map(pose_of) {
             if let Some(before) = before {
                 let motion = motion_between(before, here);
-                robot.roll(stamp, motion);
+                if let Some(follower) = &mut follower {
+                    follower.roll(stamp, motion);
+                }
+                if let Some(seeker) = &mut seeker {
+                    seeker.roll(motion);
+                }
                 report.distance_m += motion.length.abs();
                 report.steps += 1;
             }
             before = Some(here);
         }
-        if let Robot::Sought(seeker) = &mut robot
-            && scan.time >= look_at
+        if let Some(seeker) = &mut seeker
+            && seeker.look(scan)
         {
-            look_at = scan.time + LOOK_EVERY;
-            let found = seeker.see(stamp, scan);
-            let known = seeker.hypotheses();
-            report.hypotheses_left = Some(known.len());
-            report.explained = known.first().map(|likeliest| likeliest.agreement.explained_share());
-            if let Some(found) = found {
-                report.found(scan.time - first, found.pose);
-                let mut follower = follow(found.pose);
-                let std = [0, 1, 2].map(|i| found.covariance.std(i).max(FOUND_STD[i]));
-                follower.localiser.estimator.restart(stamp, Belief::new(found.pose, std));
-                robot = Robot::Followed(follower);
+            if follower.is_none()
+                && let Some(found) = seeker.found()
+            {
+                report.found(scan.time - first, found);
+                led_there = seeker.way();
+                let mut found_there = follow(stamp, found);
+                found_there.localiser.estimator.restart(stamp, Belief::new(found, FOUND_STD));
+                follower = Some(found_there);
+            } else if follower.is_some() && seeker.is_refuted() {
+                report.withdraw();
+                seeker.start_over();
+                led_there.clear();
+                way.fill(None);
+                (follower, shares) = (None, Shares::default());
             }
         }
-        way.push(match &mut robot {
-            Robot::Sought(_) => None,
-            Robot::Followed(follower) => {
-                let seen = follower.see(stamp, scan);
-                shares.add(&seen);
-                report.skip(seen.skipped_as());
-                Some(follower.localiser.estimator.belief().pose)
-            }
-        });
+        way.push(follower.as_mut().map(|follower| {
+            let seen = follower.see(stamp, scan);
+            shares.add(&seen);
+            report.skip(seen.skipped_as());
+            follower.localiser.estimator.belief().pose
+        }));
     }
     report.beams_on_walls = shares.mean();
-    let places = match &robot {
-        Robot::Sought(seeker) => seeker.hypotheses().iter().map(|known| known.belief.pose).collect(),
-        Robot::Followed(follower) => {
-            report.count(follower.localiser.estimator.tally());
-            Vec::new()
-        }
-    };
-    report.wall_s = begun.elapsed().as_secs_f64();
-    Followed { report, way, places }
-}
-
-/// What is known of the robot.
-enum Robot<'a> {
-    /// Nothing yet.
-    Sought(Seeker<'a>),
-    /// Where it is.
-    Followed(Box<Follower>),
-}
-
-impl Robot<'_> {
-    fn roll(&mut self, stamp: Stamp, motion: Motion<f64>) {
-        match self {
-            Self::Sought(seeker) => seeker.roll(stamp, motion),
-            Self::Followed(follower) => follower.roll(stamp, motion),
-        }
+    let places = seeker.as_ref().map_or_else(Vec::new, Seeker::places);
+    if let Some(seeker) = &seeker {
+        report.hypotheses_left = Some(places.len());
+        report.account(seeker.account());
     }
+    if let Some(follower) = &follower {
+        report.count(follower.localiser.estimator.tally());
+    }
+    report.wall_s = begun.elapsed().as_secs_f64();
+    Followed { report, way, before: led_there, places: if follower.is_some() { Vec::new() } else { places } }
 }

@@ -62,7 +62,7 @@ impl Watch {
         Self {
             supervisor: Supervisor::new(vigilance, stamp),
             relocaliser: Box::new(relocaliser),
-            survey: Survey::of(walls, |_| true),
+            survey: Survey::of(walls),
             nudge: Nudge::on_map_known_to(known_to(reading)),
             nudged: None,
             reading,
