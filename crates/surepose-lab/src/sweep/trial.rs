@@ -75,7 +75,7 @@ impl Trial {
             start_heading_deg: start.heading.degrees(),
             success: ended.success,
             steps: ended.steps,
-            time_s: ended.success.then(|| (ended.steps as f64 - (ends.held - 1.0)) * sweep.period),
+            time_s: ended.success.then_some((ended.steps as f64 - (ends.held - 1.0)) * sweep.period),
             optimal_time_s: optimal::fastest(start, &DRIVE, limits().wheel_speed).time,
             path_m: ended.success.then_some(ended.path),
             cusps: ended.success.then_some(ended.cusps),
