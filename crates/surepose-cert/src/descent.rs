@@ -71,9 +71,20 @@ impl<L: Subject> Descent<'_, L> {
 
     /// What the law does in `region`, having been of `mind`; nothing if that cannot be told.
     pub(crate) fn outcomes(&self, region: &Region, mind: Mind, into: &mut Vec<Outcome>) -> bool {
+        self.outcomes_of(region, mind, MOST_WAYS, into)
+    }
+
+    /// The same, following more ways or fewer.
+    pub(crate) fn outcomes_of(
+        &self,
+        region: &Region,
+        mind: Mind,
+        most: usize,
+        into: &mut Vec<Outcome>,
+    ) -> bool {
         let mut known = true;
         let program = || self.step(region, mind.memories());
-        let complete = explore(MOST_WAYS, program, |Decision { twist, memory }| match Mind::of(&memory) {
+        let complete = explore(most, program, |Decision { twist, memory }| match Mind::of(&memory) {
             Some(mind) => {
                 let outcome = Outcome { mind, twist };
                 if !into.contains(&outcome) {

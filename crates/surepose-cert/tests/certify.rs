@@ -32,6 +32,8 @@ fn a_law_that_is_told_of_noise_is_certified_too() {
             let certificate = certify(&request(&subject, law.gains.h, period, noise(position, heading_deg)));
             assert!(certificate.certified, "{period} s, {position} m: {certificate:?}");
             assert!(certificate.capture_radius.is_some_and(|r| r <= radius), "{certificate:?}");
+            let last = certificate.final_position_bound;
+            assert!(last.is_some_and(|bound| bound < 1.3 * radius), "{certificate:?}");
         }
     }
 }
