@@ -60,7 +60,7 @@ impl<L: Subject> Descent<'_, L> {
     }
 
     /// The step that the robot is told.
-    fn step(&self, region: &Region, memory: Memory<Interval>) -> Decision<Interval> {
+    pub(crate) fn step(&self, region: &Region, memory: Memory<Interval>) -> Decision<Interval> {
         let decision = self.subject.decide(&region.seen(), memory);
         if self.limited {
             Decision { twist: self.subject.grant(decision.twist), ..decision }
@@ -106,20 +106,6 @@ impl<L: Subject> Descent<'_, L> {
     /// Whether the local law is in charge after this tick, whoever was before.
     pub(crate) fn local_certain(&self, region: &Region) -> bool {
         self.minds_known().all(|mind| self.step(region, mind.memories()).memory.near.certain())
-    }
-
-    /// Whether the local law can hand back in this tick.
-    pub(crate) fn global_possible(&self, region: &Region) -> bool {
-        self.minds_known()
-            .filter(|mind| mind.near)
-            .any(|mind| (!self.step(region, mind.memories()).memory.near).possible())
-    }
-
-    /// The hull of all that the robot may be told here.
-    pub(crate) fn told(&self, region: &Region) -> Twist<Interval> {
-        let mut twists = self.minds_known().map(|mind| self.step(region, mind.memories()).twist);
-        let first = twists.next().unwrap_or(Twist::new(Interval::ENTIRE, Interval::ENTIRE));
-        twists.fold(first, |all, twist| Twist::new(all.v.hull(twist.v), all.omega.hull(twist.omega)))
     }
 
     /// Considers, from here on, every mind that the law can come to be in anywhere: for noise without bounds.
