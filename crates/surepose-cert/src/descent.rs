@@ -100,7 +100,12 @@ impl<L: Subject> Descent<'_, L> {
     pub(crate) fn local_possible(&self, region: &Region, before: bool) -> bool {
         self.minds_known()
             .filter(|mind| mind.near == before)
-            .any(|mind| self.step(region, mind.memories()).memory.near.possible())
+            .any(|mind| self.local_possible_from(region, mind))
+    }
+
+    /// Whether the local law can be in charge after a tick that began with `mind`.
+    pub(crate) fn local_possible_from(&self, region: &Region, mind: Mind) -> bool {
+        self.step(region, mind.memories()).memory.near.possible()
     }
 
     /// Whether the local law is in charge after this tick, whoever was before.
@@ -120,6 +125,10 @@ impl<L: Subject> Descent<'_, L> {
 
     /// Considers, from here on, the minds that the law can be in at true distances `rho`.
     pub(crate) fn prepare(&mut self, rho: Interval) {
+        if !self.limited {
+            // Nothing bounds how far away the tick before began.
+            return self.prepare_for_any_past();
+        }
         let fastest = (self.rim_limit * (1.0 + self.noise.rim_speed_part) + self.noise.rim_speed).next_up();
         self.minds = self.minds_at(rho, (fastest * self.period).next_up());
     }

@@ -61,7 +61,8 @@ pub(crate) fn heading_bound<L: Subject>(
     capture: f64,
     boxes: &mut usize,
 ) -> Option<f64> {
-    descent.minds = local_minds(descent);
+    // The tick of taking over counts too: every mind that the law can come to be in.
+    descent.prepare_for_any_past();
     let (near, whole) = reach_of_local(descent, capture);
     if !whole || !descent.local_certain(&Region::anywhere(ON_THE_GOAL(), Interval::point(0.0))) {
         return None;
@@ -156,7 +157,7 @@ fn heading_falls<L: Subject>(
 fn shown_in<L: Subject>(descent: &Descent<'_, L>, region: &Region, bound: f64, length: f64) -> bool {
     let mut outcomes = Vec::new();
     for &mind in &descent.minds {
-        if !descent.outcomes(region, mind, &mut outcomes) {
+        if descent.local_possible_from(region, mind) && !descent.outcomes(region, mind, &mut outcomes) {
             return false;
         }
     }

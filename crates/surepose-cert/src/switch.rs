@@ -17,7 +17,7 @@ const RINGS: usize = 256;
 /// No more ticks than these are looked for.
 const MOST_TICKS: usize = 500;
 /// Regions looked at for the growth of the distance, times the minds looked at in each.
-const WORK: usize = 24_000;
+const WORK: usize = 14_000;
 /// Into how many pieces the noise along the robot is cut.
 const PIECES: usize = 8;
 /// Ways that the law may take where the goal may be anywhere.
@@ -109,7 +109,10 @@ struct Part {
 impl Part {
     fn of<L: Subject>(descent: &Descent<'_, L>, minds: &[Mind], region: Region) -> Self {
         let mut outcomes = Vec::new();
-        let known = minds.iter().all(|mind| descent.outcomes_of(&region, *mind, MOST_WAYS, &mut outcomes));
+        let known = minds
+            .iter()
+            .filter(|mind| descent.local_possible_from(&region, **mind))
+            .all(|mind| descent.outcomes_of(&region, *mind, MOST_WAYS, &mut outcomes));
         if !known {
             return Self { growth: f64::INFINITY, region };
         }

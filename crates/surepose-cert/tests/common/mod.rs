@@ -38,6 +38,7 @@ pub fn request<L: Subject>(subject: &L, h: f64, period: f64, noise: Noise) -> Re
         noise,
         workspace: 5.0,
         largest_capture_radius: 0.15,
+        rests_within: 0.0,
         longest_period: 0.0,
     }
 }
