@@ -42,7 +42,7 @@ fn onward(tick: &Consequence) -> Situation {
 }
 
 /// The least number of ticks between a take-over and the next handing back in `ticks` ticks, and how many changes there were.
-fn provoked(subject: &Shipped, period: f64, bounds: &Noise, (seed, ticks): (u64, u64)) -> (u64, u64) {
+fn provoked<L: Subject>(subject: &L, period: f64, bounds: &Noise, (seed, ticks): (u64, u64)) -> (u64, u64) {
     let mut dice = Dice(seed);
     let weight = Weight { distance: 4.0, knee: 1.2, approach: 0.3 };
     let fresh = Mind { near: false, reverse: false, side: 0, travel: 0 };
@@ -186,24 +186,29 @@ impl Subject for Mutant {
 
 #[test]
 fn a_law_of_which_a_statement_is_false_does_not_get_it() {
-    let law = HybridLaw { rest: Some(Rest::of(0.005, 0.02)), ..hybrid(0.02) };
-    let judged = |fault: Option<Fault>, bounds| match fault {
-        Some(fault) => certify(&request(&Mutant { law: shipped(law), fault }, law.gains.h, 0.02, bounds)),
-        None => certify(&request(&shipped(law), law.gains.h, 0.02, bounds)),
+    // That the law without the fault does get it is what the other tests show.
+    let plain = hybrid(0.02);
+    let told = HybridLaw { rest: Some(Rest::of(0.005, 0.02)), ..plain };
+    let judged = |law: HybridLaw<f64>, fault: Fault, bounds| {
+        certify(&request(&Mutant { law: shipped(law), fault }, law.gains.h, 0.02, bounds))
     };
     let (small, large) = (noise(0.007, 0.25), noise(0.02, 1.2));
-    let sound = judged(None, small);
-    assert!(sound.settling.is_some_and(|settling| settling.switch_keeps_its_mind()));
-    assert!(sound.final_position_bound.is_some());
     for fault in [Fault::NarrowHysteresis, Fault::NoHysteresis] {
-        let settling = judged(Some(fault), small).settling;
+        // It is right not to have it.
+        for law in [plain, told] {
+            let mutant = Mutant { law: shipped(law), fault };
+            let (least, changes) = provoked(&mutant, 0.02, &small, (3, 100_000));
+            println!("{fault:?}: handed back after {least} ticks, {changes} changes in 100000");
+            assert_eq!(least, 1, "{fault:?}: it does not chatter");
+        }
+        let settling = judged(plain, fault, small).settling;
         assert!(
             !settling.is_some_and(|settling| settling.switch_keeps_its_mind()),
             "{fault:?}: {settling:?}"
         );
     }
-    let waits = judged(Some(Fault::WaitsForArrival), large).settling;
+    let waits = judged(plain, Fault::WaitsForArrival, large).settling;
     assert!(waits.is_none_or(|settling| settling.heading_bound.is_none()), "{waits:?}");
-    let backs = judged(Some(Fault::BacksAwayAtRest), small);
+    let backs = judged(told, Fault::BacksAwayAtRest, small);
     assert!(!backs.certified || backs.final_position_bound.is_none(), "{backs:?}");
 }
