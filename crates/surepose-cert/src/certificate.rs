@@ -128,10 +128,6 @@ impl<L: Subject> Request<'_, L> {
             return refused;
         }
         let floor = self.largest_capture_radius;
-        if self.rests_truly_within() > floor {
-            refused.reason = Some(Reason::RestsTooFar);
-            return refused;
-        }
         // The law by itself first, without noise and without limits: what fails there is plainest.
         let mut alone: Option<(Weight, Annulus)> = None;
         for distance in DISTANCE_WEIGHTS {
@@ -157,6 +153,11 @@ impl<L: Subject> Request<'_, L> {
                     return refused;
                 }
                 // Where the wheels may rest nothing falls.
+                if self.rests_truly_within() > floor {
+                    refused.reason = Some(Reason::RestsTooFar);
+                    refused.counterexample = None;
+                    return refused;
+                }
                 let inner = annulus.inner.max(self.rests_truly_within());
                 return self.certificate(weight, &Annulus { inner, ..annulus }, refused.boxes);
             }
