@@ -33,6 +33,8 @@ pub struct Request<'a, L> {
     pub workspace: f64,
     /// A larger capture radius than this is no use: refused \[m].
     pub largest_capture_radius: f64,
+    /// Seen distance below which the wheels may rest because the robot has arrived \[m]; 0 if they never do.
+    pub rests_within: f64,
     /// Longest period that is looked for \[s]; none is looked for if it is not above `period`.
     pub longest_period: f64,
 }
@@ -47,6 +49,8 @@ pub enum Reason {
     /// Even without noise, and without the wheels' limits, W was not shown to fall: the law is wrong, or the period so
     /// long for these gains that only saturation keeps a step from overshooting.
     UnstableByItself,
+    /// The wheels may rest, the robot having arrived, truly farther away than the largest useful capture radius.
+    RestsTooFar,
     /// Without noise the local law does not bring the heading and the distance along the robot down.
     LocalLaw,
 }
@@ -57,6 +61,9 @@ impl core::fmt::Display for Reason {
             Self::Unusable => "a gain, limit, period or noise bound is not a positive number",
             Self::NoDescent => {
                 "with this noise the law was not shown to bring the robot near enough to the goal: W may rise in a tick"
+            }
+            Self::RestsTooFar => {
+                "the tolerance of arrival, with its release and the noise, lets the robot rest too far from the goal"
             }
             Self::LocalLaw => "near the goal the law was not shown to turn the robot to the commanded heading",
             Self::UnstableByItself => {
@@ -145,7 +152,14 @@ impl<L: Subject> Request<'_, L> {
                     refused.counterexample = local_counterexample(&mut quiet, floor);
                     return refused;
                 }
-                return self.certificate(weight, &annulus, refused.boxes);
+                // Where the wheels may rest nothing falls.
+                if self.rests_truly_within() > floor {
+                    refused.reason = Some(Reason::RestsTooFar);
+                    refused.counterexample = None;
+                    return refused;
+                }
+                let inner = annulus.inner.max(self.rests_truly_within());
+                return self.certificate(weight, &Annulus { inner, ..annulus }, refused.boxes);
             }
             refused.reason = Some(Reason::NoDescent);
             refused.weight = weight;
@@ -158,6 +172,11 @@ impl<L: Subject> Request<'_, L> {
             refused.counterexample = shown.counterexample(&mut self.bare(weight), floor);
         }
         refused
+    }
+
+    /// The true distance within which the wheels may rest \[m].
+    fn rests_truly_within(&self) -> f64 {
+        if self.rests_within > 0.0 { (self.rests_within + self.noise.position).next_up() } else { 0.0 }
     }
 
     fn certificate(&self, weight: Weight, annulus: &Annulus, boxes: usize) -> Certificate {
@@ -269,6 +288,7 @@ impl<L: Subject> Request<'_, L> {
             self.noise.heading,
             self.noise.rim_speed,
             self.noise.rim_speed_part,
+            self.rests_within,
             self.longest_period,
         ];
         positive.iter().all(|x| *x > 0.0 && *x < 1e6)

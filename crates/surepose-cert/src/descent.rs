@@ -60,7 +60,7 @@ impl<L: Subject> Descent<'_, L> {
     }
 
     /// The step that the robot is told.
-    fn step(&self, region: &Region, memory: Memory<Interval>) -> Decision<Interval> {
+    pub(crate) fn step(&self, region: &Region, memory: Memory<Interval>) -> Decision<Interval> {
         let decision = self.subject.decide(&region.seen(), memory);
         if self.limited {
             Decision { twist: self.subject.grant(decision.twist), ..decision }
@@ -71,9 +71,20 @@ impl<L: Subject> Descent<'_, L> {
 
     /// What the law does in `region`, having been of `mind`; nothing if that cannot be told.
     pub(crate) fn outcomes(&self, region: &Region, mind: Mind, into: &mut Vec<Outcome>) -> bool {
+        self.outcomes_of(region, mind, MOST_WAYS, into)
+    }
+
+    /// The same, following more ways or fewer.
+    pub(crate) fn outcomes_of(
+        &self,
+        region: &Region,
+        mind: Mind,
+        most: usize,
+        into: &mut Vec<Outcome>,
+    ) -> bool {
         let mut known = true;
         let program = || self.step(region, mind.memories());
-        let complete = explore(MOST_WAYS, program, |Decision { twist, memory }| match Mind::of(&memory) {
+        let complete = explore(most, program, |Decision { twist, memory }| match Mind::of(&memory) {
             Some(mind) => {
                 let outcome = Outcome { mind, twist };
                 if !into.contains(&outcome) {
@@ -89,26 +100,17 @@ impl<L: Subject> Descent<'_, L> {
     pub(crate) fn local_possible(&self, region: &Region, before: bool) -> bool {
         self.minds_known()
             .filter(|mind| mind.near == before)
-            .any(|mind| self.step(region, mind.memories()).memory.near.possible())
+            .any(|mind| self.local_possible_from(region, mind))
+    }
+
+    /// Whether the local law can be in charge after a tick that began with `mind`.
+    pub(crate) fn local_possible_from(&self, region: &Region, mind: Mind) -> bool {
+        self.step(region, mind.memories()).memory.near.possible()
     }
 
     /// Whether the local law is in charge after this tick, whoever was before.
     pub(crate) fn local_certain(&self, region: &Region) -> bool {
         self.minds_known().all(|mind| self.step(region, mind.memories()).memory.near.certain())
-    }
-
-    /// Whether the local law can hand back in this tick.
-    pub(crate) fn global_possible(&self, region: &Region) -> bool {
-        self.minds_known()
-            .filter(|mind| mind.near)
-            .any(|mind| (!self.step(region, mind.memories()).memory.near).possible())
-    }
-
-    /// The hull of all that the robot may be told here.
-    pub(crate) fn told(&self, region: &Region) -> Twist<Interval> {
-        let mut twists = self.minds_known().map(|mind| self.step(region, mind.memories()).twist);
-        let first = twists.next().unwrap_or(Twist::new(Interval::ENTIRE, Interval::ENTIRE));
-        twists.fold(first, |all, twist| Twist::new(all.v.hull(twist.v), all.omega.hull(twist.omega)))
     }
 
     /// Considers, from here on, every mind that the law can come to be in anywhere: for noise without bounds.
@@ -123,6 +125,10 @@ impl<L: Subject> Descent<'_, L> {
 
     /// Considers, from here on, the minds that the law can be in at true distances `rho`.
     pub(crate) fn prepare(&mut self, rho: Interval) {
+        if !self.limited {
+            // Nothing bounds how far away the tick before began.
+            return self.prepare_for_any_past();
+        }
         let fastest = (self.rim_limit * (1.0 + self.noise.rim_speed_part) + self.noise.rim_speed).next_up();
         self.minds = self.minds_at(rho, (fastest * self.period).next_up());
     }

@@ -77,15 +77,15 @@ pub fn drift<L: Subject>(request: &Request<'_, L>) -> Option<Drift> {
 impl<L: Subject> Request<'_, L> {
     /// Bound of E\[ΔW; a disturbance beyond k], which happens with probability `exceeded`, from `inner` \[m] outwards.
     ///
-    /// F rises by F(ρ + X) − F(ρ) ≤ c·ln(1 + X/ρ) for a way of length X. Undisturbed rims bound X. Gaussian ones do
+    /// F rises by F(ρ + X) − F(ρ) ≤ c·max(ln(1 + X/ρ), X/knee) for a way of length X. Undisturbed rims bound X. Gaussian ones do
     /// not: there E\[X; A] ≤ √(E\[X²]·P(A)), by Cauchy and Schwarz, and √E\[X²] ≤ ΔT·(V·(1 + σ) + σ'), by Minkowski.
     fn mean_rise(&self, weight: &Weight, inner: f64, exceeded: f64) -> f64 {
         let way = self.period * self.limits.wheel_speed;
         let distance = if self.noise.rim_speed > 0.0 || self.noise.rim_speed_part > 0.0 {
             let mean_square = way * (1.0 + self.noise.rim_speed_part) + self.period * self.noise.rim_speed;
-            weight.distance * mean_square / inner * exceeded.sqrt()
+            weight.distance * mean_square / inner.min(weight.knee) * exceeded.sqrt()
         } else {
-            weight.distance * (way / inner).ln_1p() * exceeded
+            weight.distance * (way / inner).ln_1p().max(way / weight.knee) * exceeded
         };
         (distance + exceeded * weight.largest_of_angles()) * (1.0 + 1e-9)
     }

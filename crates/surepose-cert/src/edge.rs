@@ -9,6 +9,9 @@ use crate::subject::Subject;
 const FINE: f64 = 0.06;
 /// Into how many rings the disc is cut.
 const RINGS: usize = 8;
+/// Ways through the law that are followed here: on the goal itself no cutting decides which end of the robot is ahead, so
+/// that a law which remembers its travel has hundreds.
+const MOST_WAYS: usize = 1024;
 
 impl<L: Subject> Descent<'_, L> {
     /// The largest true distance after one tick that began at most `radius` \[m] from the goal, at any time in it.
@@ -43,7 +46,7 @@ impl<L: Subject> Descent<'_, L> {
         let turn = Interval::symmetric(region.turn(&self.noise));
         let mut outcomes = Vec::new();
         for mind in self.minds_known() {
-            if !self.outcomes(region, mind, &mut outcomes) {
+            if !self.outcomes_of(region, mind, MOST_WAYS, &mut outcomes) {
                 return None;
             }
         }

@@ -68,10 +68,11 @@ impl Region {
         if product <= 0.0 {
             return PI;
         }
-        let half_sine = (rest / Interval::point(product)).hi().max(0.0).sqrt();
+        // Rounded up before the arc sine, which is steep at 1.
+        let half_sine = (rest / Interval::point(product)).hi().max(0.0).sqrt().next_up();
         let farther = self.rho.lo().max(seen.lo());
-        let sine = noise.position / farther;
-        let up = 1.0 + 1e-12; // far above the rounding of these few operations
+        let sine = (noise.position / farther).next_up();
+        let up = 1.0 + 1e-12; // far above the rounding of the arc sine
         let by_chord = if half_sine < 1.0 { 2.0 * libm::asin(half_sine) * up } else { PI };
         let by_tangent = if sine < 1.0 { libm::asin(sine) * up } else { PI };
         by_chord.min(by_tangent)

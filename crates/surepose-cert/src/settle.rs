@@ -20,16 +20,15 @@ pub struct Settling {
     pub heading_bound: Option<f64>,
     /// ℓ \[m].
     pub length: f64,
-    /// Between where the local law takes over and where it hands back, seen from the robot, lies at least this \[m].
-    pub switch_gap: f64,
-    /// What noise and motion can do to the goal as seen, from one tick to the next \[m].
-    pub switch_noise: f64,
+    /// Once the local law has taken over, it stays in charge for so many ticks at the least, whatever the noise; 0 where
+    /// this was not shown, and no more than the certificate looks for.
+    pub switch_dwell: usize,
 }
 
 impl Settling {
-    /// Whether the switch cannot go back and forth on noise: no two ticks in succession both change the law.
+    /// Whether the switch cannot go back and forth on noise: a law that has taken over on it does not hand back at once.
     pub fn switch_keeps_its_mind(&self) -> bool {
-        self.switch_gap > self.switch_noise
+        self.switch_dwell > 1
     }
 }
 
@@ -52,9 +51,8 @@ pub(crate) fn settling<L: Subject>(
     boxes: &mut usize,
 ) -> Settling {
     let heading_bound = heading_bound(descent, capture, boxes);
-    let (near, _) = reach_of_local(descent, capture);
-    let (switch_gap, switch_noise) = crate::switch::gap(descent, near);
-    Settling { heading_bound, length: LENGTH, switch_gap, switch_noise }
+    let switch_dwell = crate::switch::dwell(descent, capture, boxes);
+    Settling { heading_bound, length: LENGTH, switch_dwell }
 }
 
 /// The heading bound of [`Settling`], if one can be shown and on the goal itself the local law is in charge.
@@ -63,7 +61,8 @@ pub(crate) fn heading_bound<L: Subject>(
     capture: f64,
     boxes: &mut usize,
 ) -> Option<f64> {
-    descent.minds = local_minds(descent);
+    // The tick of taking over counts too: every mind that the law can come to be in.
+    descent.prepare_for_any_past();
     let (near, whole) = reach_of_local(descent, capture);
     if !whole || !descent.local_certain(&Region::anywhere(ON_THE_GOAL(), Interval::point(0.0))) {
         return None;
@@ -158,7 +157,7 @@ fn heading_falls<L: Subject>(
 fn shown_in<L: Subject>(descent: &Descent<'_, L>, region: &Region, bound: f64, length: f64) -> bool {
     let mut outcomes = Vec::new();
     for &mind in &descent.minds {
-        if !descent.outcomes(region, mind, &mut outcomes) {
+        if descent.local_possible_from(region, mind) && !descent.outcomes(region, mind, &mut outcomes) {
             return false;
         }
     }
@@ -182,9 +181,9 @@ fn rate<L: Subject>(
     pieces: usize,
 ) -> f64 {
     let twist = descent.noise.driven(&descent.drive.cast(), outcome.twist);
-    let (sin, cos) = region.alpha.sin_cos();
     let noise = Interval::symmetric(descent.noise.position);
-    let (seen_ahead, aside) = (region.seen_rho() * cos, region.seen_rho() * sin + noise);
+    let (seen_ahead, aside) = region.true_place(descent.noise.heading);
+    let aside = aside + noise;
     let time = Interval::new(0.0, descent.period);
     let per_square = Interval::point(1.0) / Interval::point(length).squared();
     let mut worst = f64::NEG_INFINITY;
@@ -197,7 +196,7 @@ fn rate<L: Subject>(
 }
 
 /// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.
-fn seen_moving(
+pub(crate) fn seen_moving(
     ahead: Interval,
     aside: Interval,
     twist: Twist<Interval>,

@@ -1,64 +1,179 @@
-//! How far apart are the places where the local law takes over and where it hands back?
+//! How long does the local law stay in charge at the least, once it has taken over?
 
-use core::f64::consts::PI;
+use std::collections::BinaryHeap;
 
-use surepose::Scalar;
+use surepose::{Memory, Scalar};
 
 use crate::descent::Descent;
+use crate::fork::explore;
 use crate::interval::Interval;
+use crate::mind::Mind;
 use crate::region::Region;
+use crate::settle::seen_moving;
 use crate::subject::Subject;
 
-/// Into how many distances and directions the seen goal is cut.
-const RINGS: usize = 40;
-const RAYS: usize = 96;
+/// Into how many distances the seen goal is cut.
+const RINGS: usize = 256;
+/// No more ticks than these are looked for.
+const MOST_TICKS: usize = 500;
+/// Regions looked at for the growth of the distance, times the minds looked at in each.
+const WORK: usize = 14_000;
+/// Into how many pieces the noise along the robot is cut.
+const PIECES: usize = 8;
+/// Ways that the law may take where the goal may be anywhere.
+const MOST_WAYS: usize = 8192;
 
-/// A place of the goal in the robot's axes: everything within `radius` of (x, y) \[m].
-struct Spot {
-    x: f64,
-    y: f64,
-    radius: f64,
-}
-
-/// The gap between the two sets of places as seen, and what one tick of motion and the noise of two can bridge \[m].
-pub(crate) fn gap<L: Subject>(descent: &Descent<'_, L>, near: Interval) -> (f64, f64) {
-    let all = Interval::new(0.0, 1.5 * near.hi().max(1e-6));
-    let (mut taken, mut handed) = (Vec::new(), Vec::new());
-    let (mut farthest, mut fastest, mut turn) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for ring in 0..RINGS {
-        for ray in 0..RAYS {
-            let region = Region {
-                rho: all.piece(ring, RINGS),
-                drift: Interval::point(0.0),
-                alpha: Interval::new((-PI).next_up(), PI).piece(ray, RAYS),
-                phi: Interval::new((-PI).next_up(), PI),
-            };
-            if descent.local_possible(&region, false) {
-                taken.push(spot(&region));
-                farthest = farthest.max(region.rho.hi());
-                let told = descent.told(&region);
-                let twist = descent.noise.driven(&descent.drive.cast(), told);
-                fastest = fastest.max(twist.v.magnitude());
-                turn = turn.max(twist.omega.magnitude());
+/// The least number of ticks between one in which the local law takes over and the next in which it hands back, whatever
+/// the noise; 0 if none could be shown.
+///
+/// The local law takes over where the goal is *seen* near, so that the robot is truly not farther than that and the noise.
+/// It hands back where the goal is seen farther than a distance that depends on what it remembers. Between the two noise can
+/// lie, but the robot must truly have been led away: ρ² grows by no more than a bound in each tick.
+pub(crate) fn dwell<L: Subject>(descent: &Descent<'_, L>, capture: f64, boxes: &mut usize) -> usize {
+    let Some(takes_over) = reach(descent, capture, false) else { return 0 };
+    let Some(keeps) = reach(descent, capture, true) else { return 0 };
+    let Some(mut trims) = trims_afar(descent) else { return 0 };
+    let Some(growth) = growth(descent, takes_over.max(keeps), boxes) else { return 0 };
+    let mut square = Interval::point(takes_over + descent.noise.position).squared();
+    for ticks in 0..MOST_TICKS {
+        let farthest = square.sqrt().hi();
+        let drift = Interval::symmetric(descent.noise.position);
+        let rho = if ticks == 0 { takes_over } else { farthest };
+        let drift = if ticks == 0 { Interval::point(0.0) } else { drift };
+        let region = Region::anywhere(Interval::new(0.0, rho), drift);
+        let mut next: Option<Interval> = None;
+        for mind in descent.minds_known().filter(|mind| mind.near == (ticks > 0)) {
+            let memory = descent.step(&region, mind.memory(trims)).memory;
+            if ticks > 0 && !memory.near.certain() {
+                return ticks;
             }
-            if descent.global_possible(&region) {
-                handed.push(spot(&region));
+            if memory.near.possible() {
+                next = Some(next.map_or(memory.trims, |all| all.hull(memory.trims)));
             }
         }
+        let Some(next) = next else { return 0 };
+        trims = next;
+        square = square + Interval::new(0.0, growth);
     }
-    let mut least = f64::INFINITY;
-    for a in &taken {
-        for b in &handed {
-            least = least.min((a.x - b.x).hypot(a.y - b.y) - a.radius - b.radius);
-        }
-    }
-    let noise = 2.0 * descent.noise.position;
-    let motion = fastest * descent.period + farthest * (turn * descent.period + 2.0 * descent.noise.heading);
-    (least.max(0.0), (noise + motion) * (1.0 + 1e-9))
+    MOST_TICKS
 }
 
-fn spot(region: &Region) -> Spot {
-    let (sin, cos) = region.alpha.sin_cos();
-    let (x, y) = (region.rho * cos, region.rho * sin);
-    Spot { x: x.mid(), y: y.mid(), radius: 0.5 * x.width().hypot(y.width()) * (1.0 + 1e-9) }
+/// The largest seen distance, in steps, at which the local law can be in charge after a tick, having been `before` or not;
+/// none if that is not within a few capture radii, or nowhere.
+fn reach<L: Subject>(descent: &Descent<'_, L>, capture: f64, before: bool) -> Option<f64> {
+    let all = Interval::new(0.0, 4.0 * capture);
+    let possible =
+        |rho: Interval| descent.local_possible(&Region::anywhere(rho, Interval::point(0.0)), before);
+    if possible(Interval::new(all.hi(), 1e6)) {
+        return None;
+    }
+    (0..RINGS).rev().map(|ring| all.piece(ring, RINGS)).find(|rho| possible(*rho)).map(Interval::hi)
+}
+
+/// For how many ticks a law can remember to have trimmed where the local one is not in charge.
+fn trims_afar<L: Subject>(descent: &Descent<'_, L>) -> Option<Interval> {
+    let everywhere = Region::anywhere(Interval::new(0.0, 1e6), Interval::point(0.0));
+    let mut trims = Memory::<Interval>::fresh().trims;
+    let complete = descent.minds_known().all(|mind| {
+        let program = || descent.step(&everywhere, mind.memories()).memory;
+        explore(MOST_WAYS, program, |memory| {
+            if !memory.near.certain() {
+                trims = trims.hull(memory.trims);
+            }
+        })
+    });
+    complete.then_some(trims)
+}
+
+/// Bound of what a tick of the local law can add to the square of the true distance \[m²].
+fn growth<L: Subject>(descent: &Descent<'_, L>, reach: f64, boxes: &mut usize) -> Option<f64> {
+    let seen = Interval::new(0.0, reach);
+    let minds: Vec<Mind> = descent.minds_known().collect();
+    let all = Region::around(seen, &crate::noise::Noise::default());
+    let mut open: BinaryHeap<Part> = all.map(|region| Part::of(descent, &minds, region)).collect();
+    for _ in 0..WORK / minds.len().max(1) {
+        let Some(worst) = open.pop() else { break };
+        *boxes += 1;
+        let (low, high) = worst.region.halves_at_goal();
+        open.extend([low, high].map(|half| Part::of(descent, &minds, half)));
+    }
+    open.peek().map(|worst| worst.growth).filter(|growth| growth.is_finite())
+}
+
+/// A box of seen situations, the one with the largest bound first.
+struct Part {
+    growth: f64,
+    region: Region,
+}
+
+impl Part {
+    fn of<L: Subject>(descent: &Descent<'_, L>, minds: &[Mind], region: Region) -> Self {
+        let mut outcomes = Vec::new();
+        let known = minds
+            .iter()
+            .filter(|mind| descent.local_possible_from(&region, **mind))
+            .all(|mind| descent.outcomes_of(&region, *mind, MOST_WAYS, &mut outcomes));
+        if !known {
+            return Self { growth: f64::INFINITY, region };
+        }
+        let drive = descent.drive.cast();
+        let noise = Interval::symmetric(descent.noise.position);
+        let (ahead, aside) = region.true_place(descent.noise.heading);
+        let time = Interval::new(0.0, descent.period);
+        let mut growth = 0.0_f64;
+        for outcome in outcomes.iter().filter(|outcome| outcome.mind.near) {
+            let twist = descent.noise.driven(&drive, outcome.twist);
+            for piece in 0..PIECES {
+                // d(ρ²)/dt = −2·v·x with the goal x ahead.
+                let ahead = ahead + noise.piece(piece, PIECES);
+                let (ahead, _) = seen_moving(ahead, aside + noise, twist, time);
+                let rate = Interval::point(-2.0) * twist.v * ahead * time;
+                growth = growth.max(rate.hi());
+            }
+        }
+        Self { growth, region }
+    }
+}
+
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> core::cmp::Ordering {
+        self.growth.total_cmp(&other.growth)
+    }
+}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Part {}
+
+impl Region {
+    /// Where the goal truly lies in the robot's axes, but for the noise of the position: seen, and turned by the noise of
+    /// the heading.
+    pub(crate) fn true_place(&self, heading_noise: f64) -> (Interval, Interval) {
+        let (sin, cos) = (self.alpha + Interval::symmetric(heading_noise)).sin_cos();
+        (self.seen_rho() * cos, self.seen_rho() * sin)
+    }
+
+    /// Two halves along the side that matters most to the speed: the distance, then the bearing.
+    fn halves_at_goal(&self) -> (Self, Self) {
+        let (mut low, mut high) = (*self, *self);
+        let sides = [100.0 * self.rho.width(), self.alpha.width(), 0.02 * self.phi.width()];
+        if sides[0] >= sides[1].max(sides[2]) {
+            (low.rho, high.rho) = self.rho.halves();
+        } else if sides[1] >= sides[2] {
+            (low.alpha, high.alpha) = self.alpha.halves();
+        } else {
+            (low.phi, high.phi) = self.phi.halves();
+        }
+        (low, high)
+    }
 }

@@ -32,6 +32,8 @@ fn a_law_that_is_told_of_noise_is_certified_too() {
             let certificate = certify(&request(&subject, law.gains.h, period, noise(position, heading_deg)));
             assert!(certificate.certified, "{period} s, {position} m: {certificate:?}");
             assert!(certificate.capture_radius.is_some_and(|r| r <= radius), "{certificate:?}");
+            let last = certificate.final_position_bound;
+            assert!(last.is_some_and(|bound| bound < 1.3 * radius), "{certificate:?}");
         }
     }
 }
@@ -143,4 +145,16 @@ fn the_margin_is_positive_all_round_where_the_law_is_certified() {
     assert!(map.fall.iter().zip(&coarse.fall).all(|(fine, coarse)| fine >= coarse));
     let too_near = at(0.012, 6, 24);
     assert!(too_near.fall.iter().any(|fall| *fall < 0.0));
+}
+
+#[test]
+fn nothing_is_claimed_where_the_robot_may_have_arrived_and_rest() {
+    let law = hybrid(0.02);
+    let subject = shipped(law);
+    let asked = request(&subject, law.gains.h, 0.02, noise(0.007, 0.25));
+    let radius = |rests_within| certify(&Request { rests_within, ..asked }).capture_radius;
+    // The default tolerance, widened by its release, is inside of what is shown anyhow.
+    assert_eq!(radius(0.015), radius(0.0));
+    assert!(radius(0.06).is_some_and(|radius| (0.067..0.068).contains(&radius)));
+    assert_eq!(certify(&Request { rests_within: 0.145, ..asked }).reason, Some(Reason::RestsTooFar));
 }

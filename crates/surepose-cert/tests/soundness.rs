@@ -6,52 +6,26 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{DRIVE, hybrid, noise, request, shipped};
-use surepose::Scalar;
+use common::{DRIVE, Dice, disturb, hybrid, noise, request, shipped, trials};
+use surepose::{HybridLaw, Rest, Scalar};
 use surepose_cert::{Certificate, Mind, Noise, Shipped, Situation, certify};
 
 const CASES: [(f64, f64, f64); 4] =
     [(0.02, 0.007, 0.25), (0.1, 0.007, 0.25), (0.02, 0.02, 1.2), (0.1, 0.02, 1.2)];
 
-/// Repeatable random numbers in [−1, 1): a 64-bit linear congruential generator's upper half.
-struct Dice(u64);
-
-impl Dice {
-    fn either(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        f64::from((self.0 >> 32) as u32) / f64::from(1_u32 << 31) - 1.0
-    }
-    fn flip(&mut self) -> bool {
-        self.either() < 0.0
-    }
-}
-
-fn trials() -> u64 {
-    std::env::var("SUREPOSE_CERT_TRIALS").ok().and_then(|n| n.parse().ok()).unwrap_or(400_000)
-}
-
-fn certified(period: f64, noise: Noise) -> (Shipped, Certificate) {
-    let law = hybrid(period);
+fn certified(period: f64, noise: Noise, rest: Option<Rest<f64>>) -> (Shipped, Certificate) {
+    let law = HybridLaw { rest, ..hybrid(period) };
     let subject = shipped(law);
     let certificate = certify(&request(&subject, law.gains.h, period, noise));
     assert!(certificate.certified);
     (subject, certificate)
 }
 
-/// Noise inside its bounds, on them half of the time.
-fn disturb(situation: &mut Situation, bounds: &Noise, dice: &mut Dice) {
-    let (direction, size) = (PI * dice.either(), if dice.flip() { 1.0 } else { dice.either().abs() });
-    let reach = bounds.position * size * (1.0 - 1e-12);
-    (situation.noise_x, situation.noise_y) = (reach * direction.cos(), reach * direction.sin());
-    let part = dice.either();
-    situation.noise_heading = bounds.heading * if dice.flip() { part.signum() } else { part };
-}
-
 #[test]
 fn no_random_situation_violates_the_certified_decrease() {
     for (k, (period, position, heading_deg)) in CASES.into_iter().enumerate() {
         let bounds = noise(position, heading_deg);
-        let (subject, certificate) = certified(period, bounds);
+        let (subject, certificate) = certified(period, bounds, None);
         let (radius, rate) = (certificate.capture_radius.unwrap(), certificate.decrease_rate.unwrap());
         let mut dice = Dice(k as u64);
         let mut least = f64::INFINITY;
@@ -74,9 +48,11 @@ fn no_random_situation_violates_the_certified_decrease() {
 
 #[test]
 fn runs_are_captured_in_time_and_stay_captured() {
-    for (k, (period, position, heading_deg)) in CASES.into_iter().enumerate() {
+    for k in 0..2 * CASES.len() {
+        let (period, position, heading_deg) = CASES[k / 2];
         let bounds = noise(position, heading_deg);
-        let (subject, certificate) = certified(period, bounds);
+        let rest = (k % 2 == 1).then(|| Rest::of(0.005, period));
+        let (subject, certificate) = certified(period, bounds, rest);
         let (radius, last) = (certificate.capture_radius.unwrap(), certificate.final_position_bound.unwrap());
         let latest = certificate.time_bound.unwrap();
         let mut dice = Dice(100 + k as u64);
@@ -109,7 +85,7 @@ fn runs_are_captured_in_time_and_stay_captured() {
             }
         }
         println!(
-            "{period} s, {position} m: captured by {longest:.1} s (bound {latest:.0} s), then within {farthest:.4} m (bound {last:.4} m)"
+            "{period} s, {position} m, {rest:?}: captured by {longest:.1} s (bound {latest:.0} s), then within {farthest:.4} m (bound {last:.4} m)"
         );
     }
 }

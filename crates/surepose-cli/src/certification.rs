@@ -23,8 +23,8 @@ pub(crate) fn certificate(config: &Config, noise: Noise) -> Certificate {
 
 /// Whether the configured loop is certified, with this law instead of its own.
 pub(crate) fn holds(config: &Config, law: &Law<f64>, noise: Noise) -> bool {
-    let (subject, period) = loop_of(config);
-    asked((Shipped { law: *law, ..subject }, period), noise, 0.0, certify).certified
+    let (subject, period, rests_within) = loop_of(config);
+    asked((Shipped { law: *law, ..subject }, period, rests_within), noise, 0.0, certify).certified
 }
 
 /// What is to be said of this configuration before it drives anything.
@@ -69,7 +69,7 @@ pub(crate) fn margin(
 
 /// What `answer` says to the request about a loop.
 fn asked<T>(
-    (subject, period): (Shipped, f64),
+    (subject, period, rests_within): (Shipped, f64, f64),
     noise: Noise,
     longest_period: f64,
     answer: impl FnOnce(&Request<'_, Shipped>) -> T,
@@ -83,12 +83,15 @@ fn asked<T>(
         noise,
         workspace: WORKSPACE,
         largest_capture_radius: LARGEST_CAPTURE_RADIUS,
+        rests_within,
         longest_period,
     })
 }
 
-/// All that the certificate is about.
-fn loop_of(config: &Config) -> (Shipped, f64) {
+/// All that the certificate is about: law and limits, the period, and the seen distance within which the robot may have
+/// arrived and rest.
+fn loop_of(config: &Config) -> (Shipped, f64, f64) {
     let subject = Shipped { law: config.law(), drive: config.drive(), limits: config.limits() };
-    (subject, config.number(&param::PERIOD))
+    let tolerance = config.controller().tolerance;
+    (subject, config.number(&param::PERIOD), tolerance.position * tolerance.release)
 }

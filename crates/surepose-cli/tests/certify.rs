@@ -115,9 +115,9 @@ fn a_wrong_command_line_exits_with_2() {
 #[test]
 fn a_loop_without_certificate_is_warned_of_before_it_drives() {
     let said = |arguments: &[&str]| surepose(arguments).stderr;
-    let slow = ["--set", "law.k_v=9", "--set", "law.k_alpha=9"];
+    let hasty = ["--set", "law.k_v=10", "--set", "law.k_alpha=100"];
     for command in [&["run", "--json"][..], &["config", "check"]] {
         assert!(!said(command).contains("not certified"), "the default loop is certified");
-        assert!(said(&[command, &slow[..]].concat()).contains("not certified"), "{command:?}");
+        assert!(said(&[command, &hasty[..]].concat()).contains("not certified"), "{command:?}");
     }
 }

@@ -1,8 +1,10 @@
 //! What the certificate's tests share: the shipped law and requests for it.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses a part")]
 
+use std::f64::consts::PI;
+
 use surepose::{Direction, Drive, Gains, HybridLaw, Law, Limits};
-use surepose_cert::{Noise, Request, Shipped, Subject};
+use surepose_cert::{Noise, Request, Shipped, Situation, Subject};
 
 pub const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
 pub const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 1e9 };
@@ -36,6 +38,33 @@ pub fn request<L: Subject>(subject: &L, h: f64, period: f64, noise: Noise) -> Re
         noise,
         workspace: 5.0,
         largest_capture_radius: 0.15,
+        rests_within: 0.0,
         longest_period: 0.0,
     }
+}
+
+/// Repeatable random numbers in [−1, 1): a 64-bit linear congruential generator's upper half.
+pub struct Dice(pub u64);
+
+impl Dice {
+    pub fn either(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from((self.0 >> 32) as u32) / f64::from(1_u32 << 31) - 1.0
+    }
+    pub fn flip(&mut self) -> bool {
+        self.either() < 0.0
+    }
+}
+
+pub fn trials() -> u64 {
+    std::env::var("SUREPOSE_CERT_TRIALS").ok().and_then(|n| n.parse().ok()).unwrap_or(400_000)
+}
+
+/// Noise inside its bounds, on them half of the time.
+pub fn disturb(situation: &mut Situation, bounds: &Noise, dice: &mut Dice) {
+    let (direction, size) = (PI * dice.either(), if dice.flip() { 1.0 } else { dice.either().abs() });
+    let reach = bounds.position * size * (1.0 - 1e-12);
+    (situation.noise_x, situation.noise_y) = (reach * direction.cos(), reach * direction.sin());
+    let part = dice.either();
+    situation.noise_heading = bounds.heading * if dice.flip() { part.signum() } else { part };
 }

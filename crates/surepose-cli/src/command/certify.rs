@@ -199,6 +199,7 @@ fn json_of(certificate: &Certificate) -> Map<String, Json> {
     }
     if let Some(settling) = certificate.settling {
         json.insert("switch_keeps_its_mind".to_owned(), json!(settling.switch_keeps_its_mind()));
+        json.insert("switch_dwell_ticks".to_owned(), json!(settling.switch_dwell));
     }
     json.insert("boxes".to_owned(), json!(certificate.boxes));
     json.insert("wall_s".to_owned(), json!(certificate.wall));

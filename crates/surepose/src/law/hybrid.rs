@@ -21,10 +21,10 @@ use super::rest::Rest;
 /// |---|---|
 /// | ρ > ε | (23) with k_v → min(k_v, V/ρ), k_α → k_α(α), h → h·(ρ/2.7ε)²₊, and v = 0 where cos α < 0 |
 /// | ρ < ε | the same, its ω faded by (ρ/ε)²: the robot finishes the line it is on |
-/// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns only as far as it has arrived: ω·(1 − (ρ cos α/0.35ε)²)₊ |
+/// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns as far as it has arrived: ω·max(0.1, 1 − (ρ cos α/0.35ε)²) |
 ///
-/// (28) keeps the robot until ρ > 0.58ε. With the direction of approach reversed, α, φ and v are those of a robot whose
-/// tail is its nose.
+/// (28) keeps the robot until ρ > 0.85ε; as it trims the heading, ρ² need only exceed what falls evenly to (0.58ε)² in 20
+/// ticks. With the direction of approach reversed, α, φ and v are those of a robot whose tail is its nose.
 ///
 /// # Guarantee
 /// Without noise and in continuous time W = c·ln ρ + ½(α² + h_w·φ²) falls for ρ > ε with c = 2 and h_w = 0.1, at the fitted
@@ -63,8 +63,15 @@ const CAPTURE_RADIUS: f64 = 0.033;
 
 // Radii in capture radii. They were tuned on the bench trial, and the certificate judges them.
 const ENTER: f64 = 0.23;
+/// Beyond this the local law hands back, whatever it does; the squares of the radii fall evenly from this to the next in
+/// so many ticks of trimming. So noise that makes it take over too early cannot make it hand back at once, and a robot
+/// that noise has turned beside the goal is still called back to it.
+const LEAVE_AT_ONCE: f64 = 0.85;
 const LEAVE: f64 = 0.58;
+const TRIMS_TO_LEAVE: f64 = 20.0;
 const ARRIVED: f64 = 0.35;
+/// What is left of the turn before the robot has arrived: noise that hides the arrival does not keep it from turning.
+const TURN_BEFORE: f64 = 0.1;
 const APPROACH: f64 = 2.7;
 /// Bearing beyond which k_α is whole \[rad].
 const WHOLE_ALPHA: f64 = 0.08;
@@ -103,7 +110,7 @@ impl<S: Scalar> HybridLaw<S> {
         let (ahead, reverse) = (&facing.goal, facing.reverse);
         let seen = Seen::of(facing, self.capture_radius);
 
-        let near = seen.near(memory.near);
+        let near = seen.near(memory.near, memory.trims);
         let error = S::select(near, -ahead.heading_error().radians(), ahead.alpha.radians());
         let (error, side) = commitment::to_side(error, memory.side);
         let (zero, one) = (S::of(0.0), S::of(1.0));
@@ -154,7 +161,7 @@ impl<S: Scalar> HybridLaw<S> {
         let omega = twist.omega.clamp(-limit, limit);
         let arrived = one - (seen.ahead * (seen.per_radius * S::of(1.0 / ARRIVED))).squared();
         let trimming = (S::of(2.0) - heading_error.abs() * S::of(1.0 / TRIM)).min(one);
-        Twist::new(twist.v, omega * arrived.max(trimming).max(S::of(0.0)))
+        Twist::new(twist.v, omega * arrived.max(trimming).max(S::of(TURN_BEFORE)))
     }
 }
 
@@ -186,9 +193,12 @@ impl<S: Scalar> Seen<S> {
         Self { cos, sinc, ahead: goal.rho * cos, radii_squared: radii.squared(), per_radius }
     }
 
-    /// Whether the local law is in charge, having been or not.
+    /// Whether the local law is in charge, having been or not, and having trimmed for so many ticks.
     #[inline(always)]
-    fn near(&self, was: S::Mask) -> S::Mask {
-        self.radii_squared.lt(S::select(was, S::of(LEAVE * LEAVE), S::of(ENTER * ENTER)))
+    fn near(&self, was: S::Mask, trims: S) -> S::Mask {
+        const LEAST: f64 = LEAVE * LEAVE;
+        const PER_TRIM: f64 = (LEAVE_AT_ONCE * LEAVE_AT_ONCE - LEAST) / TRIMS_TO_LEAVE;
+        let leave = (S::of(LEAVE_AT_ONCE * LEAVE_AT_ONCE) - trims * S::of(PER_TRIM)).max(S::of(LEAST));
+        self.radii_squared.lt(S::select(was, leave, S::of(ENTER * ENTER)))
     }
 }
