@@ -209,6 +209,9 @@ fn a_law_of_which_a_statement_is_false_does_not_get_it() {
     }
     let waits = judged(plain, Fault::WaitsForArrival, large).settling;
     assert!(waits.is_none_or(|settling| settling.heading_bound.is_none()), "{waits:?}");
+    let stops = certify(&request(&shipped(told), told.gains.h, 0.02, small)).final_position_bound;
+    let stops = stops.expect("shown");
     let backs = judged(told, Fault::BacksAwayAtRest, small);
-    assert!(!backs.certified || backs.final_position_bound.is_none(), "{backs:?}");
+    let stays = backs.final_position_bound.filter(|_| backs.certified);
+    assert!(stays.is_none_or(|bound| bound > 2.0 * stops), "{stops} m at rest; {backs:?}");
 }
