@@ -20,7 +20,7 @@ use crate::law::{Arrival, Law, Memory, Phase, Tolerance};
 use crate::limit::Limits;
 use crate::navigation::Navigation;
 use crate::pose::Pose;
-use crate::scalar::{Float, Scalar};
+use crate::scalar::{Float, Mask, Scalar};
 
 /// One robot's controller: constants only, no hidden state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +70,9 @@ pub struct Step<S: Scalar> {
     pub progress: Progress<S>,
 }
 
+/// No wheel turns as fast as this \[rad/s].
+const FASTEST: f64 = 1e6;
+
 impl<S: Scalar> Controller<S> {
     /// From where the robot is to how its wheels turn, for one period.
     #[inline]
@@ -88,8 +91,14 @@ impl<S: Scalar> Controller<S> {
         let wanted = Twist::select(arrival.reached(&self.tolerance), Twist::rest(), decision.twist);
         let granted = self.limits.grant(&self.drive, wanted, progress.granted, self.period);
 
-        // How do the wheels turn?
+        // How do the wheels turn? Not at all where no wheel can turn so: constants that no robot has, a pose that is none.
         let wheels = self.drive.rates_from_twist(granted);
+        let turns = |rate: S| rate.abs().lt(S::of(FASTEST));
+        let possible = turns(wheels.right).and(turns(wheels.left));
+        let (granted, wheels) = (
+            Twist::select(possible, granted, Twist::rest()),
+            Wheels::select(possible, wheels, Wheels::rest()),
+        );
         let progress = Progress { memory: decision.memory, arrival, granted };
         Step { navigation, wanted, granted, wheels, progress }
     }

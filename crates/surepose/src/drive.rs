@@ -71,6 +71,19 @@ impl<S: Scalar> Wheels<S> {
         Self { right, left }
     }
 
+    /// Neither turns.
+    #[inline(always)]
+    pub fn rest() -> Self {
+        Self::new(S::of(0.0), S::of(0.0))
+    }
+
+    /// `yes` where `mask` is true, else `no`.
+    #[must_use]
+    #[inline(always)]
+    pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        Self::new(S::select(mask, yes.right, no.right), S::select(mask, yes.left, no.left))
+    }
+
     /// Both times `factor`.
     #[must_use]
     #[inline(always)]

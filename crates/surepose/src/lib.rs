@@ -9,12 +9,16 @@
 //! | `scalar`, `angle`, `frame`, `pose`, `line`, `matrix`, `covariance` | the words |
 //! | [`drive`](Drive) | wheels ↔ twist ↔ motion: Eq. (1), (7)–(9) |
 //! | `estimate` | where am I: Eq. (11)–(18), gates, late measurements |
+//! | `laser` | from a scan to walls that are known again, line by line or beam by beam |
 //! | [`navigation`](Navigation) | the goal as the robot sees it: Eq. (3)–(6) |
 //! | `law` | how should I move: Eq. (19)–(29), hysteresis, arrival |
 //! | [`limit`](Limits) | what the wheels can do |
+//! | [`pid`](Pid) | how a wheel keeps its speed |
 //! | `relocate` | where am I, if I know nothing: several hypotheses until one is left |
 //! | `supervisor` | how far that can be trusted: beside the loop |
 //! | [`closed_loop`] | all of it, one tick |
+//! | [`path`](Path) | what else a robot may follow: the paths of Fig. 6 |
+//! | [`param`] | every parameter with its unit, its range and the reason for it |
 //!
 //! # Frames and units
 //! [`Map`], [`Body`], [`Goal`] and [`Laser`] are right-handed, x forward, angles counter-clockwise. A pose is

@@ -134,6 +134,33 @@ fn any_number() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// A configuration refuses such constants; firmware that has none of that gets a robot that stands.
+#[test]
+fn constants_that_no_robot_has_make_it_rest() {
+    let usual = controller();
+    let broken = [
+        Controller { drive: Drive::new(0.0, 0.6), ..usual },
+        Controller { drive: Drive::new(f64::NAN, 0.6), ..usual },
+        Controller { drive: Drive::new(0.05, 0.0), ..usual },
+        Controller { limits: Limits { wheel_speed: 0.0, ..LIMITS }, ..usual },
+        Controller { limits: Limits { wheel_speed: f64::NAN, ..LIMITS }, ..usual },
+        Controller { limits: Limits { wheel_acceleration: f64::NAN, ..LIMITS }, ..usual },
+        Controller { period: f64::NAN, ..usual },
+    ];
+    let goal = Pose::new(1.0, 0.5, Angle::zero());
+    for controller in broken {
+        let mut progress = Progress::fresh();
+        for pose in
+            [Pose::identity(), Pose::new(1.0, 0.5, Angle::zero()), Pose::new(f64::NAN, 0.0, Angle::zero())]
+        {
+            let step = controller.step(progress, pose, goal);
+            progress = step.progress;
+            let wheels = step.wheels;
+            assert!(wheels.right.is_finite() && wheels.left.is_finite(), "{controller:?}: {wheels:?}");
+        }
+    }
+}
+
 proptest! {
     /// Whatever arrives, the wheels are told something that they can do.
     #[test]

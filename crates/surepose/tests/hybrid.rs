@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use surepose::closed_loop::{Controller, Progress};
 use surepose::{
-    Actuation, Angle, Body, Direction, Drive, Float, Gains, Goal, HybridLaw, Integration, Law, Limits,
-    LocalLaw, Map, Memory, Navigation, PaperLaw, Pose, Rest, Tolerance, Twist,
+    Angle, Body, Direction, Drive, Float, Gains, Goal, HybridLaw, Integration, Law, Limits, LocalLaw, Map,
+    Memory, Navigation, PaperLaw, Pose, Rest, Tolerance, Twist,
 };
 
 const PI: f64 = core::f64::consts::PI;
@@ -161,11 +161,10 @@ fn fitted_gains_suit_the_period_and_the_wheels() {
         let fast = Gains::for_loop(period, &limits(1e4));
         assert!(fast.k_v * period < 0.21 && fast.k_alpha * period < 0.25);
         assert!(fast.k_theta * period < 1.0 + 1e-12, "beyond 1 a turn overshoots");
-        // From full speed, the deceleration that the fitted k_v and k_θ ask for is within the wheels' limit.
-        assert!(
-            slow.k_v * 0.3 <= 0.5
-                && slow.k_theta * Actuation::of(&drive(), &limits(0.5), period).turn_rate * 0.3 <= 0.5
-        );
+        // From full speed 0.3 m/s, what the fitted gains ask for of the wheels' limit of 0.5 m/s²; a wheel runs as fast in a
+        // turn on the spot.
+        let asked = |gain: f64| gain * 0.3 / 0.5;
+        assert!(asked(slow.k_v) < 0.701 && asked(slow.k_theta) < 0.701 && asked(slow.k_alpha) < 2.001);
     }
 }
 

@@ -17,7 +17,7 @@ pub enum Outcome {
 pub enum Refusal {
     /// A value is NaN or infinite, or a range or travel is impossibly large.
     NotFinite,
-    /// A variance is not positive, or a covariance not positive definite.
+    /// A variance is not positive, or one that no sensor has, or a covariance is not positive definite.
     BadVariance,
     /// Its stamp is older than the history reaches.
     Stale,

@@ -41,8 +41,9 @@ impl<S: Scalar> Gains<S> {
     /// Gains for a loop of `period` \[s] whose wheels obey `limits`.
     ///
     /// A gain takes a fixed part of its error away in each period: 0.2 of the distance, 0.24 of the bearing, all of the
-    /// heading error at the first tick of trimming. k_v is 9/s at the most. None is larger than what the wheels' acceleration can follow: an error that shrinks at rate
-    /// k from full speed V needs the deceleration k·V.
+    /// heading error at the first tick of trimming. k_v is 9/s at the most. An error that shrinks at rate k from full speed V
+    /// needs the deceleration k·V: for the distance and the heading that is at most 0.7 of what the wheels can do, and for the
+    /// bearing, which the robot may overshoot on its way, at most twice that limit.
     pub fn for_loop(period: S, limits: &Limits<S>) -> Self {
         let followed = limits.wheel_acceleration / limits.wheel_speed;
         let gain = |part: f64, share: f64| (S::of(part) / period).min(followed * S::of(share));

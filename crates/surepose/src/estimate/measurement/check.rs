@@ -34,12 +34,19 @@ pub(crate) fn finite<S: Float>(values: &[S]) -> Result<(), Refusal> {
     }
 }
 
-fn positive<S: Float>(values: &[S]) -> Result<(), Refusal> {
-    if values.iter().all(|v| v.is_finite() && *v > S::of(0.0)) { Ok(()) } else { Err(Refusal::BadVariance) }
+/// The variances that a sensor can have \[m², rad²]: standard deviations of a picometre and of a million kilometres. Quotients
+/// of what lies beyond overflow.
+const VARIANCES: (f64, f64) = (1e-24, 1e18);
+
+fn positive<S: Float>(variances: &[S]) -> Result<(), Refusal> {
+    let (least, most) = (S::of(VARIANCES.0), S::of(VARIANCES.1));
+    // A NaN compares false.
+    if variances.iter().all(|v| *v >= least && *v <= most) { Ok(()) } else { Err(Refusal::BadVariance) }
 }
 
 fn positive_definite<S: Float>(first: S, second: S, covariance: S) -> Result<(), Refusal> {
-    positive(&[first, second, second - covariance.squared() / first])
+    positive(&[first, second])?;
+    positive(&[second - covariance.squared() / first])
 }
 
 impl<S: Float> Compass<S> {
