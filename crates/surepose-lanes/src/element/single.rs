@@ -75,7 +75,7 @@ impl Element for f32 {
     #[inline(always)]
     fn small_sinc(self) -> Self {
         let z = self * self;
-        let near = z.mul_add(polynomial(z, SINE), 1.0);
+        let near = z.mul_add(horner(z, SINE), 1.0);
         if z <= FRAC_PI_4 * FRAC_PI_4 { near } else { Self::NAN }
     }
     #[inline(always)]
@@ -105,7 +105,7 @@ impl Element for f32 {
         let tangent = numerator / (denominator + Self::MIN_POSITIVE);
         let z = tangent * tangent;
         let from = if steep { FRAC_PI_4 } else { 0.0 };
-        let octant = from + (tangent * z).mul_add(polynomial(z, ARC_TANGENT), tangent);
+        let octant = from + (tangent * z).mul_add(horner(z, ARC_TANGENT), tangent);
 
         let quarter = if up > across { FRAC_PI_2 - octant } else { octant };
         // Below the axis the largest angle is a hair less than π: −π is the same direction as π, which stands for both.
