@@ -6,10 +6,10 @@ use super::Start;
 use super::bench::is_inside;
 
 /// How many trials run side by side: enough to fill vectors, few enough for the nearest cache.
-pub(super) const LANES: usize = 128;
+pub(super) const LANES: usize = 256;
 
 /// How many vectors are in flight at once.
-pub(super) const VECTORS: usize = 4;
+pub(super) const VECTORS: usize = 1;
 
 /// One number for each trial.
 pub(super) type Numbers<T> = Column<T, LANES>;
