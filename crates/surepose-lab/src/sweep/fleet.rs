@@ -40,6 +40,9 @@ pub(super) struct Fleet<T: Element> {
     /// The twist that is wanted this period.
     pub(super) v: Numbers<T>,
     pub(super) omega: Numbers<T>,
+    /// How the wheels carry the robot this period \[m], \[rad].
+    pub(super) length: Numbers<T>,
+    pub(super) turn: Numbers<T>,
     /// What came of the trial so far.
     pub(super) score: Score<T>,
     /// The noise of this period: of the estimated pose, and of the right and the left wheel.

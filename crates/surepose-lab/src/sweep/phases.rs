@@ -35,6 +35,7 @@ pub(super) fn decide<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>) {
 /// Does it for one `period` \[s], as exactly as the wheels do.
 pub(super) fn drive<T: Element>(fleet: &mut Fleet<T>, noise: Option<&Noise>, period: f64) {
     on_widest(Drive(fleet, noise, period));
+    on_widest(Move(fleet));
 }
 
 /// Notes what came of it.
@@ -144,7 +145,14 @@ impl<T: Element> Fleet<T> {
     }
 
     #[inline(always)]
-    fn drive(&mut self, k: usize, motion: Motion<Robots<T>>) {
+    fn set_motion(&mut self, k: usize, motion: Motion<Robots<T>>) {
+        self.length.set(k, motion.length);
+        self.turn.set(k, motion.turn);
+    }
+
+    #[inline(always)]
+    fn drive(&mut self, k: usize) {
+        let motion = Motion { length: self.length.get(k), turn: self.turn.get(k) };
         let pose = self.pose(k).moved(motion, Integration::Arc);
         self.x.set(k, pose.x);
         self.y.set(k, pose.y);
@@ -247,13 +255,27 @@ impl<T: Element> Work for Drive<'_, T> {
                 let right = one + fleet.deviate(3, k) * std;
                 let left = one + fleet.deviate(4, k) * std;
                 let turning = Wheels::new(rims.right * right, rims.left * left);
-                fleet.drive(k, drive.motion_from_travel(turning.scaled(limits.share(rims) * period)));
+                fleet.set_motion(k, drive.motion_from_travel(turning.scaled(limits.share(rims) * period)));
             }
         } else {
             for k in Numbers::<T>::rows::<VECTORS>() {
                 let wanted = fleet.wanted(k);
-                fleet.drive(k, wanted.over(limits.share(drive.rims_from_twist(wanted)) * period));
+                fleet.set_motion(k, wanted.over(limits.share(drive.rims_from_twist(wanted)) * period));
             }
+        }
+    }
+}
+
+/// Moves as far as the wheels turn.
+struct Move<'a, T: Element>(&'a mut Fleet<T>);
+
+impl<T: Element> Work for Move<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for k in Numbers::<T>::rows::<VECTORS>() {
+            self.0.drive(k);
         }
     }
 }
