@@ -45,7 +45,7 @@ pub struct Summary {
     pub path_length_m: f64,
     /// The least time that any drive could take at these wheel speeds, without limits of acceleration.
     pub optimal_time_s: f64,
-    /// How near the robot's centre came to a wall; negative where it went through one.
+    /// How near the robot's middle came to a wall; negative where it was pushed out of the arena.
     pub closest_wall_m: f64,
     /// Largest rim speed asked of the wheels.
     pub wheel_speed_max_m_s: f64,
