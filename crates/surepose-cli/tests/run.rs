@@ -87,6 +87,17 @@ fn time_that_runs_out_exits_with_1() {
     assert_eq!(run.json()["outcome"], "timeout");
 }
 
+#[test]
+fn a_goal_that_is_only_believed_in_is_missed_and_exits_with_1() {
+    let blind = ["run", "--seed", "1", "--set", "laser.beams=2", "--set", "compass.std_deg=180"];
+    let run = surepose(&[&blind[..], &["--json"]].concat());
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let json = run.json();
+    assert_eq!(json["outcome"], "missed", "{json}");
+    assert!(json["final_position_error_m"].as_f64().is_some_and(|error| error > 0.01), "{json}");
+    assert!(surepose(&blind).stderr.contains("outside the tolerance"));
+}
+
 /// Standing in a plate, in a wall or outside of them is a mistake of the command line; behind a plate it is only far.
 #[test]
 fn walls_and_plates_are_in_the_way() {

@@ -149,13 +149,20 @@ impl Drive {
         }
     }
 
+    /// Whether the robot is within the goal's tolerance in truth, whatever it believes.
+    fn is_at_goal(&self) -> bool {
+        let error = Navigation::of(self.rig.world().pose(), self.goal);
+        let tolerance = &self.controller.tolerance;
+        error.rho <= tolerance.position && error.heading_error().radians().abs() <= tolerance.heading
+    }
+
     /// Whether, and how, the drive is over: at the goal the motors must stand, too.
     fn ended(&self) -> Option<Outcome> {
         let world = self.rig.world();
         let stands = world.rim_speeds() == Wheels::new(0.0, 0.0) && world.twist() == Twist::rest();
         let phase = self.progress.arrival.phase(&self.controller.tolerance);
         if phase == Phase::Reached && stands {
-            Some(Outcome::Reached)
+            Some(if self.is_at_goal() { Outcome::Reached } else { Outcome::Missed })
         } else if self.stop_reason().is_some() && (stands || !self.guard.is_walled()) {
             Some(Outcome::Stopped)
         } else {

@@ -26,8 +26,9 @@ use crate::{interrupt, progress};
   surepose run --goal 2,2,90 --seed 7 --out out         another goal; pictures and data into out/
   surepose run --scenario open --start 0,0,180 --set law.direction=reverse --json
 
-Exit codes: 0 reached, 1 time ran out, 4 stopped before a wall or
-by the supervisor, 130 interrupted (with what was done until then).")]
+Exit codes: 0 reached, 1 missed (it rests where it believes the goal to be, and is outside the tolerance in
+truth) or time ran out, 2 wrong command line, 4 stopped before a wall or by the supervisor, 130 interrupted
+(with what was done until then).")]
 pub(crate) struct RunCommand {
     /// Where: paper, open, loop, or a TOML file whose [scenario] says so
     #[arg(long, value_name = "NAME or FILE")]
@@ -102,7 +103,7 @@ impl RunCommand {
         Ok(match summary.outcome {
             _ if interrupt::asked() => Exit::Interrupted,
             Outcome::Reached => Exit::Done,
-            Outcome::Timeout => Exit::Negative,
+            Outcome::Missed | Outcome::Timeout => Exit::Negative,
             Outcome::Stopped => Exit::Stopped,
         })
     }
@@ -175,6 +176,9 @@ fn write(
 fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
     let outcome = match (summary.outcome, summary.stop_reason) {
         (Outcome::Reached, _) => "reached".to_owned(),
+        (Outcome::Missed, _) => {
+            "missed: it believes it is there, and in truth is outside the tolerance".to_owned()
+        }
         (Outcome::Timeout, _) => "time ran out".to_owned(),
         (Outcome::Stopped, None) => "stopped".to_owned(),
         (Outcome::Stopped, Some(reason)) => format!("stopped: {reason}"),

@@ -6,8 +6,10 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The robot rests at the goal.
+    /// The robot rests at the goal, in truth.
     Reached,
+    /// It rests where it believes the goal to be, and is outside the tolerance in truth.
+    Missed,
     /// Time ran out.
     Timeout,
     /// It was stopped on the way.

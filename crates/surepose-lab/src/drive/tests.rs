@@ -249,6 +249,19 @@ fn room_is_half_the_track_on_every_side_and_walls_on_the_way_are_seen() {
     assert_eq!(Scenario::configured(in_the_loop).has_room(), Ok(()));
 }
 
+/// A robot that sees next to nothing believes that it has arrived; it is judged by where it is.
+#[test]
+fn robot_that_only_believes_it_is_there_has_missed() {
+    let blind = Scenario { sensors: Sensors::NONE, ..Scenario::default() };
+    let ends: Vec<Summary> = (1..=20).map(|seed| drive(&blind, seed).1).collect();
+    for end in &ends {
+        let there = end.final_position_error_m <= 0.01 && end.final_heading_error_deg <= 1.0;
+        let expected = if there { Outcome::Reached } else { Outcome::Missed };
+        assert_eq!(end.outcome, expected, "{end:?}");
+    }
+    assert!(ends.iter().any(|end| end.outcome == Outcome::Missed));
+}
+
 #[test]
 fn time_that_runs_out_is_reported() {
     let config = Config::default().with_option("scenario.timeout_s=2").unwrap();
