@@ -120,18 +120,18 @@ fn distance(scenario: &Scenario, samples: &[Sample]) -> Panel {
         .logarithmic()
 }
 
+/// V_l goes on falling while the robot holds: what is shaded is the law whose V is drawn, not the mode.
 fn descent(samples: &[Sample]) -> Panel {
-    let near = |mode| mode == Mode::Near;
-    let mut panel = Panel::new("Lyapunov function: V_g of the global law; shaded: V_l of the local law", "V")
+    let local = stretches(samples, |sample| sample.local);
+    let holding = stretches(samples, |sample| sample.mode == Mode::Holding);
+    let first =
+        |found: &[(f64, f64)], text: &str| found.first().map(|(at, _)| Mark::At(*at, text.to_owned()));
+    let marks = [first(&local, "local law"), first(&holding, "arrived")];
+    Panel::new("Lyapunov function: V_g of the global law; shaded: V_l of the local law", "V")
         .series("V in charge", over(samples, |s| s.lyapunov), Stroke::solid(Color::Green))
-        .shaded(stretches(samples, near))
-        .logarithmic();
-    if let Some((at, _)) = stretches(samples, near).first() {
-        panel = panel.marks([Mark::At(*at, String::new())]);
-    }
-    panel.marks(
-        stretches(samples, |mode| mode == Mode::Holding).first().map(|(at, _)| Mark::At(*at, String::new())),
-    )
+        .shaded(local)
+        .marks(marks.into_iter().flatten())
+        .logarithmic()
 }
 
 fn over(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
@@ -150,12 +150,12 @@ pub(super) fn unwrapped(mut series: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     series
 }
 
-/// From when to when the law was in a mode.
-fn stretches(samples: &[Sample], wanted: impl Fn(Mode) -> bool) -> Vec<(f64, f64)> {
+/// From when to when the samples were such.
+fn stretches(samples: &[Sample], wanted: impl Fn(&Sample) -> bool) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut inside = false;
     for sample in samples {
-        let now = wanted(sample.mode);
+        let now = wanted(sample);
         match found.last_mut() {
             Some(last) if inside => last.1 = sample.time_s,
             _ if now => found.push((sample.time_s, sample.time_s)),
@@ -207,4 +207,27 @@ pub(super) fn true_way(samples: &[Sample]) -> Vec<(f64, f64)> {
 
 fn estimated_way(samples: &[Sample]) -> Vec<(f64, f64)> {
     samples.iter().map(|sample| (sample.estimated_x_m, sample.estimated_y_m)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stretches;
+    use crate::drive::{Mode, drive};
+    use crate::rig::Scenario;
+
+    /// The V that is drawn is V_l from the switch to the end of the drive, which the robot spends holding.
+    #[test]
+    fn shading_covers_all_of_the_local_law() {
+        let (samples, _) = drive(&Scenario::default(), 1);
+        let local = stretches(&samples, |sample| sample.local);
+        let holding = stretches(&samples, |sample| sample.mode == Mode::Holding);
+        let (Some(last), Some(end), Some(held)) = (local.last(), samples.last(), holding.last()) else {
+            panic!("{local:?}, {holding:?}");
+        };
+        assert!(last.0 < held.0 && held.1 >= end.time_s && last.1 >= end.time_s, "{local:?}, {holding:?}");
+        // Where V changes from one law's to the other's it jumps, and nowhere else does it grow by a half.
+        for pair in samples.windows(2) {
+            assert!(pair[0].local != pair[1].local || pair[1].lyapunov < 1.5 * pair[0].lyapunov + 1e-4);
+        }
+    }
 }
