@@ -124,9 +124,13 @@ fn distance(scenario: &Scenario, samples: &[Sample]) -> Panel {
         .logarithmic()
 }
 
-/// V_l goes on falling while the robot holds: what is shaded is the law whose V is drawn, not the mode.
+/// When V is V_l. It goes on falling while the robot holds: it is the law that counts, not the mode.
+fn of_local_law(samples: &[Sample]) -> Vec<(f64, f64)> {
+    stretches(samples, |sample| sample.local)
+}
+
 fn descent(title: &str, samples: &[Sample]) -> Panel {
-    let local = stretches(samples, |sample| sample.local);
+    let local = of_local_law(samples);
     let holding = stretches(samples, |sample| sample.mode == Mode::Holding);
     // What the marks are is said in the title: beside them, near the end of the drive, there is no room for it.
     let marks =
@@ -215,7 +219,7 @@ fn estimated_way(samples: &[Sample]) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{overview, stretches};
+    use super::{of_local_law, overview, stretches};
     use crate::drive::{Mode, drive};
     use crate::rig::Scenario;
 
@@ -223,7 +227,7 @@ mod tests {
     #[test]
     fn shading_covers_all_of_the_local_law() {
         let (samples, _) = drive(&Scenario::default(), 1);
-        let local = stretches(&samples, |sample| sample.local);
+        let local = of_local_law(&samples);
         let holding = stretches(&samples, |sample| sample.mode == Mode::Holding);
         let (Some(last), Some(end), Some(held)) = (local.last(), samples.last(), holding.last()) else {
             panic!("{local:?}, {holding:?}");
