@@ -88,6 +88,41 @@ fn time_that_runs_out_exits_with_1() {
 }
 
 #[test]
+fn a_goal_that_is_only_believed_in_is_missed_and_exits_with_1() {
+    let blind = ["run", "--seed", "1", "--set", "laser.beams=2", "--set", "compass.std_deg=180"];
+    let run = surepose(&[&blind[..], &["--json"]].concat());
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let json = run.json();
+    assert_eq!(json["outcome"], "missed", "{json}");
+    assert!(json["final_position_error_m"].as_f64().is_some_and(|error| error > 0.01), "{json}");
+    assert!(surepose(&blind).stderr.contains("outside the tolerance"));
+}
+
+/// Standing in a plate, in a wall or outside of them is a mistake of the command line; behind a plate it is only far.
+#[test]
+fn walls_and_plates_are_in_the_way() {
+    for (option, named) in [
+        ("--goal=3.6,1,0", "(3.6, 0.4) to (3.6, 1.6)"),
+        ("--goal=-3,0,0", "outside the arena"),
+        ("--start=3.6,1,0", "(3.6, 0.4) to (3.6, 1.6)"),
+        ("--start=-1,1,0", "(-1, 0.8) to (-1, 2)"),
+    ] {
+        let run = surepose(&["run", option, "--json"]);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{option}: {}", run.stderr);
+        let flag = option.split('=').next().expect("its name");
+        assert!(run.stderr.contains(named) && run.stderr.contains(flag), "{option}: {}", run.stderr);
+    }
+    let run = surepose(&["run", "--goal", "4.1,1,0", "--json"]);
+    assert_eq!(run.code, 4, "{}", run.stderr);
+    let json = run.json();
+    assert_eq!((&json["outcome"], &json["stop_reason"]), (&"stopped".into(), &"wall".into()), "{json}");
+    assert!(json["closest_wall_m"].as_f64().is_some_and(|nearest| nearest > 0.0), "{json}");
+    assert_eq!(json["final_speed_m_s"], 0.0, "{json}");
+    assert!(run.stderr.contains("does not go round"), "{}", run.stderr);
+    assert_eq!(surepose(&["run", "--scenario", "loop", "--json"]).code, 0);
+}
+
+#[test]
 fn a_wrong_command_line_exits_with_2() {
     let folder = folder("run-wrong");
     let not_a_folder = file(&folder, "file", b"");

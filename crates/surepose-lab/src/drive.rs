@@ -4,13 +4,14 @@
 //! the wheels of a robot of `surepose-sim`.
 
 mod guard;
+mod lookout;
 mod sample;
 mod summary;
 #[cfg(test)]
 mod tests;
 
 use surepose::closed_loop::{Controller, Progress, Tick};
-use surepose::{Goal, Map, Navigation, Phase, Pose, Reason, Verdict, Wheels, param};
+use surepose::{Goal, Map, Navigation, Phase, Pose, Reason, Twist, Verdict, Wheels, param};
 
 use crate::optimal::fastest;
 use crate::replay::Score;
@@ -88,6 +89,9 @@ impl Drive {
         let now = self.rig.world().now().seconds();
         let last = self.progress.granted;
         let step = self.guard.allow(self.rig.verdict(), &self.controller, step, last, now, self.can_look);
+        let world = self.rig.world();
+        let step =
+            self.guard.keep_off_walls(&world.model().arena, world.pose(), &self.controller, step, last);
         self.progress = step.progress;
         self.wheels = step.wheels;
 
@@ -113,7 +117,8 @@ impl Drive {
     /// Why the robot was stopped, where it was.
     fn stop_reason(&self) -> Option<&'static str> {
         let gave_up = self.guard.gave_up(self.rig.world().now().seconds());
-        if self.closest_wall < 0.0 { Some("wall") } else { gave_up.map(Reason::name) }
+        let by_wall = self.guard.is_walled() || self.closest_wall < 0.0;
+        if by_wall { Some("wall") } else { gave_up.map(Reason::name) }
     }
 
     /// The figures up to now; a drive that has not ended counts as stopped.
@@ -144,14 +149,21 @@ impl Drive {
         }
     }
 
+    /// Whether the robot is within the goal's tolerance in truth, whatever it believes.
+    fn is_at_goal(&self) -> bool {
+        let error = Navigation::of(self.rig.world().pose(), self.goal);
+        let tolerance = &self.controller.tolerance;
+        error.rho <= tolerance.position && error.heading_error().radians().abs() <= tolerance.heading
+    }
+
     /// Whether, and how, the drive is over: at the goal the motors must stand, too.
     fn ended(&self) -> Option<Outcome> {
         let world = self.rig.world();
-        let rims = world.rim_speeds();
+        let stands = world.rim_speeds() == Wheels::new(0.0, 0.0) && world.twist() == Twist::rest();
         let phase = self.progress.arrival.phase(&self.controller.tolerance);
-        if phase == Phase::Reached && rims == Wheels::new(0.0, 0.0) {
-            Some(Outcome::Reached)
-        } else if self.stop_reason().is_some() {
+        if phase == Phase::Reached && stands {
+            Some(if self.is_at_goal() { Outcome::Reached } else { Outcome::Missed })
+        } else if self.stop_reason().is_some() && (stands || !self.guard.is_walled()) {
             Some(Outcome::Stopped)
         } else {
             (world.now().seconds() >= self.timeout).then_some(Outcome::Timeout)

@@ -11,7 +11,7 @@ use surepose::{Belief, Body, Goal, Health, Hypothesis, Map, Pose, Stamp, Tally, 
 use surepose_data::config::CompassMounting;
 use surepose_sim::{Seed, Segment, World};
 
-pub use scenario::{Reading, Scenario, Sensors};
+pub use scenario::{NoRoom, Reading, Scenario, Sensors};
 pub use senses::{HISTORY, Localisation, localisation, scan_of, translated};
 pub use watch::{SEARCH_RATE, Watch};
 

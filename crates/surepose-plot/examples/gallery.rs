@@ -43,7 +43,7 @@ fn main() -> Result<(), surepose_plot::PlotError> {
                 .series("wanted", over(&|t| 0.3 * (-t / 4.0).exp()), Stroke::thin(Color::Vermilion))
                 .series("driven", over(&|t| 0.3 * (-t / 5.0).exp()), Stroke::solid(Color::Blue))
                 .marks([Mark::At(9.0, "local law".to_owned()), Mark::Level(0.0)])
-                .shaded([(9.0, 12.0)]),
+                .shaded([(9.0, 12.0)], Color::Sky),
         )
         .panel(Panel::new("Turn rate", "ω [°/s]").series(
             "driven",

@@ -18,6 +18,7 @@ use crate::style::{Color, Stroke};
 pub struct Chart {
     x_label: String,
     logarithmic: bool,
+    compact: bool,
     panels: Vec<Panel>,
 }
 
@@ -29,7 +30,7 @@ pub struct Panel {
     series: Vec<Series>,
     bars: Option<Bars>,
     marks: Vec<Mark>,
-    shaded: Vec<(f64, f64)>,
+    shaded: Vec<(f64, f64, Color)>,
     logarithmic: bool,
     range: Option<(f64, f64)>,
 }
@@ -69,11 +70,19 @@ const NO_LEGEND: f64 = 28.0;
 const FOOT: f64 = 26.0;
 /// Size of a panel's axes \[px].
 const PANEL: (f64, f64) = (620.0, 180.0);
+/// The same in a small picture.
+const COMPACT_PANEL: (f64, f64) = (350.0, 119.0);
 
 impl Panel {
     /// An empty panel.
     pub fn new(title: impl Into<String>, y_label: impl Into<String>) -> Self {
-        Self { title: title.into(), y_label: y_label.into(), ..Self::default() }
+        Self::default().titled(title, y_label)
+    }
+
+    /// With this title and this label of its axis.
+    #[must_use]
+    pub fn titled(self, title: impl Into<String>, y_label: impl Into<String>) -> Self {
+        Self { title: title.into(), y_label: y_label.into(), ..self }
     }
 
     /// With values.
@@ -99,8 +108,8 @@ impl Panel {
 
     /// With parts of the common axis shaded.
     #[must_use]
-    pub fn shaded(mut self, parts: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        self.shaded.extend(parts);
+    pub fn shaded(mut self, parts: impl IntoIterator<Item = (f64, f64)>, color: Color) -> Self {
+        self.shaded.extend(parts.into_iter().map(|(from, to)| (from, to, color)));
         self
     }
 
@@ -160,6 +169,13 @@ impl Chart {
         self
     }
 
+    /// With smaller panels: for a picture that shall be read in a column of text.
+    #[must_use]
+    pub fn compact(mut self) -> Self {
+        self.compact = true;
+        self
+    }
+
     /// With another panel below.
     #[must_use]
     pub fn panel(mut self, panel: Panel) -> Self {
@@ -176,7 +192,8 @@ impl Chart {
     pub fn cells(self) -> Vec<Cell> {
         let xs = self.panels.iter().flat_map(|p| &p.series).flat_map(|s| s.points.iter().map(|(x, _)| *x));
         let edges = self.panels.iter().filter_map(|p| p.bars.as_ref()).flat_map(|bars| &bars.edges);
-        let xs = xs.chain(edges.copied());
+        let shaded = self.panels.iter().flat_map(|p| &p.shaded).flat_map(|(from, to, _)| [*from, *to]);
+        let xs = xs.chain(edges.copied()).chain(shaded);
         let (low, high) =
             xs.filter(|x| x.is_finite()).fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
         // An axis that nearly starts at 0 does.
@@ -186,9 +203,11 @@ impl Chart {
         // All panels end at the same place, or their common axis would not be common.
         let labelled = self.panels.iter().flat_map(|p| &p.series).any(|series| !series.label.is_empty());
         let right = if labelled { MARGINS[1] } else { NO_LEGEND };
+        let size = if self.compact { COMPACT_PANEL } else { PANEL };
         let (x_label, logarithmic) = (self.x_label, self.logarithmic);
         let cell = |(i, panel): (usize, Panel)| {
-            let mut cell = panel.cell(range, right, if i == last { Some(x_label.as_str()) } else { None });
+            let label = if i == last { Some(x_label.as_str()) } else { None };
+            let mut cell = panel.cell(range, size, right, label);
             if logarithmic {
                 cell.layout =
                     cell.layout.with_log_x().with_x_tick_format(TickFormat::Custom(Arc::new(decimal)));
@@ -200,11 +219,17 @@ impl Chart {
 }
 
 impl Panel {
-    fn cell(self, (left, right): (f64, f64), margin_right: f64, x_label: Option<&str>) -> Cell {
+    fn cell(
+        self,
+        (left, right): (f64, f64),
+        size: (f64, f64),
+        margin_right: f64,
+        x_label: Option<&str>,
+    ) -> Cell {
         let (low, high) = self.bounds();
         let [margin_left, _, top, bottom] = MARGINS;
         let bottom = bottom + if x_label.is_some() { FOOT } else { 0.0 };
-        let (width, height) = (PANEL.0 + margin_left + margin_right, PANEL.1 + top + bottom);
+        let (width, height) = (size.0 + margin_left + margin_right, size.1 + top + bottom);
         let mut layout = Layout::new((left, right), (low, high))
             .with_title(self.title.clone())
             .with_title_size(14)
@@ -229,9 +254,9 @@ impl Panel {
             layout = layout.with_y_label_offset(-8.0, 0.0);
             layout = layout.with_log_y().with_y_tick_format(TickFormat::Custom(Arc::new(decimal)));
         }
-        for (from, to) in &self.shaded {
+        for (from, to, color) in &self.shaded {
             layout = layout.with_shaded_region(
-                ShadedRegion::vertical(*from, *to).with_color(Color::Sky.hex()).with_opacity(0.25),
+                ShadedRegion::vertical(*from, *to).with_color(color.hex()).with_opacity(0.25),
             );
         }
         for mark in &self.marks {
@@ -252,7 +277,11 @@ impl Panel {
             Plot::Histogram(Histogram::from_bins(bars.edges, bars.counts).with_color(bars.color.hex()))
         });
         let lines = self.series.into_iter().map(|s| line(&s.label, visible(s.points), s.stroke));
-        let plots: Vec<Plot> = bars.into_iter().chain(lines).collect();
+        let mut plots: Vec<Plot> = bars.into_iter().chain(lines).collect();
+        if plots.is_empty() {
+            // The library draws no axes round nothing: a point on their corner is not seen.
+            plots.push(line("", std::iter::once((left, low)), Stroke::thin(Color::Mist)));
+        }
         Cell { plots, layout, width, height, underlay: None }
     }
 }

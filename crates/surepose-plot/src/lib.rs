@@ -4,14 +4,17 @@
 //! the axes show; nothing here knows what they mean.
 
 mod chart;
+mod items;
 mod map;
 mod picture;
+mod raster;
 mod scale;
 mod style;
 mod tiles;
 
 pub use chart::{Chart, Mark, Panel, Series};
-pub use map::{Arrow, DotPaint, Dots, Map, Outline, Trace};
+pub use items::{Arrow, DotPaint, Dots, Outline, Trace};
+pub use map::Map;
 pub use picture::{Cell, Picture, PlotError, beside, beside_column, stacked};
 pub use scale::Scale;
 pub use style::{Color, Stroke};

@@ -6,6 +6,7 @@ use kuva::plot::{LinePlot, QuiverPlot, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
+use crate::items::{Arrow, DotPaint, Dots, Outline, Trace};
 use crate::picture::{Cell, Picture, Underlay, beside};
 use crate::scale::Scale;
 use crate::style::{Color, Stroke};
@@ -25,6 +26,7 @@ pub struct Map {
     arrows: Vec<Arrow>,
     window: Option<[(f64, f64); 2]>,
     axes: Option<Axes>,
+    compact: bool,
 }
 
 /// What the axes of a map say.
@@ -36,63 +38,6 @@ struct Axes {
 }
 
 const METRES: Axes = Axes { per_metre: 1.0, labels: ["x [m]", "y [m]"], step: None };
-
-/// Places of one kind.
-#[derive(Clone, Debug)]
-pub struct Dots {
-    /// What the legend calls them.
-    pub label: String,
-    /// The places.
-    pub points: Vec<(f64, f64)>,
-    /// What they are drawn in.
-    pub paint: DotPaint,
-    /// Radius \[px].
-    pub radius: f64,
-}
-
-/// What dots are drawn in.
-#[derive(Clone, Debug)]
-pub enum DotPaint {
-    /// One colour.
-    Plain(Color),
-    /// The shade of a value for each, by the map's [`Scale`].
-    Values(Vec<f64>),
-}
-
-/// A way.
-#[derive(Clone, Debug)]
-pub struct Trace {
-    /// What the legend calls it.
-    pub label: String,
-    /// Its points.
-    pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
-    pub stroke: Stroke,
-}
-
-/// Closed curves of one kind.
-#[derive(Clone, Debug)]
-pub struct Outline {
-    /// What the legend calls them.
-    pub label: String,
-    /// The points of each.
-    pub curves: Vec<Vec<(f64, f64)>>,
-    /// How they are drawn.
-    pub stroke: Stroke,
-}
-
-/// A pose, as an arrow from its position along its heading.
-#[derive(Clone, Debug)]
-pub struct Arrow {
-    /// What the legend calls it.
-    pub label: String,
-    /// Position.
-    pub at: (f64, f64),
-    /// Heading \[rad].
-    pub heading: f64,
-    /// Its colour.
-    pub color: Color,
-}
 
 /// Left, right, upper and lower margins of a map's axes \[px].
 const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
@@ -109,6 +54,11 @@ const CROWDED: usize = 50;
 const LONGEST: f64 = 560.0;
 const LONGEST_FINE: f64 = 1000.0;
 const FINE: usize = 280;
+/// The longest side of a map that is one part of a small picture, and the columns of the legend below it.
+const LONGEST_COMPACT: f64 = 400.0;
+const LEGEND_COLUMNS: usize = 2;
+/// Space below that legend \[px].
+const LEGEND_FOOT: f64 = 12.0;
 
 impl Map {
     /// An empty map.
@@ -200,6 +150,13 @@ impl Map {
         self
     }
 
+    /// Smaller, with its legend below it: for a picture that shall be read in a column of text.
+    #[must_use]
+    pub fn compact(mut self) -> Self {
+        self.compact = true;
+        self
+    }
+
     /// The map as a picture of its own.
     pub fn picture(self) -> Picture {
         beside(vec![self.cell()])
@@ -214,7 +171,9 @@ impl Map {
         let [left, right, top, bottom] = MARGINS;
         let entries = self.legend_entries();
         let bar = if self.scale.is_some() { Scale::ROOM } else { 0.0 };
-        let legend = if entries > 0 { LEGEND.max(bar) } else { bar };
+        let legend = if entries > 0 && !self.compact { LEGEND.max(bar) } else { bar };
+        let rows = entries.div_ceil(LEGEND_COLUMNS) as f64;
+        let bottom = bottom + if self.compact { rows * ENTRY + LEGEND_FOOT } else { 0.0 };
         let (width, height) = (span_x * per_metre + left + right + legend, span_y * per_metre + top + bottom);
 
         let arrow_length = 28.0 / per_metre;
@@ -231,7 +190,12 @@ impl Map {
             .with_box_axes()
             .with_force_margins(left, right + legend)
             .with_force_margins_y(top, bottom)
-            .with_legend_position(LegendPosition::OutsideRightTop)
+            .with_legend_position(if self.compact {
+                LegendPosition::OutsideBottomColumns
+            } else {
+                LegendPosition::OutsideRightTop
+            })
+            .with_legend_col_limit(LEGEND_COLUMNS)
             .with_legend_box(false)
             .with_width(width)
             .with_height(height);
@@ -269,11 +233,12 @@ impl Map {
     /// Pixels of a metre where the longer side has `longest` \[m]: where there are cells, each gets so many half pixels
     /// that its edges lie between those of the PNG.
     fn pixels_per_metre(&self, longest: f64) -> f64 {
-        let Some(tiles) = &self.tiles else { return LONGEST / longest };
+        let side = if self.compact { LONGEST_COMPACT } else { LONGEST };
+        let Some(tiles) = &self.tiles else { return side / longest };
         let fine = tiles.columns.max(tiles.rows()) > FINE;
-        let (side, wanted) = (tiles.side, if fine { LONGEST_FINE } else { LONGEST } / longest);
-        let halves = (2.0 * wanted * side).round();
-        if halves >= 1.0 { halves / (2.0 * side) } else { wanted }
+        let (cell, wanted) = (tiles.side, if fine { LONGEST_FINE } else { side } / longest);
+        let halves = (2.0 * wanted * cell).round();
+        if halves >= 1.0 { halves / (2.0 * cell) } else { wanted }
     }
 
     fn plots(self, scale: f64, arrow_length: f64, on_walls: Stroke) -> Vec<Plot> {

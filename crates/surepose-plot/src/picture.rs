@@ -2,18 +2,15 @@
 
 use std::path::Path;
 
-use kuva::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene};
 
+use crate::raster;
 use crate::scale::Scale;
 use crate::tiles::Tiles;
-
-/// Pixels of the PNG for each unit of the SVG.
-const PNG_SCALE: f32 = 2.0;
 
 /// A picture, ready to be written.
 pub struct Picture {
@@ -42,7 +39,7 @@ impl Picture {
     /// # Errors
     /// [`PlotError::Raster`].
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
-        PngBackend::new().with_scale(PNG_SCALE).render_scene(&self.scene).map_err(PlotError::Raster)
+        raster::png(&self.scene).map_err(PlotError::Raster)
     }
 
     /// Writes `folder/name.svg` and `folder/name.png`.

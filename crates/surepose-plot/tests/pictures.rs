@@ -18,7 +18,10 @@ fn chart(points: Vec<(f64, f64)>) -> Picture {
     let panel = Panel::new("speed", "v [m/s]").series("v", points, Stroke::solid(Color::Blue));
     Chart::over("time [s]")
         .panel(
-            panel.clone().marks([Mark::At(1.0, "switch".to_owned()), Mark::Level(0.0)]).shaded([(1.0, 2.0)]),
+            panel
+                .clone()
+                .marks([Mark::At(1.0, "switch".to_owned()), Mark::Level(0.0)])
+                .shaded([(1.0, 2.0)], Color::Sky),
         )
         .panel(panel.logarithmic())
         .picture()

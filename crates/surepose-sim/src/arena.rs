@@ -25,6 +25,19 @@ impl Segment {
         let part = if squared > 0.0 { ((px * ex + py * ey) / squared).clamp(0.0, 1.0) } else { 0.0 };
         (px - part * ex).hypot(py - part * ey)
     }
+
+    /// Whether the straight way `from` here `to` there meets the segment; touching it is meeting it.
+    ///
+    /// A way along the segment's own line is not seen to: its ends are near the segment, which its distance tells.
+    pub fn is_met_between(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> bool {
+        let side = |a: Point<Map, f64>, b: Point<Map, f64>, p: Point<Map, f64>| {
+            (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
+        };
+        let opposite = |one: f64, other: f64| (one <= 0.0) != (other <= 0.0) || one == 0.0 || other == 0.0;
+        let [start, end] = [self.start, self.end].map(|at| side(from, to, at));
+        let [here, there] = [from, to].map(|at| side(self.start, self.end, at));
+        (start != 0.0 || end != 0.0) && opposite(start, end) && opposite(here, there)
+    }
 }
 
 /// A place with walls.
@@ -107,11 +120,24 @@ impl Arena {
     }
 
     /// Distance from `point` to the nearest wall \[m], negative outside the surrounding rectangle.
+    ///
+    /// Both sides of a plate are inside: that a way went through one, only [`met_between`](Self::met_between) tells.
     pub fn clearance(&self, point: Point<Map, f64>) -> f64 {
-        let nearest = self.walls.iter().map(|w| w.distance_to(point)).fold(f64::INFINITY, f64::min);
+        let nearest = self.nearest_wall(point).map_or(f64::INFINITY, |wall| wall.distance_to(point));
         let [low, high] = self.corners;
         let inside = point.x > low.0 && point.x < high.0 && point.y > low.1 && point.y < high.1;
         if inside { nearest } else { -nearest }
+    }
+
+    /// The wall or plate nearest to `point`, where there are any.
+    pub fn nearest_wall(&self, point: Point<Map, f64>) -> Option<&Segment> {
+        let distance = |wall: &&Segment| wall.distance_to(point);
+        self.walls.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// A wall or plate that the straight way `from` here `to` there meets.
+    pub fn met_between(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> Option<&Segment> {
+        self.walls.iter().find(|wall| wall.is_met_between(from, to))
     }
 }
 
@@ -128,7 +154,7 @@ pub fn loop_course() -> Result<Path<f64, 8>, NotAPath> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Arena, loop_course};
+    use super::{Arena, Segment, loop_course};
     use surepose::Point;
 
     #[test]
@@ -139,6 +165,22 @@ mod tests {
         {
             assert!((arena.clearance(Point::new(x, y)) - clearance).abs() < 1e-12, "at {x}, {y}");
         }
+    }
+
+    #[test]
+    fn ways_through_walls_and_plates_meet_them_and_others_do_not() {
+        let arena = Arena::loop_world();
+        let met = |from: (f64, f64), to: (f64, f64)| {
+            arena.met_between(Point::new(from.0, from.1), Point::new(to.0, to.1)).copied()
+        };
+        let plate = Some(Segment::between((5.2, 0.6), (5.2, 1.6)));
+        assert_eq!(met((5.0, 1.0), (5.4, 1.1)), plate);
+        assert_eq!(met((5.4, 1.1), (5.0, 1.0)), plate);
+        assert_eq!(met((5.0, 1.0), (5.2, 1.0)), plate, "a way that ends in a plate");
+        assert_eq!(met((5.0, 1.6), (5.4, 1.6)), plate, "a way over the end of a plate");
+        assert_eq!(met((5.0, 1.7), (5.4, 1.7)), None, "past the end of a plate");
+        assert_eq!(met((4.0, 1.0), (5.19, 1.0)), None, "a way that ends before a plate");
+        assert_eq!(met((5.5, 1.0), (6.1, 1.0)), Some(Segment::between((6.0, 0.0), (6.0, 4.0))));
     }
 
     #[test]

@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Map, Value as Json};
+use surepose::param;
 use surepose_data::Config;
 use surepose_lab::drive::{Drive, Outcome, Sample, Summary};
 use surepose_lab::picture;
-use surepose_lab::rig::Scenario;
+use surepose_lab::rig::{NoRoom, Scenario};
+use surepose_sim::Segment;
 
 use crate::certification;
 use crate::exit::Exit;
@@ -24,7 +26,9 @@ use crate::{interrupt, progress};
   surepose run --goal 2,2,90 --seed 7 --out out         another goal; pictures and data into out/
   surepose run --scenario open --start 0,0,180 --set law.direction=reverse --json
 
-Exit codes: 0 reached, 1 time ran out, 4 stopped at a wall, 130 interrupted (with what was done until then).")]
+Exit codes: 0 reached, 1 missed (it rests where it believes the goal to be, and is outside the tolerance in
+truth) or time ran out, 2 wrong command line, 4 stopped before a wall or by the supervisor, 130 interrupted
+(with what was done until then).")]
 pub(crate) struct RunCommand {
     /// Where: paper, open, loop, or a TOML file whose [scenario] says so
     #[arg(long, value_name = "NAME or FILE")]
@@ -61,6 +65,13 @@ impl RunCommand {
         for said in certification::warnings(&scenario.config) {
             warning(&said);
         }
+        if let Some(wall) = scenario.wall_on_the_way() {
+            let Segment { start: a, end: b } = wall;
+            warning(&format!(
+                "the wall from ({}, {}) to ({}, {}) stands between start and goal: the law does not go round obstacles",
+                a.x, a.y, b.x, b.y
+            ));
+        }
         // A folder that cannot be written to is found before the drive, not after it.
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
 
@@ -92,7 +103,7 @@ impl RunCommand {
         Ok(match summary.outcome {
             _ if interrupt::asked() => Exit::Interrupted,
             Outcome::Reached => Exit::Done,
-            Outcome::Timeout => Exit::Negative,
+            Outcome::Missed | Outcome::Timeout => Exit::Negative,
             Outcome::Stopped => Exit::Stopped,
         })
     }
@@ -119,8 +130,31 @@ impl RunCommand {
                 config = config.with_option(&format!("scenario.{section}_{key}={value}"))?;
             }
         }
-        Ok(Scenario::configured(config))
+        let scenario = Scenario::configured(config);
+        scenario.has_room().map_err(|problem| no_room(&problem, &scenario))?;
+        Ok(scenario)
     }
+}
+
+/// Which option puts it right, and where else the pose may have come from.
+fn no_room(problem: &NoRoom, scenario: &Scenario) -> Failure {
+    let (key, parameter) = match problem.end {
+        "start" => ("start", &param::START_X),
+        _ => ("goal", &param::GOAL_X),
+    };
+    let [low, high] = scenario.arena.corners();
+    let help = format!(
+        "give --{key} a place at least {:.2} m (half of robot.track_m) from every wall and plate; the arena '{}' \
+         reaches from ({}, {}) to ({}, {}); this {key} comes from: {}",
+        problem.needed,
+        scenario.arena.name(),
+        low.0,
+        low.1,
+        high.0,
+        high.1,
+        scenario.config.origin(parameter),
+    );
+    Failure::Usage { what: problem.to_string(), help }
 }
 
 fn write(
@@ -142,6 +176,9 @@ fn write(
 fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
     let outcome = match (summary.outcome, summary.stop_reason) {
         (Outcome::Reached, _) => "reached".to_owned(),
+        (Outcome::Missed, _) => {
+            "missed: it believes it is there, and in truth is outside the tolerance".to_owned()
+        }
         (Outcome::Timeout, _) => "time ran out".to_owned(),
         (Outcome::Stopped, None) => "stopped".to_owned(),
         (Outcome::Stopped, Some(reason)) => format!("stopped: {reason}"),

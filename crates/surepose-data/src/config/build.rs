@@ -11,6 +11,10 @@ use surepose::{
 
 use super::{Config, Origin};
 
+/// ε_P of the paper's law \[m]. Its local law takes over on all of ρ < ε_P and turns no wheel for the sideways error, so
+/// that ε_P may be no larger than the tolerance. [Tran2012] does not print it.
+const PAPER_CAPTURE_RADIUS: f64 = 0.01;
+
 /// How the compass is mounted, and what it is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompassMounting {
@@ -45,12 +49,13 @@ impl Config {
         Drive { radius: Wheels::new(ratio * left, left), track: self.number(&param::TRACK) }
     }
 
-    /// These values, with the gains that nobody set fitted to the law, the period and the wheels.
+    /// These values, with the gains that nobody set fitted to the law, the period and the wheels, and the capture radius
+    /// to the law.
     #[must_use]
     pub fn fitted(&self) -> Self {
-        let (name, gains) = match self.choice(&param::LAW_NAME) {
-            "paper" => ("paper", Gains::paper()),
-            _ => ("fitted", Gains::for_loop(self.number(&param::PERIOD), &self.limits())),
+        let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
+            "paper" => ("paper", Gains::paper(), Some(PAPER_CAPTURE_RADIUS)),
+            _ => ("fitted", Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
         };
         let values = [
             (&param::K_V, gains.k_v),
@@ -58,7 +63,8 @@ impl Config {
             (&param::H, gains.h),
             (&param::K_THETA, gains.k_theta),
         ];
-        let free = values.into_iter().filter(|(gain, _)| self.origin(gain) == Origin::Default);
+        let values = values.into_iter().chain(radius.map(|radius| (&param::CAPTURE_RADIUS, radius)));
+        let free = values.filter(|(gain, _)| self.origin(gain) == Origin::Default);
         self.clone().with_preset(name, &free.collect::<Vec<_>>())
     }
 
@@ -84,7 +90,7 @@ impl Config {
 
     /// The control law.
     pub fn law(&self) -> Law<f64> {
-        let (gains, capture_radius) = (self.gains(), self.number(&param::CAPTURE_RADIUS));
+        let (gains, capture_radius) = (self.gains(), self.fitted().number(&param::CAPTURE_RADIUS));
         let (noise, period) = (self.number(&param::POSITION_NOISE), self.number(&param::PERIOD));
         match self.choice(&param::LAW_NAME) {
             "paper" => Law::Paper(PaperLaw { gains, capture_radius, capture_heading: PI }),

@@ -60,6 +60,27 @@ fn a_wrong_unit_is_converted_for_the_user() {
 }
 
 #[test]
+fn the_papers_law_has_a_capture_radius_of_its_own_unless_one_is_set() {
+    let radius = |options: &[&str]| {
+        let config = options
+            .iter()
+            .fold(Config::default(), |config, option| config.with_option(option).expect("valid"));
+        let (surepose::Law::Hybrid(surepose::HybridLaw { capture_radius, .. })
+        | surepose::Law::Paper(surepose::PaperLaw { capture_radius, .. })) = config.law();
+        assert!((config.fitted().number(&param::CAPTURE_RADIUS) - capture_radius).abs() < 1e-15);
+        capture_radius
+    };
+    for (options, expected) in [
+        (&[][..], 0.033),
+        (&["law.name=paper"], 0.01),
+        (&["law.name=paper", "law.capture_radius_m=0.033"], 0.033),
+        (&["law.capture_radius_m=0.05"], 0.05),
+    ] {
+        assert!((radius(options) - expected).abs() < 1e-15, "{options:?}: {}", radius(options));
+    }
+}
+
+#[test]
 fn slips_are_recognised() {
     let found = complaints(
         "[robott]\n[law]\nk_alfa = 3\ntrack_m = 1\nname = \"papper\"\nxyz = 1\n[loop]\nperiod_s = \"0.1\"",

@@ -1,8 +1,10 @@
-//! What the supervisor leaves of what the controller wants.
+//! What the supervisor, and walls ahead, leave of what the controller wants.
 
 use surepose::closed_loop::{Controller, Progress, Step};
-use surepose::{Reason, Twist, Verdict};
+use surepose::{Body, Map, Pose, Reason, Twist, Verdict};
+use surepose_sim::Arena;
 
+use super::lookout::is_blocked;
 use crate::rig::SEARCH_RATE;
 
 /// A drive that the supervisor has stopped for so long \[s] is over.
@@ -12,6 +14,8 @@ const PATIENCE: f64 = 10.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Guard {
     held: Option<(Reason, f64)>,
+    /// A wall stood in the way: the drive brakes and is over.
+    walled: bool,
 }
 
 impl Guard {
@@ -37,15 +41,38 @@ impl Guard {
             Verdict::Stop(Reason::Lost) if can_look => Twist::new(0.0, SEARCH_RATE),
             _ => step.granted.scaled(verdict.pace()),
         };
-        let granted = controller.limits.grant(&controller.drive, allowed, last, controller.period);
         // What the law remembers of a goal seen from a wrong place is worth nothing.
         let remembered = if self.held.is_some() { Progress::fresh() } else { step.progress };
-        let wheels = controller.drive.rates_from_twist(granted);
-        Step { granted, wheels, progress: Progress { granted, ..remembered }, ..step }
+        told(allowed, controller, Step { progress: remembered, ..step }, last)
+    }
+
+    /// `step`, unless a robot that is at `pose` in truth would come too near to a wall: then it brakes, for good.
+    pub(super) fn keep_off_walls(
+        &mut self,
+        arena: &Arena,
+        pose: Pose<Map, Body, f64>,
+        controller: &Controller<f64>,
+        step: Step<f64>,
+        last: Twist<f64>,
+    ) -> Step<f64> {
+        self.walled |= is_blocked(arena, pose, step.granted, controller);
+        if self.walled { told(Twist::rest(), controller, step, last) } else { step }
+    }
+
+    /// Whether the robot brakes, or has braked, before a wall.
+    pub(super) fn is_walled(&self) -> bool {
+        self.walled
     }
 
     /// Why the drive is over, where it is.
     pub(super) fn gave_up(&self, now: f64) -> Option<Reason> {
         self.held.filter(|(_, since)| now - since >= PATIENCE).map(|(reason, _)| reason)
     }
+}
+
+/// `step` with what the wheels can do of `wanted`, having done `last`.
+fn told(wanted: Twist<f64>, controller: &Controller<f64>, step: Step<f64>, last: Twist<f64>) -> Step<f64> {
+    let granted = controller.limits.grant(&controller.drive, wanted, last, controller.period);
+    let wheels = controller.drive.rates_from_twist(granted);
+    Step { granted, wheels, progress: Progress { granted, ..step.progress }, ..step }
 }

@@ -60,6 +60,8 @@ pub struct Sample {
     pub lyapunov: f64,
     /// Who is in charge.
     pub mode: Mode,
+    /// Whether `lyapunov` is V_l: the local law has the robot, driving or holding.
+    pub local: bool,
     /// Whether the tail goes first.
     pub reverse: bool,
 }
@@ -96,6 +98,7 @@ impl Sample {
             heading_error_deg: actual.heading_error().degrees(),
             lyapunov: controller.law.lyapunov(&step.navigation, &step.progress.memory),
             mode: mode(controller, step),
+            local: step.progress.memory.near,
             reverse: step.progress.memory.reverse,
         }
     }

@@ -6,8 +6,10 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The robot rests at the goal.
+    /// The robot rests at the goal, in truth.
     Reached,
+    /// It rests where it believes the goal to be, and is outside the tolerance in truth.
+    Missed,
     /// Time ran out.
     Timeout,
     /// It was stopped on the way.
@@ -45,7 +47,7 @@ pub struct Summary {
     pub path_length_m: f64,
     /// The least time that any drive could take at these wheel speeds, without limits of acceleration.
     pub optimal_time_s: f64,
-    /// How near the robot's centre came to a wall; negative where it went through one.
+    /// How near the robot's middle came to a wall; negative where it was pushed out of the arena.
     pub closest_wall_m: f64,
     /// Largest rim speed asked of the wheels.
     pub wheel_speed_max_m_s: f64,

@@ -1,7 +1,7 @@
 use super::{Drive, Outcome, Summary, drive};
 use crate::rig::{Scenario, Sensors};
-use surepose::Verdict;
-use surepose::param::{START_HEADING, START_X, START_Y};
+use surepose::param::{GOAL_HEADING, GOAL_X, GOAL_Y, START_HEADING, START_X, START_Y};
+use surepose::{Point, Verdict};
 use surepose_data::Config;
 use surepose_sim::{Arena, Fault, Kind, Seed, Sensor};
 
@@ -164,6 +164,102 @@ fn lost_robot_that_cannot_look_is_stopped() {
     let summary = drive(&Scenario { sensors, faults, ..Scenario::default() }, 1).1;
     assert_eq!((summary.outcome, summary.stop_reason), (Outcome::Stopped, Some("lost")));
     assert!(summary.final_speed_m_s <= 0.0, "{summary:?}");
+}
+
+/// From `start` to `goal` in the paper's arena with its plates, whether or not there is room.
+fn between(start: [f64; 3], goal: [f64; 3], options: &[&str]) -> Scenario {
+    let keys = [&START_X, &START_Y, &START_HEADING, &GOAL_X, &GOAL_Y, &GOAL_HEADING];
+    let values: Vec<_> = keys.into_iter().zip(start.into_iter().chain(goal)).collect();
+    let config = Config::default().with_preset("test", &values);
+    let config = options.iter().fold(config, |config, option| config.with_option(option).unwrap());
+    Scenario { config, ..Scenario::default() }
+}
+
+/// Plates and walls, head-on and at a slant, fast and slow brakes, short and long periods, forwards and tail first.
+#[test]
+fn robot_stops_before_its_middle_is_in_a_wall_or_a_plate() {
+    let fast = ["robot.wheel_speed_limit_m_s=1.5", "robot.wheel_acceleration_limit_m_s2=2"];
+    let slow_brakes = ["robot.wheel_acceleration_limit_m_s2=0.1"];
+    let long_period = ["loop.period_s=0.3"];
+    let tail_first = ["law.direction=reverse"];
+    for options in [&[][..], &fast, &slow_brakes, &long_period, &tail_first] {
+        for (start, goal) in [
+            ([0.0, 0.0, 0.0], [4.1, 1.0, 0.0]),
+            ([2.5, 0.0, 0.0], [4.0, 1.6, 90.0]),
+            ([0.0, 1.2, 180.0], [-1.5, 1.4, 180.0]),
+            ([1.2, 0.0, -90.0], [1.2, -3.0, -90.0]),
+            ([1.0, 0.0, 30.0], [5.5, 2.6, 0.0]),
+        ] {
+            let scenario = between(start, goal, options);
+            for seed in 1..=3 {
+                let (samples, summary) = drive(&scenario, seed);
+                let what = format!("{start:?} to {goal:?} with {options:?}: {summary:?}");
+                assert_eq!(
+                    (summary.outcome, summary.stop_reason),
+                    (Outcome::Stopped, Some("wall")),
+                    "{what}"
+                );
+                assert!(summary.closest_wall_m > 0.0 && summary.final_speed_m_s <= 0.0, "{what}");
+                let places: Vec<_> = samples.iter().map(|s| Point::new(s.x_m, s.y_m)).collect();
+                let met = places.windows(2).find_map(|way| scenario.arena.met_between(way[0], way[1]));
+                assert_eq!(met, None, "{what}");
+                let limit = scenario.config.limits().wheel_acceleration;
+                assert!(summary.wheel_acceleration_max_m_s2 <= limit + 1e-9, "{what}");
+            }
+        }
+    }
+}
+
+/// A wall beside the way, or behind a goal with just the room that is needed, stops nobody.
+#[test]
+fn goals_with_room_are_reached_however_near_the_wall_behind_them() {
+    for (start, goal) in [
+        ([0.0, 0.0, 0.0], [3.29, 1.0, 0.0]),
+        ([0.0, 0.0, 0.0], [4.19, 4.19, 45.0]),
+        ([-1.69, -1.69, -135.0], [1.0, 1.0, 0.0]),
+        ([0.2, -1.55, 0.0], [3.0, -1.55, 0.0]),
+    ] {
+        let scenario = between(start, goal, &[]);
+        assert_eq!(scenario.has_room(), Ok(()));
+        for seed in 1..=3 {
+            assert_parked(&drive(&scenario, seed).1, &format!("{start:?} to {goal:?}"));
+        }
+    }
+}
+
+#[test]
+fn room_is_half_the_track_on_every_side_and_walls_on_the_way_are_seen() {
+    let origin = [0.0; 3];
+    for (start, goal, options, short) in [
+        (origin, [2.0, 2.0, 30.0], &[][..], None),
+        (origin, [3.6, 1.0, 0.0], &[], Some("goal")),
+        (origin, [3.31, 1.0, 0.0], &[], Some("goal")),
+        (origin, [3.31, 1.0, 0.0], &["robot.track_m=0.5"], None),
+        (origin, [-3.0, 0.0, 0.0], &[], Some("goal")),
+        ([3.6, 1.0, 0.0], origin, &[], Some("start")),
+        ([-1.0, 1.0, 0.0], origin, &[], Some("start")),
+        ([-1.95, 0.0, 0.0], origin, &["robot.track_m=0.05"], Some("start")),
+    ] {
+        let found = between(start, goal, options).has_room().err().map(|problem| problem.end);
+        assert_eq!(found, short, "{start:?} to {goal:?} with {options:?}");
+    }
+    assert!(between(origin, [4.1, 1.0, 0.0], &[]).wall_on_the_way().is_some());
+    assert!(Scenario::default().wall_on_the_way().is_none());
+    let in_the_loop = Config::default().with_option("scenario.arena=loop").unwrap();
+    assert_eq!(Scenario::configured(in_the_loop).has_room(), Ok(()));
+}
+
+/// A robot that sees next to nothing believes that it has arrived; it is judged by where it is.
+#[test]
+fn robot_that_only_believes_it_is_there_has_missed() {
+    let blind = Scenario { sensors: Sensors::NONE, ..Scenario::default() };
+    let ends: Vec<Summary> = (1..=20).map(|seed| drive(&blind, seed).1).collect();
+    for end in &ends {
+        let there = end.final_position_error_m <= 0.01 && end.final_heading_error_deg <= 1.0;
+        let expected = if there { Outcome::Reached } else { Outcome::Missed };
+        assert_eq!(end.outcome, expected, "{end:?}");
+    }
+    assert!(ends.iter().any(|end| end.outcome == Outcome::Missed));
 }
 
 #[test]

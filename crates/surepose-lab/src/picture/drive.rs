@@ -17,12 +17,15 @@ const WINDOW: f64 = 0.03;
 
 /// The way with the walls, start and goal; and the last centimetres, with the tolerance.
 pub fn trajectory(scenario: &Scenario, samples: &[Sample]) -> Picture {
-    beside(vec![from_above(scenario, samples), at_the_goal(scenario, samples)])
+    beside(vec![from_above(scenario, samples).cell(), at_the_goal(scenario, samples)])
 }
 
 /// v and ω, asked and true.
 pub fn velocities(samples: &[Sample]) -> Picture {
-    Chart::over("time [s]").panel(speed(samples)).panel(turn_rate(samples)).picture()
+    Chart::over("time [s]")
+        .panel(speeds(Panel::new("Speed", "v [m/s]"), samples, ["asked", "true"]))
+        .panel(turn_rate(samples))
+        .picture()
 }
 
 /// Heading error and distance from the goal.
@@ -32,19 +35,21 @@ pub fn heading_error(scenario: &Scenario, samples: &[Sample]) -> Picture {
 
 /// V of the law in charge, with the changes of law.
 pub fn lyapunov(samples: &[Sample]) -> Picture {
-    Chart::over("time [s]").panel(descent(samples)).picture()
+    let title = "V_g of the global law; shaded: V_l of the local law; dashed: hand-over, arrival";
+    Chart::over("time [s]").panel(descent(title, samples)).picture()
 }
 
-/// The drive at one glance.
+/// The drive at one glance, small enough for a column of text; titles say what is what, so that legends take no room.
 pub fn overview(scenario: &Scenario, samples: &[Sample]) -> Picture {
     let chart = Chart::over("time [s]")
-        .panel(speed(samples))
+        .compact()
+        .panel(speeds(Panel::new("Speed: true (blue), asked (grey)", "v [m/s]"), samples, ["", ""]))
         .panel(heading(scenario, samples))
-        .panel(descent(samples));
-    beside_column(from_above(scenario, samples), chart.cells())
+        .panel(descent("V; shaded: local law; dashed: hand-over, arrival", samples));
+    beside_column(from_above(scenario, samples).compact().cell(), chart.cells())
 }
 
-fn from_above(scenario: &Scenario, samples: &[Sample]) -> Cell {
+fn from_above(scenario: &Scenario, samples: &[Sample]) -> Map {
     let (start, goal) = (scenario.start(), scenario.goal());
     let shown = every(samples, ELLIPSE_EVERY);
     // A laser knows the place to millimetres: on a map of metres that is nothing to see.
@@ -63,7 +68,6 @@ fn from_above(scenario: &Scenario, samples: &[Sample]) -> Cell {
         .outlines(label, ellipses, Stroke::thin(Color::Blue))
         .pose("start", (start.x, start.y), start.heading.radians(), Color::Green)
         .pose("goal", (goal.x, goal.y), goal.heading.radians(), Color::Purple)
-        .cell()
 }
 
 /// The neighbourhood of the goal, seen from it.
@@ -92,10 +96,10 @@ fn at_the_goal(scenario: &Scenario, samples: &[Sample]) -> Cell {
         .cell()
 }
 
-fn speed(samples: &[Sample]) -> Panel {
-    Panel::new("Speed", "v [m/s]")
-        .series("asked", over(samples, |s| s.commanded_v_m_s), Stroke::wide(Color::Silver))
-        .series("true", over(samples, |s| s.v_m_s), Stroke::solid(Color::Blue))
+fn speeds(panel: Panel, samples: &[Sample], [asked, actual]: [&str; 2]) -> Panel {
+    panel
+        .series(asked, over(samples, |s| s.commanded_v_m_s), Stroke::wide(Color::Silver))
+        .series(actual, over(samples, |s| s.v_m_s), Stroke::solid(Color::Blue))
         .marks([Mark::Level(0.0)])
 }
 
@@ -108,30 +112,34 @@ fn turn_rate(samples: &[Sample]) -> Panel {
 
 fn heading(scenario: &Scenario, samples: &[Sample]) -> Panel {
     let tolerance = scenario.config.number(&param::HEADING_TOLERANCE).to_degrees();
-    Panel::new("Heading error; dashed: tolerance", "θ − θ goal [°]")
-        .series("true", unwrapped(over(samples, |s| s.heading_error_deg)), Stroke::solid(Color::Blue))
+    Panel::new("True heading error; dashed: tolerance", "θ error [°]")
+        .series("", unwrapped(over(samples, |s| s.heading_error_deg)), Stroke::solid(Color::Blue))
         .marks([Mark::Level(tolerance), Mark::Level(-tolerance)])
 }
 
 fn distance(scenario: &Scenario, samples: &[Sample]) -> Panel {
-    Panel::new("Distance from the goal; dashed: tolerance", "ρ [m]")
-        .series("true", over(samples, |s| s.goal_distance_m), Stroke::solid(Color::Blue))
+    Panel::new("True distance from the goal; dashed: tolerance", "ρ [m]")
+        .series("", over(samples, |s| s.goal_distance_m), Stroke::solid(Color::Blue))
         .marks([Mark::Level(scenario.config.number(&param::POSITION_TOLERANCE))])
         .logarithmic()
 }
 
-fn descent(samples: &[Sample]) -> Panel {
-    let near = |mode| mode == Mode::Near;
-    let mut panel = Panel::new("Lyapunov function: V_g of the global law; shaded: V_l of the local law", "V")
-        .series("V in charge", over(samples, |s| s.lyapunov), Stroke::solid(Color::Green))
-        .shaded(stretches(samples, near))
-        .logarithmic();
-    if let Some((at, _)) = stretches(samples, near).first() {
-        panel = panel.marks([Mark::At(*at, String::new())]);
-    }
-    panel.marks(
-        stretches(samples, |mode| mode == Mode::Holding).first().map(|(at, _)| Mark::At(*at, String::new())),
-    )
+/// When V is V_l. It goes on falling while the robot holds: it is the law that counts, not the mode.
+fn of_local_law(samples: &[Sample]) -> Vec<(f64, f64)> {
+    stretches(samples, |sample| sample.local)
+}
+
+fn descent(title: &str, samples: &[Sample]) -> Panel {
+    let local = of_local_law(samples);
+    let holding = stretches(samples, |sample| sample.mode == Mode::Holding);
+    // What the marks are is said in the title: beside them, near the end of the drive, there is no room for it.
+    let marks =
+        [local.first(), holding.first()].map(|found| found.map(|(at, _)| Mark::At(*at, String::new())));
+    Panel::new(title, "V")
+        .series("", over(samples, |s| s.lyapunov), Stroke::solid(Color::Green))
+        .shaded(local, Color::Sky)
+        .marks(marks.into_iter().flatten())
+        .logarithmic()
 }
 
 fn over(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
@@ -150,12 +158,12 @@ pub(super) fn unwrapped(mut series: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     series
 }
 
-/// From when to when the law was in a mode.
-fn stretches(samples: &[Sample], wanted: impl Fn(Mode) -> bool) -> Vec<(f64, f64)> {
+/// From when to when the samples were such.
+fn stretches(samples: &[Sample], wanted: impl Fn(&Sample) -> bool) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut inside = false;
     for sample in samples {
-        let now = wanted(sample.mode);
+        let now = wanted(sample);
         match found.last_mut() {
             Some(last) if inside => last.1 = sample.time_s,
             _ if now => found.push((sample.time_s, sample.time_s)),
@@ -207,4 +215,38 @@ pub(super) fn true_way(samples: &[Sample]) -> Vec<(f64, f64)> {
 
 fn estimated_way(samples: &[Sample]) -> Vec<(f64, f64)> {
     samples.iter().map(|sample| (sample.estimated_x_m, sample.estimated_y_m)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{of_local_law, overview, stretches};
+    use crate::drive::{Mode, drive};
+    use crate::rig::Scenario;
+
+    /// The V that is drawn is V_l from the switch to the end of the drive, which the robot spends holding.
+    #[test]
+    fn shading_covers_all_of_the_local_law() {
+        let (samples, _) = drive(&Scenario::default(), 1);
+        let local = of_local_law(&samples);
+        let holding = stretches(&samples, |sample| sample.mode == Mode::Holding);
+        let (Some(last), Some(end), Some(held)) = (local.last(), samples.last(), holding.last()) else {
+            panic!("{local:?}, {holding:?}");
+        };
+        assert!(last.0 < held.0 && held.1 >= end.time_s && last.1 >= end.time_s, "{local:?}, {holding:?}");
+        // Where V changes from one law's to the other's it jumps, and nowhere else does it grow by a half.
+        for pair in samples.windows(2) {
+            assert!(pair[0].local != pair[1].local || pair[1].lyapunov < 1.5 * pair[0].lyapunov + 1e-4);
+        }
+    }
+
+    /// In a README's column of 830 px nothing is drawn smaller than at four fifths: letters of 12 px stay above 9.
+    #[test]
+    fn overview_is_no_wider_than_can_be_read_in_a_column() {
+        let scenario = Scenario::default();
+        let svg = overview(&scenario, &drive(&scenario, 1).0).svg();
+        let width = svg.split("width=\"").nth(1).and_then(|rest| rest.split('"').next());
+        let width: f64 = width.and_then(|width| width.parse().ok()).expect("a width");
+        assert!(width <= 830.0 / 0.8, "{width}");
+        assert!(svg.contains("dashed: hand-over, arrival"));
+    }
 }

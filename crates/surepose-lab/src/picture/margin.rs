@@ -61,16 +61,29 @@ pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
 /// The least margin over the distance.
 pub fn margin_over_distance(margins: &Margins) -> Picture {
     let worst = |map: &MarginMap| map.fall.iter().copied().fold(f64::INFINITY, f64::min);
-    let (mut steps, mut most) = (Vec::new(), 0.1);
+    // A gap is no margin of 0: the line is broken there.
+    let (mut runs, mut gaps, mut most) = (vec![Vec::new()], Vec::new(), 0.1_f64);
     for range in &margins.ranges {
-        // Where nothing is shown the line is on the ground.
-        let fall = worst(range).max(0.0);
-        steps.extend([(range.rho.0, fall), (range.rho.1, fall)]);
-        most = fall.max(most);
+        let (near, far) = range.rho;
+        let fall = worst(range);
+        if fall > 0.0 {
+            if let Some(run) = runs.last_mut() {
+                run.extend([(near, fall), (far, fall)]);
+            }
+            most = most.max(fall);
+        } else {
+            runs.push(Vec::new());
+            gaps.push((near, far));
+        }
     }
-    let panel = Panel::new("Least fall of W shown, over all directions", "−dW/dt [1/s]")
+    let note = if gaps.is_empty() { "" } else { "; shaded: not shown" };
+    let panel = Panel::new(format!("Least fall of W shown, over all directions{note}"), "−dW/dt [1/s]")
         .range(0.0, 1.08 * most)
-        .series("", steps, Stroke::solid(Color::Blue));
+        .shaded(gaps, NOT_SHOWN);
+    let panel = runs
+        .into_iter()
+        .filter(|run| !run.is_empty())
+        .fold(panel, |panel, run| panel.series("", run, Stroke::solid(Color::Blue)));
     Chart::over("true distance from the goal ρ [m]").logarithmic().panel(panel).picture()
 }
 
@@ -87,4 +100,28 @@ fn distances(of: &MarginMap) -> String {
     let (near, far) = of.rho;
     let short = |metres: f64| format!("{metres:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
     if near < far { format!("{} m to {} m", short(near), short(far)) } else { format!("{} m", short(near)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use surepose_cert::{MarginMap, Margins};
+
+    use super::margin_over_distance;
+
+    /// A gap is told apart from a margin of 0, also where there is nothing but gaps.
+    #[test]
+    fn gaps_are_shaded_and_named() {
+        let map = |rho, fall: f64| MarginMap { rho, side: 1, fall: vec![fall] };
+        let drawn = |falls: [f64; 2]| {
+            let ranges = vec![map((0.1, 1.0), falls[0]), map((1.0, 5.0), falls[1])];
+            let nearest = map((0.1, 0.1), falls[0]);
+            margin_over_distance(&Margins { nearest, ranges }).svg()
+        };
+        let gap = f64::NEG_INFINITY;
+        assert!(!drawn([0.3, 0.2]).contains("not shown"));
+        for falls in [[gap, 0.2], [0.3, gap], [gap, gap]] {
+            let svg = drawn(falls);
+            assert!(svg.contains("shaded: not shown") && svg.contains("true distance"), "{falls:?}");
+        }
+    }
 }

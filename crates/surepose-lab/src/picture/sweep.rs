@@ -235,22 +235,30 @@ fn histogram(
             None => beyond += 1,
         }
     }
-    let rest = if beyond > 0 { format!(", {beyond} beyond the right edge") } else { String::new() };
     let top = 1.08 * counts.iter().fold(1.0, |most: f64, count| most.max(*count));
-    let title = format!("{title}: {} trials{rest}", sorted.len());
-    let mut panel = Panel::new(title, "trials").range(0.0, top).bars(edges, counts, Color::Sky);
+    let mut beyond = if beyond > 0 { vec![format!("{beyond} trials")] } else { Vec::new() };
+    let trials = sorted.len();
     let spread = Spread::of(sorted);
     let marks = [
         ("median", spread.map(|spread| spread.p50), Color::Black),
         ("95 % below", spread.map(|spread| spread.p95), Color::Blue),
         ("tolerance", tolerance.map(|(tolerance, _)| tolerance), Color::Vermilion),
     ];
+    let mut panel = Panel::default();
     for (name, at, color) in marks {
-        // What lies beyond the right edge is told in the legend alone.
         let Some(at) = at else { continue };
-        let line = if at < most { vec![(at, 0.0), (at, top)] } else { Vec::new() };
-        panel = panel.series(format!("{name}: {}", short(at)), line, Stroke::solid(color));
+        if at < most {
+            let line = vec![(at, 0.0), (at, top)];
+            panel = panel.series(format!("{name}: {}", short(at)), line, Stroke::solid(color));
+        } else {
+            // A legend's line would be looked for in vain.
+            beyond.push(format!("{name} {}", short(at)));
+        }
     }
+    let rest =
+        if beyond.is_empty() { String::new() } else { format!("; beyond the axis: {}", beyond.join(", ")) };
+    let title = format!("{title}: {trials} trials{rest}");
+    let panel = panel.titled(title, "trials").range(0.0, top).bars(edges, counts, Color::Sky);
     Chart::over(label).panel(panel).cells()
 }
 
@@ -258,4 +266,20 @@ fn histogram(
 fn short(value: f64) -> String {
     let before_point = value.abs().max(1e-9).log10().floor() + 1.0;
     format!("{value:.*}", (3.0 - before_point).clamp(0.0, 4.0) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::histogram;
+    use surepose_plot::stacked;
+
+    /// A legend's line is on the axes; what lies beyond them is told in the title.
+    #[test]
+    fn legend_names_no_line_beyond_the_axis() {
+        let values: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        let drawn = |tolerance| stacked(vec![histogram("Errors", "mm", &values, 0.0, Some(tolerance))]).svg();
+        let (far, near) = (drawn((10.0, 30.0)), drawn((1.0, 3.0)));
+        assert!(far.contains("tolerance 10.0") && !far.contains("tolerance: "), "beyond the axis");
+        assert!(near.contains("tolerance: 1.00") && !near.contains("tolerance 1.00"), "on the axis");
+    }
 }

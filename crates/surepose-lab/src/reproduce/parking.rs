@@ -18,7 +18,7 @@ const WATCHED: f64 = 3.0;
 pub struct GoalFigures {
     /// The goal: x \[m], y \[m], heading \[°].
     pub goal: [f64; 3],
-    /// Whether the robot came to rest there.
+    /// Whether the robot came to rest there, in truth.
     pub reached: bool,
     /// True distance from the goal at the end.
     pub final_position_error_m: f64,
@@ -92,5 +92,18 @@ mod tests {
             let fastest = parked.samples.iter().map(|s| s.v_m_s.abs()).fold(0.0, f64::max);
             assert!(fastest > 0.25, "the robot drove: {fastest}");
         }
+    }
+
+    #[test]
+    fn goal_that_the_robot_only_believes_in_is_not_reached() {
+        let config = ["laser.beams=2", "compass.std_deg=180"]
+            .into_iter()
+            .fold(Config::default(), |config, option| config.with_option(option).unwrap());
+        let all = parking(&config, 1);
+        for figures in all.iter().map(|parked| parked.figures) {
+            let there = figures.final_position_error_m <= 0.01 && figures.final_heading_error_deg <= 1.0;
+            assert_eq!(figures.reached, there, "{figures:?}");
+        }
+        assert!(all.iter().any(|parked| !parked.figures.reached));
     }
 }

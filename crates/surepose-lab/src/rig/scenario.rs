@@ -1,8 +1,11 @@
 //! What is driven: where, from where to where, and with which senses.
 
-use surepose::{Body, Goal, Map, Pose, param};
+use surepose::{Body, Goal, Map, Point, Pose, param};
 use surepose_data::Config;
-use surepose_sim::{Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, Slip, Timing, WorldModel};
+use surepose_data::config::Origin;
+use surepose_sim::{
+    Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, Segment, Slip, Timing, WorldModel,
+};
 
 /// How often compass and laser measure \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
 const SENSOR_PERIOD: f64 = 0.1;
@@ -31,6 +34,41 @@ pub enum Reading {
     Lines,
     /// They are laid on the walls beam by beam: for maps of many short walls, traced from a grid for instance.
     Beams,
+}
+
+/// Where the loop world's course starts, x \[m], y \[m], heading \[°].
+const LOOP_START: [f64; 3] = [2.0, 1.0, 0.0];
+
+/// However narrow a robot is, its middle keeps so far from walls where it turns \[m].
+const LEAST_CLEARANCE: f64 = 0.1;
+
+/// A start or a goal where the robot cannot stand.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.said())]
+pub struct NoRoom {
+    /// `start` or `goal`.
+    pub end: &'static str,
+    /// Where that is.
+    pub at: Point<Map, f64>,
+    /// How far the nearest wall is \[m]; negative outside the arena.
+    pub clearance: f64,
+    /// How far it must be \[m].
+    pub needed: f64,
+    /// That wall.
+    pub wall: Segment,
+}
+
+impl NoRoom {
+    fn said(&self) -> String {
+        let Self { end, at, clearance, needed, wall: Segment { start: a, end: b } } = self;
+        let wall = format!("the wall from ({}, {}) to ({}, {})", a.x, a.y, b.x, b.y);
+        let where_ = format!("the {end} ({}, {})", at.x, at.y);
+        if *clearance < 0.0 {
+            format!("{where_} lies outside the arena, {:.2} m beyond {wall}", clearance.abs())
+        } else {
+            format!("{where_} is {clearance:.2} m from {wall}, and the robot needs {needed:.2} m to turn")
+        }
+    }
 }
 
 /// A drive to be done.
@@ -79,10 +117,48 @@ impl Scenario {
         Arena::named(name).map(|arena| Self::in_arena(arena, config))
     }
 
-    /// The scenario that `config` names.
+    /// The scenario that `config` names; in the loop world the robot starts on the course, unless it is told to elsewhere.
     pub fn configured(config: Config) -> Self {
         let arena = Arena::named(config.choice(&param::ARENA)).unwrap_or_else(Arena::paper);
-        Self::in_arena(arena, config)
+        let mut values = Vec::new();
+        if arena.name() == Arena::loop_world().name() {
+            let [x, y, heading] = LOOP_START;
+            let start = [(&param::START_X, x), (&param::START_Y, y), (&param::START_HEADING, heading)];
+            // A start of which a part is given is given.
+            if start.iter().all(|(part, _)| config.origin(part) == Origin::Default) {
+                values.extend(start);
+            }
+        }
+        Self::in_arena(arena, config.with_preset("loop", &values))
+    }
+
+    /// How far the robot's middle must be from every wall and plate where it starts and where it is to rest \[m].
+    ///
+    /// It turns there, and its wheels are half a track away from its middle.
+    pub fn needed_clearance(&self) -> f64 {
+        (0.5 * self.config.drive().track).max(LEAST_CLEARANCE)
+    }
+
+    /// Whether there is room for the robot where it starts and where it is to rest.
+    ///
+    /// # Errors
+    /// [`NoRoom`], which names the wall.
+    pub fn has_room(&self) -> Result<(), NoRoom> {
+        let (start, goal) = (self.start().origin(), self.goal().origin());
+        for (end, at) in [("start", start), ("goal", goal)] {
+            let (clearance, needed) = (self.arena.clearance(at), self.needed_clearance());
+            if let Some(wall) = self.arena.nearest_wall(at)
+                && clearance < needed
+            {
+                return Err(NoRoom { end, at, clearance, needed, wall: *wall });
+            }
+        }
+        Ok(())
+    }
+
+    /// A wall on the straight way from start to goal: the law does not go round it.
+    pub fn wall_on_the_way(&self) -> Option<&Segment> {
+        self.arena.met_between(self.start().origin(), self.goal().origin())
     }
 
     /// Where the robot starts.

@@ -69,7 +69,8 @@ parameters! {
     H = "law" "h", One, positive(100.0, 0.3, GAIN);
     /// Gain of the heading error near the goal. Unless set, it fits like k_v.
     K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 7.0 / 6.0, GAIN);
-    /// Distance from the goal at which steering fades; the local law takes over at a quarter of it.
+    /// Distance from the goal at which steering fades; the local law takes over at a quarter of it. The law `paper` switches
+    /// at once, at 0.01 m unless this is set.
     CAPTURE_RADIUS = "law" "capture_radius_m", Metre,
         positive(1.0, 0.033, "the bearing of a goal at distance 0 is noise, and beyond 1 m turning in place parks nothing");
     /// Standard deviation of the estimated position, white from tick to tick, that the law is told of: near the goal the

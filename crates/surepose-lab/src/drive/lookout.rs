@@ -1,0 +1,44 @@
+//! Whether a wall stands in the robot's way: the drive brakes before it, whatever law and supervisor want.
+//!
+//! It looks at the true pose, as the protective field of a safety scanner would: an estimate that is wrong must not
+//! excuse a collision.
+
+use surepose::closed_loop::Controller;
+use surepose::{Body, Integration, Map, Motion, Pose, Twist};
+use surepose_sim::{Arena, MotorModel};
+
+/// The nearest that the robot's middle comes to a wall in any way that it is let go \[m]: wheels slip.
+const MARGIN: f64 = 0.05;
+
+/// By how much ways are longer than the wheels are told, at the most: slip, and motors that overshoot.
+const SLACK: f64 = 1.2;
+
+/// The way ahead is looked at in steps of this length \[m], of which there are so many at the most.
+const STEP: f64 = 0.02;
+const MOST_STEPS: f64 = 1000.0;
+
+/// Whether a robot at `pose` that drives on with `twist` for a period, and then brakes, comes too near to a wall.
+pub(super) fn is_blocked(
+    arena: &Arena,
+    pose: Pose<Map, Body, f64>,
+    twist: Twist<f64>,
+    controller: &Controller<f64>,
+) -> bool {
+    // Braking from full speed to rest at a constant rate goes half as far as driving on for as long.
+    let rim = controller.drive.rims_from_twist(twist).largest();
+    let braking = 0.5 * rim / controller.limits.wheel_acceleration;
+    let way = twist.over(SLACK * (controller.period + MotorModel::default().lag + braking));
+    let steps = (way.length.abs() / STEP).ceil().clamp(1.0, MOST_STEPS);
+    let mut here = pose.origin();
+    (1..=steps as usize).any(|k| {
+        let part = k as f64 / steps;
+        let motion = Motion { length: part * way.length, turn: part * way.turn };
+        let next = pose.moved(motion, Integration::Arc).origin();
+        // A robot that stands too near may drive away.
+        let clearance = arena.clearance(next);
+        let too_near = clearance < MARGIN && clearance < arena.clearance(here);
+        let blocked = too_near || arena.met_between(here, next).is_some();
+        here = next;
+        blocked
+    })
+}
