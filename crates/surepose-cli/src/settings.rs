@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use surepose_data::Config;
-use surepose_data::config::Value;
+use surepose_data::config::{Setting, Value};
 
 use crate::failure::Failure;
 
@@ -72,8 +72,13 @@ impl std::str::FromStr for PoseArg {
 
 /// Every value with where it came from, as TOML that can be read again.
 pub(crate) fn toml_of(config: &Config) -> String {
+    toml_of_those(config, |_| true)
+}
+
+/// The same of those values that are `chosen`; every other is left to whoever reads it.
+pub(crate) fn toml_of_those(config: &Config, chosen: impl Fn(&Setting) -> bool) -> String {
     let (mut toml, mut section) = (String::new(), "");
-    for setting in config.settings() {
+    for setting in config.settings().iter().filter(|setting| chosen(setting)) {
         let p = setting.parameter;
         if p.section != section {
             section = p.section;

@@ -11,6 +11,7 @@ use surepose_cert::{Certificate, Counterexample, Margins, Noise};
 use surepose_data::Config;
 use surepose_lab::picture;
 
+use crate::certification::Bounds;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
@@ -181,14 +182,15 @@ fn cells(margins: &Margins) -> impl Iterator<Item = Cell> {
 
 /// The certificate under the contract's keys; what was not shown is absent.
 fn json_of(certificate: &Certificate) -> Map<String, Json> {
-    let heading = certificate.settling.and_then(|settling| settling.heading_bound).map(f64::to_degrees);
+    let Bounds { capture_radius_m, final_heading_bound_deg, final_position_bound_m } =
+        Bounds::of(certificate);
     let numbers = [
-        ("capture_radius_m", certificate.capture_radius),
+        ("capture_radius_m", capture_radius_m),
         ("decrease_rate_per_s", certificate.decrease_rate),
         ("time_bound_s", certificate.time_bound),
         ("max_period_s", certificate.max_period),
-        ("final_heading_bound_deg", heading),
-        ("final_position_bound_m", certificate.final_position_bound),
+        ("final_heading_bound_deg", final_heading_bound_deg),
+        ("final_position_bound_m", final_position_bound_m),
     ];
     let mut json = Map::new();
     json.insert("certified".to_owned(), json!(certificate.certified));
