@@ -36,6 +36,13 @@ pub(crate) enum Failure {
         #[help]
         help: String,
     },
+    /// The result cannot be printed.
+    #[error("standard output cannot be written to: {problem}")]
+    #[diagnostic(help("free space where it goes to, or send it elsewhere"))]
+    Print {
+        /// Why.
+        problem: std::io::Error,
+    },
     /// The results cannot be written.
     #[error("{}: cannot be written: {problem}", .path.display())]
     #[diagnostic(help("give --out a folder that can be written to"))]
@@ -51,7 +58,7 @@ impl Failure {
     /// The exit code that says so.
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Config(_) | Self::Usage { .. } | Self::Output { .. } => Exit::Usage,
+            Self::Config(_) | Self::Usage { .. } | Self::Output { .. } | Self::Print { .. } => Exit::Usage,
             Self::Data(_) | Self::Recording { .. } => Exit::Data,
         }
     }

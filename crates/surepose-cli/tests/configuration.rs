@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{file, folder, surepose};
+use common::{file, folder, surepose, surepose_into};
 
 #[test]
 fn the_defaults_are_valid_and_shown_as_what_can_be_read_again() {
@@ -105,4 +105,29 @@ fn a_wrong_command_line_exits_with_2() {
     }
     assert_eq!(surepose(&["--help"]).code, 0);
     assert_eq!(surepose(&["--version"]).code, 0);
+}
+
+#[test]
+fn the_version_is_that_of_what_was_typed() {
+    assert!(surepose(&["--version"]).stdout.starts_with("surepose 0."));
+}
+
+/// A script must not take half a file for a result. A reader that leaves early is another matter.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_printed_exits_with_2() {
+    for arguments in [
+        &["config", "show"][..],
+        &["config", "show", "--json"],
+        &["config", "explain", "k_v"],
+        &["config", "check", "--json"],
+        &["sweep", "--runs", "1", "--json"],
+        &["run", "--json"],
+        &["--help"],
+        &["--version"],
+    ] {
+        let (code, stderr) = surepose_into("/dev/full", arguments);
+        assert!(code == 2 && stderr.contains("standard output"), "{arguments:?}: {code}: {stderr}");
+        assert_eq!(surepose_into("/dev/null", arguments).0, 0, "{arguments:?}");
+    }
 }

@@ -104,7 +104,7 @@ impl CertifyCommand {
         }
         let noise = self.noise.bounds();
         if self.gaussian {
-            return Ok(average::run(&config, noise, output));
+            return average::run(&config, noise, output);
         }
         // A folder that cannot be written to is found before the work, not after it.
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
@@ -125,7 +125,7 @@ impl CertifyCommand {
                 table.add_row(["written to".to_owned(), path.display().to_string()]);
             }
             wrapped(table)
-        });
+        })?;
         Ok(match certificate.certified {
             _ if interrupt::asked() => Exit::Interrupted,
             true => Exit::Done,

@@ -57,11 +57,11 @@ impl ConfigCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         match self.what {
             What::Check(source) => {
-                check(output, &source.read()?.fitted());
+                check(output, &source.read()?.fitted())?;
                 Ok(Exit::Done)
             }
             What::Show(source) => {
-                show(output, &source.read()?.fitted());
+                show(output, &source.read()?.fitted())?;
                 Ok(Exit::Done)
             }
             What::Explain { name } => explain(output, &name),
@@ -69,7 +69,7 @@ impl ConfigCommand {
     }
 }
 
-fn check(output: Output, config: &Config) {
+fn check(output: Output, config: &Config) -> Result<(), Failure> {
     let warnings = certification::warnings(config);
     for said in &warnings {
         warning(said);
@@ -85,10 +85,10 @@ fn check(output: Output, config: &Config) {
             table.add_row(["every parameter", "as in the table", "default"]);
         }
         table
-    });
+    })
 }
 
-fn show(output: Output, config: &Config) {
+fn show(output: Output, config: &Config) -> Result<(), Failure> {
     if output.json {
         let entry = |setting: &Setting| {
             let value = match &setting.value {
@@ -102,7 +102,7 @@ fn show(output: Output, config: &Config) {
         let all: Map<String, Json> = config.settings().iter().map(entry).collect();
         return text(&format!("{}\n", Json::Object(all)));
     }
-    text(&toml_of(config));
+    text(&toml_of(config))
 }
 
 fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
@@ -126,13 +126,13 @@ fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
             "name": name(p), "unit": p.unit.symbol(), "default": default, "range": bounds, "reason": reason,
             "meaning": meaning,
         });
-        text(&format!("{all}\n"));
+        text(&format!("{all}\n"))?;
     } else {
         let default = default.as_str().map_or_else(|| default.to_string(), str::to_owned);
         text(&format!(
             "{}\n  {meaning}\n  default: {default}\n  allowed: {bounds}\n  because: {reason}\n",
             name(p)
-        ));
+        ))?;
     }
     Ok(Exit::Done)
 }

@@ -109,7 +109,7 @@ impl MapCommand {
                 table.add_row(["points on a wall".to_owned(), format!("{:.1} %", 1e2 * explained)]);
             }
             table
-        });
+        })?;
         Ok(Exit::Done)
     }
 }

@@ -89,7 +89,7 @@ impl ReplayCommand {
                 table.add_row([key.clone(), shown(value)]);
             }
             table
-        });
+        })?;
         // Somewhere is no place: what was asked for was not found.
         Ok(if report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some()) {
             Exit::Done

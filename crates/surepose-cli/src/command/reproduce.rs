@@ -102,7 +102,7 @@ impl ReproduceCommand {
             }
             table.add_row(["", "written to", &self.out.display().to_string()]);
             table
-        });
+        })?;
         Ok(match (interrupt::asked(), good) {
             (true, _) => Exit::Interrupted,
             (false, true) => Exit::Done,

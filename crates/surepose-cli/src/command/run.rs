@@ -88,7 +88,7 @@ impl RunCommand {
                 table.add_row(["written to".to_owned(), path.display().to_string()]);
             }
             table
-        });
+        })?;
         Ok(match summary.outcome {
             _ if interrupt::asked() => Exit::Interrupted,
             Outcome::Reached => Exit::Done,

@@ -114,7 +114,7 @@ impl SweepCommand {
         if let Some(folder) = &folder {
             write(folder, &report, &json)?;
         }
-        output.result(&json, || shown(&report));
+        output.result(&json, || shown(&report))?;
         Ok(if interrupt::asked() { Exit::Interrupted } else { Exit::Done })
     }
 

@@ -112,7 +112,7 @@ impl TuneCommand {
         let has =
             tuned.best.and_then(|best| certification::bounds(&config, &best.with(&tune.sweep.law), noise));
         let json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.seed);
-        output.result(&json, || shown(&tuned, [had, has]));
+        output.result(&json, || shown(&tuned, [had, has]))?;
         if tuned.best.is_some_and(|best| best != tuned.start) {
             warning(
                 "the trials have no limit of acceleration: for a robot that has one, these gains may be too fast; try them \

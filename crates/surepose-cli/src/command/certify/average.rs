@@ -8,6 +8,7 @@ use surepose_data::Config;
 
 use crate::certification;
 use crate::exit::Exit;
+use crate::failure::Failure;
 use crate::output::{Output, shown, table};
 
 /// What the figures are not about.
@@ -20,7 +21,7 @@ const LEFT_OUT: [&str; 4] = [
 
 const REASON: &str = "with these standard deviations W was not shown to fall on average at any distance";
 
-pub(super) fn run(config: &Config, noise: Noise, output: Output) -> Exit {
+pub(super) fn run(config: &Config, noise: Noise, output: Output) -> Result<Exit, Failure> {
     let clock = Instant::now();
     let found = certification::average(config, noise);
     let json = json_of(found.as_ref(), clock.elapsed().as_secs_f64());
@@ -33,8 +34,8 @@ pub(super) fn run(config: &Config, noise: Noise, output: Output) -> Exit {
             table.add_row([if k == 0 { "left out" } else { "" }, words]);
         }
         table
-    });
-    if found.is_some() { Exit::Done } else { Exit::Negative }
+    })?;
+    Ok(if found.is_some() { Exit::Done } else { Exit::Negative })
 }
 
 fn json_of(found: Option<&Drift>, wall: f64) -> Map<String, Json> {
