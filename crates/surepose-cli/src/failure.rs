@@ -45,13 +45,33 @@ pub(crate) enum Failure {
     },
     /// The results cannot be written.
     #[error("{}: cannot be written: {problem}", .path.display())]
-    #[diagnostic(help("give --out a folder that can be written to"))]
+    #[diagnostic(help("{}", .wanted.help()))]
     Output {
         /// Where to.
         path: PathBuf,
         /// Why.
         problem: PlotError,
+        /// What it was to be.
+        wanted: Wanted,
     },
+}
+
+/// What results are written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Several of them.
+    Folder,
+    /// One.
+    File,
+}
+
+impl Wanted {
+    fn help(self) -> &'static str {
+        match self {
+            Self::Folder => "give --out a folder that can be written to",
+            Self::File => "give --out the name of a file, in a folder that can be written to",
+        }
+    }
 }
 
 impl Failure {

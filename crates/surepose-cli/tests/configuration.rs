@@ -131,3 +131,29 @@ fn what_cannot_be_printed_exits_with_2() {
         assert_eq!(surepose_into("/dev/null", arguments).0, 0, "{arguments:?}");
     }
 }
+
+/// Messages speak of what was typed, and of the bound that it misses.
+#[test]
+fn what_was_typed_is_what_is_blamed() {
+    for (arguments, said) in [
+        (&["sweep", "--period", "-1"][..], "--period: `period_s` is negative"),
+        (&["tune", "--period", "0"], "--period: `period_s`"),
+        (&["certify", "--period", "nan"], "--period: `period_s`"),
+        (&["sweep", "--law", "murphy"], "--law: `name`"),
+        (&["certify", "--period", "99"], "--period: `period_s` is out of range"),
+        (&["sweep", "--set", "law.k_v=-1"], "--set: `k_v` is negative"),
+        (&["sweep", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
+        (&["run", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
+        (&["sweep", "--runs", "-1"], "-1 is not in 1.."),
+        (&["sweep", "--runs", "0"], "0 is not in 1.."),
+        (&["tune", "--runs", "-1"], "-1 is not in 1.."),
+        (&["tune", "--rounds", "-1"], "-1 is not in 0.."),
+        (&["sweep", "--threads", "-1"], "-1 is not in 1.."),
+        (&["reproduce", "--out", "x", "--runs", "-1"], "invalid value '-1'"),
+        (&["certify", "--noise-heading=-1"], "less than 180°"),
+    ] {
+        let run = surepose(arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.contains(said), "{arguments:?}: {}", run.stderr);
+    }
+}

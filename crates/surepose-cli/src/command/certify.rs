@@ -91,16 +91,19 @@ fn bound(text: &str) -> Result<f64, String> {
 }
 
 fn heading_bound(text: &str) -> Result<f64, String> {
-    bound(text).and_then(|value| {
-        if value < 180.0 { Ok(value) } else { Err("a heading is less than 180° off".to_owned()) }
-    })
+    let value: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
+    if (0.0..180.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("a heading is less than 180° off, and not less than 0".to_owned())
+    }
 }
 
 impl CertifyCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let mut config = self.config.over(Config::default())?;
         if let Some(period) = self.period {
-            config = config.with_option(&format!("loop.period_s={period}"))?;
+            config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
         }
         let noise = self.noise.bounds();
         if self.gaussian {

@@ -10,17 +10,17 @@ use surepose::{Gains, Law};
 use surepose_cert::Noise;
 use surepose_data::Config;
 use surepose_data::config::Origin;
-use surepose_lab::sweep::{Precision, Spread, Starts, Sweep, SweepReport};
+use surepose_lab::sweep::{Precision, Spread, Starts, SweepReport};
 use surepose_lab::tune::{Candidate, STRESS, Tune, Tuned, Watch};
 
 use super::certify::NoiseArgs;
-use super::sweep::{LoopName, NoiseName, configured, cores};
+use super::trials::{BENCH, NoiseName, TrialArgs, Trials};
 use crate::certification::{self, Bounds};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::output::{Output, align_numbers, object, table, warning};
-use crate::settings::{ConfigArgs, toml_of_those};
-use crate::{interrupt, progress};
+use crate::settings::toml_of_those;
+use crate::{folder, interrupt, progress};
 
 /// Find the gains and the capture radius that take least time, always arrive, and are certified.
 #[derive(Debug, Args)]
@@ -41,36 +41,18 @@ one. --out writes the gains, the capture radius, the period and what you gave, b
 Exit codes: 0 certified gains, 1 nothing was certified, 130 interrupted (the best until then is kept).")]
 pub(crate) struct TuneCommand {
     /// How many fresh trials judge the result
-    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     runs: u32,
     /// How many rounds the search takes, 17 candidates each
-    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(..=1000))]
+    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(..=1000), allow_negative_numbers = true)]
     rounds: u16,
-    /// Time between two ticks, in seconds
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    period: Option<f64>,
-    /// What tells the law where the robot is
-    #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
-    loop_: LoopName,
-    /// What is wrong with the estimate or the sensors, and with the wheels
-    #[arg(long, value_enum, default_value_t = NoiseName::Bench)]
-    noise: NoiseName,
-    /// How many threads; all cores unless given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
-    /// The law: surepose or paper
-    #[arg(long, value_name = "NAME")]
-    law: Option<String>,
-    /// What all noise, all random starts and the search are drawn from
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// A file for the configuration with the tuned gains
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]
     bounds: NoiseArgs,
     #[command(flatten)]
-    config: ConfigArgs,
+    trials: TrialArgs,
 }
 
 /// How often the progress is looked at.
@@ -81,23 +63,23 @@ const REACH: f64 = 20.0;
 
 impl TuneCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
-        let noise = self.loop_.noise(Some(self.noise));
-        let config = configured(&self.config, self.law.as_deref(), self.period, self.loop_.told(noise))?;
+        let trials = self.trials.read(NoiseName::Bench)?;
+        let config = &trials.config;
         if [&param::WHEEL_RADIUS, &param::TRACK, &param::WHEEL_SPEED_LIMIT, &param::WHEEL_ACCELERATION_LIMIT]
             .iter()
-            .any(|parameter| config.origin(parameter) != Origin::Preset("bench"))
+            .any(|parameter| config.origin(parameter) != Origin::Preset(BENCH))
         {
             warning("[robot] counts for the certificate only: the trials are those of the bench's robot");
         }
         if let Some(path) = &self.out {
-            writable(path)?;
+            folder::file_at(path)?;
         }
-        let tune = self.tune(&config);
+        let tune = self.tune(&trials);
         let noise = self.bounds.bounds();
         // Time is no good price for a promise: what the gains to begin with bound, the tuned ones bound as well.
-        let had = certification::bounds(&config, &tune.sweep.law, noise);
+        let had = certification::bounds(config, &tune.sweep.law, noise);
         let certified = |law: &Law<f64>| {
-            let has = certification::bounds(&config, law, noise);
+            let has = certification::bounds(config, law, noise);
             has.is_some_and(|has| had.is_none_or(|had| has.keep(&had)))
         };
 
@@ -110,8 +92,8 @@ impl TuneCommand {
             write(path, &config.clone().with_preset(TUNED, &values(best)), noise)?;
         }
         let has =
-            tuned.best.and_then(|best| certification::bounds(&config, &best.with(&tune.sweep.law), noise));
-        let json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.seed);
+            tuned.best.and_then(|best| certification::bounds(config, &best.with(&tune.sweep.law), noise));
+        let json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.trials.seed);
         output.result(&json, || shown(&tuned, [had, has]))?;
         if tuned.best.is_some_and(|best| best != tuned.start) {
             warning(
@@ -131,27 +113,17 @@ impl TuneCommand {
         })
     }
 
-    fn tune(&self, config: &Config) -> Tune {
-        let (law, period) = (config.law(), config.number(&param::PERIOD));
-        let start = Candidate::of(&law);
+    fn tune(&self, trials: &Trials<'_>) -> Tune {
+        let sweep = trials.sweep(Starts::Random(self.runs as usize), Precision::F64);
+        let start = Candidate::of(&sweep.law);
         let bound = |far: fn(f64, &Parameter) -> f64| {
             let [k_v, k_alpha, h, k_theta, capture_radius] =
                 values(&start).map(|(parameter, value)| far(value, parameter));
             Candidate { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius }
         };
         Tune {
-            sweep: Sweep {
-                starts: Starts::Random(self.runs as usize),
-                law,
-                period,
-                noise: self.loop_.noise(Some(self.noise)),
-                estimate: self.loop_.estimate(config),
-                precision: Precision::F64,
-                threads: self.threads.map_or_else(cores, usize::from),
-                seed: self.seed,
-            },
             fallback: Candidate {
-                gains: Gains::for_loop(period, &config.limits()),
+                gains: Gains::for_loop(sweep.period, &trials.config.limits()),
                 capture_radius: Config::default().number(&param::CAPTURE_RADIUS),
             },
             least: bound(|value, _| value / REACH),
@@ -160,6 +132,7 @@ impl TuneCommand {
                 _ => value,
             }),
             rounds: usize::from(self.rounds),
+            sweep,
         }
     }
 }
@@ -176,19 +149,6 @@ fn values(candidate: &Candidate) -> [(&'static Parameter, f64); 5] {
     ]
 }
 
-/// Fails where the result could not be written: better before the search than after it.
-fn writable(path: &Path) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder.map(std::fs::metadata).transpose() {
-        Ok(_) if !path.is_dir() => Ok(()),
-        Ok(_) => Err(Failure::Output {
-            path: path.to_owned(),
-            problem: std::io::Error::from(std::io::ErrorKind::IsADirectory).into(),
-        }),
-        Err(problem) => Err(Failure::Output { path: path.to_owned(), problem: problem.into() }),
-    }
-}
-
 /// Writes what the user gave, what was tuned and the period that it was tuned for. The bench's robot stays out: whoever
 /// drives another one by this file keeps that robot's limits.
 fn write(path: &Path, config: &Config, noise: Noise) -> Result<(), Failure> {
@@ -197,8 +157,7 @@ fn write(path: &Path, config: &Config, noise: Noise) -> Result<(), Failure> {
         Origin::Preset(name) => name == TUNED || setting.parameter == &param::PERIOD,
         Origin::Default => false,
     });
-    let failed = |problem: std::io::Error| Failure::Output { path: path.to_owned(), problem: problem.into() };
-    std::fs::write(path, format!("{HEADER}{toml}")).map_err(failed)?;
+    folder::write_file(path, &format!("{HEADER}{toml}"))?;
 
     let written = Config::default().with_text(path, toml.as_bytes())?;
     if certification::bounds(&written, &written.law(), noise).is_none() {
