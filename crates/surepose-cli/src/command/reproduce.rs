@@ -95,6 +95,10 @@ impl ReproduceCommand {
             // At once, so that who does not wait for the next figure has this one's numbers.
             folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
         }
+        interrupt::mark(&mut json);
+        if interrupt::asked() {
+            folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
+        }
         output.result(&json, || {
             let mut table = table(&["figure", "what", "found"]);
             for row in rows {

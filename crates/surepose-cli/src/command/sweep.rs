@@ -72,7 +72,8 @@ impl SweepCommand {
         let part = || watch.done() as f64 / total.max(1) as f64;
         let report = progress::attended(&bar, pause, part, || watch.stop(), || sweep.run(&watch))?;
 
-        let json = object(&report);
+        let mut json = object(&report);
+        interrupt::mark(&mut json);
         if let Some(folder) = &folder {
             write(folder, &report, &json)?;
         }

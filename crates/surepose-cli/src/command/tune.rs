@@ -93,7 +93,8 @@ impl TuneCommand {
         }
         let has =
             tuned.best.and_then(|best| certification::bounds(config, &best.with(&tune.sweep.law), noise));
-        let json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.trials.seed);
+        let mut json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.trials.seed);
+        interrupt::mark(&mut json);
         output.result(&json, || shown(&tuned, [had, has]))?;
         if tuned.best.is_some_and(|best| best != tuned.start) {
             warning(
