@@ -95,8 +95,17 @@ pub(crate) fn wrapped(mut table: Table) -> Table {
     table
 }
 
+/// Rows of a report: each key in `words`, where there are any for it, and its value as a person reads it.
+pub(crate) fn worded(json: &Map<String, Value>, words: &[(&str, &str)]) -> Vec<[String; 2]> {
+    let name = |key: &String| {
+        let found = words.iter().find(|(it, _)| it == key);
+        found.map_or_else(|| key.clone(), |(_, words)| (*words).to_owned())
+    };
+    json.iter().map(|(key, value)| [name(key), shown(value)]).collect()
+}
+
 /// A value as a person reads it: four digits, and counts by name.
-pub(crate) fn shown(value: &Value) -> String {
+fn shown(value: &Value) -> String {
     match value {
         Value::Number(number) if !number.is_u64() => {
             let number = number.as_f64().unwrap_or(f64::NAN);
@@ -109,6 +118,7 @@ pub(crate) fn shown(value: &Value) -> String {
             if named.is_empty() { "none".to_owned() } else { named.join(", ") }
         }
         Value::String(text) => text.clone(),
+        Value::Bool(sure) => if *sure { "yes" } else { "no" }.to_owned(),
         other => other.to_string(),
     }
 }

@@ -15,7 +15,7 @@ use crate::certification::Bounds;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, shown, table, wrapped};
+use crate::output::{Output, table, worded, wrapped};
 use crate::settings::ConfigArgs;
 use crate::{certification, interrupt, progress};
 
@@ -118,8 +118,17 @@ impl CertifyCommand {
         }
         output.result(&json, || {
             let mut table = table(&[]);
-            for (key, value) in json.iter().filter(|(_, value)| !value.is_object()) {
-                table.add_row([key.clone(), shown(value)]);
+            let mut told = json.clone();
+            told.remove("counterexample");
+            for row in worded(&told, &WORDS) {
+                table.add_row(row);
+            }
+            for (key, what) in
+                [("final_heading_bound_deg", "heading"), ("final_position_bound_m", "position")]
+            {
+                if !json.contains_key(key) {
+                    table.add_row([what, "not bounded"]);
+                }
             }
             if let Some(found) = &certificate.counterexample {
                 table.add_row(["counterexample".to_owned(), described(found)]);
@@ -182,6 +191,21 @@ fn cells(margins: &Margins) -> impl Iterator<Item = Cell> {
         least_per_s: shown(least),
     })
 }
+
+/// The certificate's keys in words.
+const WORDS: [(&str, &str); 11] = [
+    ("certified", "certified"),
+    ("capture_radius_m", "comes within (capture radius) [m]"),
+    ("decrease_rate_per_s", "W falls at least by [1/s]"),
+    ("time_bound_s", "comes there in at most [s]"),
+    ("max_period_s", "shown for periods up to [s]"),
+    ("final_heading_bound_deg", "heading, then within [°]"),
+    ("final_position_bound_m", "position, then within [m]"),
+    ("switch_keeps_its_mind", "the switch keeps its mind"),
+    ("switch_dwell_ticks", "for at least so many ticks"),
+    ("boxes", "regions looked at"),
+    ("wall_s", "computing time [s]"),
+];
 
 /// The certificate under the contract's keys; what was not shown is absent.
 fn json_of(certificate: &Certificate) -> Map<String, Json> {
