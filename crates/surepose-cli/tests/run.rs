@@ -180,7 +180,7 @@ fn an_interrupted_result_says_so() {
     let out = folder("interrupted-figures");
     let out = out.to_str().expect("UTF-8");
     for arguments in [
-        &["sweep", "--runs", "50000000", "--threads", "1", "--json"][..],
+        &["sweep", "--runs", "5000000", "--threads", "1", "--json"][..],
         &["tune", "--rounds", "1000", "--threads", "1", "--period", "0.1", "--json"],
         &["reproduce", "fig4", "--runs", "1000000", "--out", out, "--json"],
     ] {

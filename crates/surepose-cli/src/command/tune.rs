@@ -76,6 +76,7 @@ impl TuneCommand {
         }
         let tune = self.tune(&trials);
         let noise = self.bounds.bounds();
+        interrupt::listen();
         // Time is no good price for a promise: what the gains to begin with bound, the tuned ones bound as well.
         let had = certification::bounds(config, &tune.sweep.law, noise);
         let certified = |law: &Law<f64>| {
