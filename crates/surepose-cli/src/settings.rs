@@ -70,7 +70,8 @@ impl std::str::FromStr for PoseArg {
     }
 }
 
-/// Every value with where it came from, as TOML that can be read again.
+/// Every value with where it came from, as TOML that can be read again; gains that are fitted are comments, so that they are
+/// fitted again to what is changed in it.
 pub(crate) fn toml_of(config: &Config) -> String {
     toml_of_those(config, |_| true)
 }
@@ -89,8 +90,13 @@ pub(crate) fn toml_of_those(config: &Config, chosen: impl Fn(&Setting) -> bool) 
             Value::Number(number) => number.to_string(),
             Value::Choice(choice) => format!("\"{choice}\""),
         };
-        let line = format!("{} = {value}", p.key);
-        let _ = writeln!(toml, "{line:<40} # {}", setting.origin);
+        // What follows other values is shown, and left to follow them.
+        let (mark, said) = match setting.origin.follows() {
+            Some(said) => ("# ", said.to_owned()),
+            None => ("", setting.origin.to_string()),
+        };
+        let line = format!("{mark}{} = {value}", p.key);
+        let _ = writeln!(toml, "{line:<40} # {said}");
     }
     toml
 }

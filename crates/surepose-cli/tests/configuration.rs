@@ -21,6 +21,38 @@ fn the_defaults_are_valid_and_shown_as_what_can_be_read_again() {
     assert!(again.stdout.contains("robot.toml:2"), "{}", again.stdout);
 }
 
+/// A shown configuration has the same effect, and gains that nobody set are still fitted to what is changed in it.
+#[test]
+fn fitted_gains_of_a_shown_configuration_go_on_being_fitted() {
+    let folder = folder("show-fitted");
+    let effect = |arguments: &[&str]| -> Vec<(String, serde_json::Value)> {
+        let json = surepose(&[&["config", "show", "--json"], arguments].concat()).json();
+        json.as_object()
+            .expect("an object")
+            .iter()
+            .map(|(key, it)| (key.clone(), it["value"].clone()))
+            .collect()
+    };
+    for (name, given) in
+        [("default", &[][..]), ("paper", &["--set", "law.name=paper"]), ("mixed", &["--set", "law.k_v=3"])]
+    {
+        let shown = surepose(&[&["config", "show"], given].concat());
+        assert!(shown.stdout.contains("\n# k_alpha = "), "{}", shown.stdout);
+        let path = file(&folder, name, shown.stdout.as_bytes());
+        assert_eq!(effect(&[&path]), effect(given), "{name}");
+        let slower = ["--set", "loop.period_s=0.1"];
+        assert_eq!(
+            effect(&[&[&path[..]], &slower[..]].concat()),
+            effect(&[given, &slower[..]].concat()),
+            "{name}"
+        );
+        // Whoever wants to keep one takes the mark away.
+        let kept = shown.stdout.replace("# k_alpha", "k_alpha");
+        let path = file(&folder, name, kept.as_bytes());
+        assert_eq!(effect(&[&path]), effect(given), "{name}");
+    }
+}
+
 #[test]
 fn each_value_says_where_it_came_from() {
     let path = file(&folder("origin"), "robot.toml", b"[law]\nk_v = 3\n");
@@ -58,6 +90,24 @@ fn problems_point_into_the_file() {
 }
 
 #[test]
+fn programs_are_told_the_same_problems_as_json() {
+    let path =
+        file(&folder("problems-json"), "robot.toml", b"[robot]\ntrack_m = -0.6\n\n[law]\nk_alfa = 3\n");
+    let run = surepose(&["config", "check", &path, "--json"]);
+    assert_eq!(run.code, 2);
+    let json = run.json();
+    let problems = json["problems"].as_array().expect("a list");
+    assert_eq!((&json["valid"], problems.len()), (&false.into(), 2), "{json}");
+    assert_eq!((&problems[0]["file"], &problems[0]["line"]), (&path.as_str().into(), &2.into()), "{json}");
+    assert_eq!(problems[1]["help"], "did you mean `k_alpha`?");
+    assert!(problems[0]["message"].as_str().is_some_and(|it| it.contains("negative")), "{json}");
+    // An option has no lines.
+    let option = surepose(&["config", "check", "--set", "law.k_v=-1", "--json"]).json();
+    assert_eq!(option["problems"][0]["file"], "--set");
+    assert!(option["problems"][0]["line"].is_null(), "{option}");
+}
+
+#[test]
 fn every_damage_to_a_configuration_exits_with_2() {
     let folder = folder("damage");
     let cases: [(&str, &[u8]); 9] = [
@@ -77,6 +127,9 @@ fn every_damage_to_a_configuration_exits_with_2() {
             let run = surepose(&arguments);
             assert_eq!(run.code, 2, "{name}: {}", run.stderr);
             assert_eq!(run.stdout, "", "{name}");
+            let for_programs = surepose(&["config", "check", &path, "--json"]);
+            assert_eq!((for_programs.code, &for_programs.json()["valid"]), (2, &false.into()), "{name}");
+            assert!(for_programs.json()["problems"][0]["message"].is_string(), "{name}");
             let line = if ["truncated", "nan", "text for a number"].contains(&name) { 2 } else { 0 };
             let place = format!("{path}:{line}");
             assert!(line == 0 || run.stderr.contains(&place), "{name}: {}", run.stderr);
