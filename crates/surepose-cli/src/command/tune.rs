@@ -26,7 +26,7 @@ use crate::{folder, interrupt, progress};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose tune                                           at 0.02 s with the bench's noise
-  surepose tune --period 0.1 --out robot.toml             a configuration, to drive with
+  surepose tune --out robot.toml                          a configuration, to drive with
   surepose tune --loop ekf --noise-position 0.004 --noise-heading 0.15 --json
   surepose tune --config robot.toml --rounds 24           on from an earlier result
 
