@@ -1,5 +1,6 @@
 //! What the certificate says of the loop in use: for `certify`, and for the commands that warn without it.
 
+use serde::Serialize;
 use surepose::{Law, param};
 use surepose_cert::{Certificate, Drift, Margins, Noise, Request, Shipped, certify, drift, margins};
 use surepose_data::Config;
@@ -21,10 +22,45 @@ pub(crate) fn certificate(config: &Config, noise: Noise) -> Certificate {
     asked(loop_of(config), noise, LONGEST_PERIOD, certify)
 }
 
-/// Whether the configured loop is certified, with this law instead of its own.
-pub(crate) fn holds(config: &Config, law: &Law<f64>, noise: Noise) -> bool {
+/// What the certificate bounds, under the keys of the command line's JSON; what was not shown is absent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct Bounds {
+    /// The true distance from the goal below which the robot comes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) capture_radius_m: Option<f64>,
+    /// The heading error above which the local law brings the robot nearer at every tick.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) final_heading_bound_deg: Option<f64>,
+    /// The largest true distance at any time after that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) final_position_bound_m: Option<f64>,
+}
+
+impl Bounds {
+    /// Those of a certificate.
+    pub(crate) fn of(certificate: &Certificate) -> Self {
+        let heading = certificate.settling.and_then(|settling| settling.heading_bound);
+        Self {
+            capture_radius_m: certificate.capture_radius,
+            final_heading_bound_deg: heading.map(f64::to_degrees),
+            final_position_bound_m: certificate.final_position_bound,
+        }
+    }
+
+    /// Whether all is bounded that the others bound.
+    pub(crate) fn keep(&self, others: &Self) -> bool {
+        let listed = |bounds: &Self| {
+            [bounds.capture_radius_m, bounds.final_heading_bound_deg, bounds.final_position_bound_m]
+        };
+        listed(self).iter().zip(listed(others)).all(|(own, other)| own.is_some() || other.is_none())
+    }
+}
+
+/// What the certificate of the configured loop bounds, with this law instead of its own; nothing where it is refused.
+pub(crate) fn bounds(config: &Config, law: &Law<f64>, noise: Noise) -> Option<Bounds> {
     let (subject, period, rests_within) = loop_of(config);
-    asked((Shipped { law: *law, ..subject }, period, rests_within), noise, 0.0, certify).certified
+    let certificate = asked((Shipped { law: *law, ..subject }, period, rests_within), noise, 0.0, certify);
+    certificate.certified.then(|| Bounds::of(&certificate))
 }
 
 /// What is to be said of this configuration before it drives anything.
@@ -94,4 +130,24 @@ fn loop_of(config: &Config) -> (Shipped, f64, f64) {
     let subject = Shipped { law: config.law(), drive: config.drive(), limits: config.limits() };
     let tolerance = config.controller().tolerance;
     (subject, config.number(&param::PERIOD), tolerance.position * tolerance.release)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Bounds;
+
+    #[test]
+    fn a_bound_that_is_lost_is_not_kept_and_one_that_is_won_is() {
+        let all = Bounds {
+            capture_radius_m: Some(0.035),
+            final_heading_bound_deg: Some(7.0),
+            final_position_bound_m: Some(0.04),
+        };
+        let wider = Bounds { capture_radius_m: Some(0.076), ..all };
+        let without_heading = Bounds { final_heading_bound_deg: None, ..all };
+        let without_position = Bounds { final_position_bound_m: None, ..all };
+        assert!(wider.keep(&all) && all.keep(&without_heading) && without_heading.keep(&without_heading));
+        assert!(!without_heading.keep(&all) && !without_position.keep(&all));
+        assert!(!without_heading.keep(&without_position));
+    }
 }

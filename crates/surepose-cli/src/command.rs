@@ -8,6 +8,7 @@ mod replay;
 mod reproduce;
 mod run;
 mod sweep;
+mod trials;
 mod tune;
 
 use clap::Subcommand;

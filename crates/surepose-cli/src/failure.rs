@@ -36,22 +36,49 @@ pub(crate) enum Failure {
         #[help]
         help: String,
     },
+    /// The result cannot be printed.
+    #[error("standard output cannot be written to: {problem}")]
+    #[diagnostic(help("free space where it goes to, or send it elsewhere"))]
+    Print {
+        /// Why.
+        problem: std::io::Error,
+    },
     /// The results cannot be written.
     #[error("{}: cannot be written: {problem}", .path.display())]
-    #[diagnostic(help("give --out a folder that can be written to"))]
+    #[diagnostic(help("{}", .wanted.help()))]
     Output {
         /// Where to.
         path: PathBuf,
         /// Why.
         problem: PlotError,
+        /// What it was to be.
+        wanted: Wanted,
     },
+}
+
+/// What results are written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Several of them.
+    Folder,
+    /// One.
+    File,
+}
+
+impl Wanted {
+    fn help(self) -> &'static str {
+        match self {
+            Self::Folder => "give --out a folder that can be written to",
+            Self::File => "give --out the name of a file, in a folder that can be written to",
+        }
+    }
 }
 
 impl Failure {
     /// The exit code that says so.
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Config(_) | Self::Usage { .. } | Self::Output { .. } => Exit::Usage,
+            Self::Config(_) | Self::Usage { .. } | Self::Output { .. } | Self::Print { .. } => Exit::Usage,
             Self::Data(_) | Self::Recording { .. } => Exit::Data,
         }
     }

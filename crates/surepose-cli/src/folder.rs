@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use surepose_lab::picture::{Picture, PlotError};
 
 use crate::columns;
-use crate::failure::Failure;
+use crate::failure::{Failure, Wanted};
 
 /// Keys of what is of this machine and this moment.
 const TIMING: [&str; 2] = ["wall_s", "steps_per_s"];
@@ -72,6 +72,27 @@ impl Folder {
     }
 }
 
+/// Fails where a file could not be written: better before the work than after it. Its folder has to be there.
+pub(crate) fn file_at(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    folder.map(std::fs::metadata).transpose().map_err(|problem| no_file(path, problem))?;
+    no_folder_at(path)
+}
+
+/// Fails where a folder has the name that a file is to have.
+pub(crate) fn no_folder_at(path: &Path) -> Result<(), Failure> {
+    if path.is_dir() { Err(no_file(path, std::io::ErrorKind::IsADirectory.into())) } else { Ok(()) }
+}
+
+/// Writes a file that the user named.
+pub(crate) fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|problem| no_file(path, problem))
+}
+
+fn no_file(path: &Path, problem: std::io::Error) -> Failure {
+    Failure::Output { path: path.to_owned(), problem: problem.into(), wanted: Wanted::File }
+}
+
 fn failed(path: &Path, problem: PlotError) -> Failure {
-    Failure::Output { path: path.to_owned(), problem }
+    Failure::Output { path: path.to_owned(), problem, wanted: Wanted::Folder }
 }

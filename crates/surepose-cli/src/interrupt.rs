@@ -4,7 +4,10 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use serde_json::{Map, Value};
+
 use crate::exit::Exit;
+use crate::output::warning;
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static ASKED: OnceLock<Instant> = OnceLock::new();
@@ -32,4 +35,12 @@ pub(crate) fn listen() {
 /// Whether the user asked to stop.
 pub(crate) fn asked() -> bool {
     ASKED.get().is_some()
+}
+
+/// Says in a result that it is only of what was done when the user asked to stop.
+pub(crate) fn mark(json: &mut Map<String, Value>) {
+    if asked() {
+        json.insert("interrupted".to_owned(), Value::Bool(true));
+        warning("interrupted: the result is only of what was done until then");
+    }
 }

@@ -18,10 +18,13 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use exit::Exit;
+use failure::Failure;
 
 /// Drive a differential robot to a pose, and be sure.
 #[derive(Debug, Parser)]
 #[command(
+    // What is typed, not what the package is called.
+    name = "surepose",
     version,
     after_help = "Exit codes: 0 done, 1 ran but the outcome is negative, 2 usage or configuration error, 3 input data \
                   unreadable or malformed, 4 stopped by the supervisor, 130 interrupted.",
@@ -61,22 +64,28 @@ Exit codes:
   130  interrupted; what was finished is kept";
 
 fn main() -> ExitCode {
-    let program = match Program::try_parse() {
-        Ok(program) => program,
-        Err(problem) => {
-            // A closed pipe cannot be told anything.
-            let _ = problem.print();
-            return if problem.use_stderr() { Exit::Usage } else { Exit::Done }.into();
-        }
-    };
-    interrupt::install();
     failure::style_messages();
-    match program.command.unwrap_or_default().run(output::Output { json: program.json }) {
-        Ok(exit) => exit.into(),
-        Err(failure) => {
+    let ended = match Program::try_parse() {
+        Ok(program) => {
+            interrupt::install();
+            program.command.unwrap_or_default().run(output::Output { json: program.json })
+        }
+        Err(problem) => parted(&problem),
+    };
+    ended
+        .unwrap_or_else(|failure| {
             let exit = failure.exit();
             output::say(&format_args!("{:?}", miette::Report::new(failure)));
-            exit.into()
-        }
+            exit
+        })
+        .into()
+}
+
+/// Says what is wrong with the command line, or prints the help or the version that was asked for.
+fn parted(problem: &clap::Error) -> Result<Exit, Failure> {
+    let printed = problem.print();
+    if problem.use_stderr() {
+        return Ok(Exit::Usage);
     }
+    output::printed(printed).map(|()| Exit::Done)
 }

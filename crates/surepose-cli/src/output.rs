@@ -1,10 +1,12 @@
 //! What a command says: one JSON object on standard output, or a table on standard error.
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use serde::Serialize;
 use serde_json::{Map, Value};
+
+use crate::failure::Failure;
 
 /// Columns of a message.
 pub(crate) const WIDTH: u16 = 110;
@@ -18,12 +20,19 @@ pub(crate) struct Output {
 
 impl Output {
     /// Prints the result: `json` on standard output if asked for, else `table` on standard error.
-    pub(crate) fn result(self, json: &Map<String, Value>, table: impl FnOnce() -> Table) {
+    ///
+    /// # Errors
+    /// Those of [`text`]; a table is a message, and its failing is none.
+    pub(crate) fn result(
+        self,
+        json: &Map<String, Value>,
+        table: impl FnOnce() -> Table,
+    ) -> Result<(), Failure> {
         if self.json {
-            text(&format!("{}\n", Value::Object(json.clone())));
-        } else {
-            say(&table());
+            return text(&format!("{}\n", Value::Object(json.clone())));
         }
+        say(&table());
+        Ok(())
     }
 }
 
@@ -37,9 +46,20 @@ pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
 }
 
 /// Prints text on standard output; a reader that left early is no failure.
-pub(crate) fn text(text: &str) {
+///
+/// # Errors
+/// What else can be wrong with standard output: a full disk takes a result away, and a script must not go on without it.
+pub(crate) fn text(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    printed(out.write_all(text.as_bytes()))
+}
+
+/// What came of printing on standard output, with what is still held back.
+pub(crate) fn printed(so_far: std::io::Result<()>) -> Result<(), Failure> {
+    match so_far.and_then(|()| std::io::stdout().flush()) {
+        Err(problem) if problem.kind() != ErrorKind::BrokenPipe => Err(Failure::Print { problem }),
+        _ => Ok(()),
+    }
 }
 
 /// Prints a line on standard error; a reader that left early is no failure, as `eprintln!` would have it.
@@ -75,8 +95,17 @@ pub(crate) fn wrapped(mut table: Table) -> Table {
     table
 }
 
+/// Rows of a report: each key in `words`, where there are any for it, and its value as a person reads it.
+pub(crate) fn worded(json: &Map<String, Value>, words: &[(&str, &str)]) -> Vec<[String; 2]> {
+    let name = |key: &String| {
+        let found = words.iter().find(|(it, _)| it == key);
+        found.map_or_else(|| key.clone(), |(_, words)| (*words).to_owned())
+    };
+    json.iter().map(|(key, value)| [name(key), shown(value)]).collect()
+}
+
 /// A value as a person reads it: four digits, and counts by name.
-pub(crate) fn shown(value: &Value) -> String {
+fn shown(value: &Value) -> String {
     match value {
         Value::Number(number) if !number.is_u64() => {
             let number = number.as_f64().unwrap_or(f64::NAN);
@@ -89,6 +118,7 @@ pub(crate) fn shown(value: &Value) -> String {
             if named.is_empty() { "none".to_owned() } else { named.join(", ") }
         }
         Value::String(text) => text.clone(),
+        Value::Bool(sure) => if *sure { "yes" } else { "no" }.to_owned(),
         other => other.to_string(),
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use surepose_data::Config;
-use surepose_data::config::Value;
+use surepose_data::config::{Setting, Value};
 
 use crate::failure::Failure;
 
@@ -70,10 +70,16 @@ impl std::str::FromStr for PoseArg {
     }
 }
 
-/// Every value with where it came from, as TOML that can be read again.
+/// Every value with where it came from, as TOML that can be read again; gains that are fitted are comments, so that they are
+/// fitted again to what is changed in it.
 pub(crate) fn toml_of(config: &Config) -> String {
+    toml_of_those(config, |_| true)
+}
+
+/// The same of those values that are `chosen`; every other is left to whoever reads it.
+pub(crate) fn toml_of_those(config: &Config, chosen: impl Fn(&Setting) -> bool) -> String {
     let (mut toml, mut section) = (String::new(), "");
-    for setting in config.settings() {
+    for setting in config.settings().iter().filter(|setting| chosen(setting)) {
         let p = setting.parameter;
         if p.section != section {
             section = p.section;
@@ -84,8 +90,13 @@ pub(crate) fn toml_of(config: &Config) -> String {
             Value::Number(number) => number.to_string(),
             Value::Choice(choice) => format!("\"{choice}\""),
         };
-        let line = format!("{} = {value}", p.key);
-        let _ = writeln!(toml, "{line:<40} # {}", setting.origin);
+        // What follows other values is shown, and left to follow them.
+        let (mark, said) = match setting.origin.follows() {
+            Some(said) => ("# ", said.to_owned()),
+            None => ("", setting.origin.to_string()),
+        };
+        let line = format!("{mark}{} = {value}", p.key);
+        let _ = writeln!(toml, "{line:<40} # {said}");
     }
     toml
 }

@@ -28,6 +28,22 @@ fn the_default_gains_are_certified() {
     assert!(json["reason"].is_null() && json["counterexample"].is_null(), "{json}");
 }
 
+/// A row that is missing is overlooked: what is not bounded is said not to be.
+#[test]
+fn the_table_speaks_in_words_and_names_what_is_not_bounded() {
+    let table = |noise: [&str; 2]| {
+        surepose(&["certify", "--noise-position", noise[0], "--noise-heading", noise[1]]).stderr
+    };
+    let bounded = table(["0.007", "0.25"]);
+    assert!(bounded.contains("comes within") && !bounded.contains("not bounded"), "{bounded}");
+    assert!(!bounded.contains("_m") && !bounded.contains("true"), "{bounded}");
+    let refused = table(["0.5", "5"]);
+    for what in ["heading ", "position "] {
+        let row = refused.lines().find(|line| line.trim_start().starts_with(what)).unwrap_or("");
+        assert!(row.contains("not bounded"), "{what}: {refused}");
+    }
+}
+
 #[test]
 fn the_paper_s_gains_are_refused_with_a_situation() {
     let gains = ["--set", "law.k_v=10", "--set", "law.k_alpha=100", "--set", "law.h=1", "--period", "0.1"];

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{file, folder, surepose};
+use common::{file, folder, surepose, surepose_into};
 
 #[test]
 fn the_defaults_are_valid_and_shown_as_what_can_be_read_again() {
@@ -19,6 +19,38 @@ fn the_defaults_are_valid_and_shown_as_what_can_be_read_again() {
     };
     assert_eq!(values(&shown.stdout), values(&again.stdout));
     assert!(again.stdout.contains("robot.toml:2"), "{}", again.stdout);
+}
+
+/// A shown configuration has the same effect, and gains that nobody set are still fitted to what is changed in it.
+#[test]
+fn fitted_gains_of_a_shown_configuration_go_on_being_fitted() {
+    let folder = folder("show-fitted");
+    let effect = |arguments: &[&str]| -> Vec<(String, serde_json::Value)> {
+        let json = surepose(&[&["config", "show", "--json"], arguments].concat()).json();
+        json.as_object()
+            .expect("an object")
+            .iter()
+            .map(|(key, it)| (key.clone(), it["value"].clone()))
+            .collect()
+    };
+    for (name, given) in
+        [("default", &[][..]), ("paper", &["--set", "law.name=paper"]), ("mixed", &["--set", "law.k_v=3"])]
+    {
+        let shown = surepose(&[&["config", "show"], given].concat());
+        assert!(shown.stdout.contains("\n# k_alpha = "), "{}", shown.stdout);
+        let path = file(&folder, name, shown.stdout.as_bytes());
+        assert_eq!(effect(&[&path]), effect(given), "{name}");
+        let slower = ["--set", "loop.period_s=0.1"];
+        assert_eq!(
+            effect(&[&[&path[..]], &slower[..]].concat()),
+            effect(&[given, &slower[..]].concat()),
+            "{name}"
+        );
+        // Whoever wants to keep one takes the mark away.
+        let kept = shown.stdout.replace("# k_alpha", "k_alpha");
+        let path = file(&folder, name, kept.as_bytes());
+        assert_eq!(effect(&[&path]), effect(given), "{name}");
+    }
 }
 
 #[test]
@@ -58,6 +90,24 @@ fn problems_point_into_the_file() {
 }
 
 #[test]
+fn programs_are_told_the_same_problems_as_json() {
+    let path =
+        file(&folder("problems-json"), "robot.toml", b"[robot]\ntrack_m = -0.6\n\n[law]\nk_alfa = 3\n");
+    let run = surepose(&["config", "check", &path, "--json"]);
+    assert_eq!(run.code, 2);
+    let json = run.json();
+    let problems = json["problems"].as_array().expect("a list");
+    assert_eq!((&json["valid"], problems.len()), (&false.into(), 2), "{json}");
+    assert_eq!((&problems[0]["file"], &problems[0]["line"]), (&path.as_str().into(), &2.into()), "{json}");
+    assert_eq!(problems[1]["help"], "did you mean `k_alpha`?");
+    assert!(problems[0]["message"].as_str().is_some_and(|it| it.contains("negative")), "{json}");
+    // An option has no lines.
+    let option = surepose(&["config", "check", "--set", "law.k_v=-1", "--json"]).json();
+    assert_eq!(option["problems"][0]["file"], "--set");
+    assert!(option["problems"][0]["line"].is_null(), "{option}");
+}
+
+#[test]
 fn every_damage_to_a_configuration_exits_with_2() {
     let folder = folder("damage");
     let cases: [(&str, &[u8]); 9] = [
@@ -77,6 +127,9 @@ fn every_damage_to_a_configuration_exits_with_2() {
             let run = surepose(&arguments);
             assert_eq!(run.code, 2, "{name}: {}", run.stderr);
             assert_eq!(run.stdout, "", "{name}");
+            let for_programs = surepose(&["config", "check", &path, "--json"]);
+            assert_eq!((for_programs.code, &for_programs.json()["valid"]), (2, &false.into()), "{name}");
+            assert!(for_programs.json()["problems"][0]["message"].is_string(), "{name}");
             let line = if ["truncated", "nan", "text for a number"].contains(&name) { 2 } else { 0 };
             let place = format!("{path}:{line}");
             assert!(line == 0 || run.stderr.contains(&place), "{name}: {}", run.stderr);
@@ -105,4 +158,55 @@ fn a_wrong_command_line_exits_with_2() {
     }
     assert_eq!(surepose(&["--help"]).code, 0);
     assert_eq!(surepose(&["--version"]).code, 0);
+}
+
+#[test]
+fn the_version_is_that_of_what_was_typed() {
+    assert!(surepose(&["--version"]).stdout.starts_with("surepose 0."));
+}
+
+/// A script must not take half a file for a result. A reader that leaves early is another matter.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_printed_exits_with_2() {
+    for arguments in [
+        &["config", "show"][..],
+        &["config", "show", "--json"],
+        &["config", "explain", "k_v"],
+        &["config", "check", "--json"],
+        &["sweep", "--runs", "1", "--json"],
+        &["run", "--json"],
+        &["--help"],
+        &["--version"],
+    ] {
+        let (code, stderr) = surepose_into("/dev/full", arguments);
+        assert!(code == 2 && stderr.contains("standard output"), "{arguments:?}: {code}: {stderr}");
+        assert_eq!(surepose_into("/dev/null", arguments).0, 0, "{arguments:?}");
+    }
+}
+
+/// Messages speak of what was typed, and of the bound that it misses.
+#[test]
+fn what_was_typed_is_what_is_blamed() {
+    for (arguments, said) in [
+        (&["sweep", "--period", "-1"][..], "--period: `period_s` is negative"),
+        (&["tune", "--period", "0"], "--period: `period_s`"),
+        (&["certify", "--period", "nan"], "--period: `period_s`"),
+        (&["sweep", "--law", "murphy"], "--law: `name`"),
+        (&["certify", "--period", "99"], "--period: `period_s` is out of range"),
+        (&["sweep", "--set", "law.k_v=-1"], "--set: `k_v` is negative"),
+        (&["sweep", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
+        (&["run", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
+        (&["sweep", "--runs", "-1"], "-1 is not in 1.."),
+        (&["sweep", "--runs", "0"], "0 is not in 1.."),
+        (&["tune", "--runs", "-1"], "-1 is not in 1.."),
+        (&["tune", "--rounds", "-1"], "-1 is not in 0.."),
+        (&["sweep", "--threads", "-1"], "-1 is not in 1.."),
+        (&["reproduce", "--out", "x", "--runs", "-1"], "invalid value '-1'"),
+        (&["certify", "--noise-heading=-1"], "less than 180°"),
+    ] {
+        let run = surepose(arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.contains(said), "{arguments:?}: {}", run.stderr);
+    }
 }

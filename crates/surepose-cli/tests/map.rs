@@ -40,6 +40,16 @@ fn the_walls_of_a_room_are_found_written_and_read_again() {
     assert!(shown["residual_rms_m"].is_null(), "a map alone has no residual: {shown}");
 }
 
+/// The help fits what was asked for: here a file.
+#[test]
+fn a_map_is_not_written_over_a_folder() {
+    let folder = folder("map-over-folder");
+    let grid = room(&folder);
+    let run = surepose(&["map", "from-grid", &grid, "--out", folder.to_str().expect("UTF-8")]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("give --out the name of a file"), "{}", run.stderr);
+}
+
 #[test]
 fn the_picture_has_the_grid_below_the_walls() {
     let folder = folder("map-picture");

@@ -58,6 +58,34 @@ fn a_parameter_reaches_the_filter() {
     assert!(rmse("camera.scale=0.8") > 1e-4);
 }
 
+/// The robot stands, so that dead reckoning is right; a landmark that pulls the estimate away does harm, and one that the filter
+/// does not believe does nothing.
+#[test]
+fn an_estimator_that_was_of_no_use_exits_with_1() {
+    let folder = folder("replay-useless");
+    data_set(&folder);
+    let path = folder.to_str().expect("UTF-8");
+    let harmed = surepose(&["replay", "mrclam", path, "--set", "camera.scale=0.8", "--json"]);
+    assert_eq!(harmed.code, 1, "{}", harmed.stdout);
+    assert!(harmed.stderr.contains("farther off than dead reckoning"), "{}", harmed.stderr);
+    file(&folder, "Robot1_Measurement.dat", b"1.0 72 1.0 2.0\n");
+    let unmoved = surepose(&["replay", "mrclam", path, "--json"]);
+    assert_eq!((unmoved.code, &unmoved.json()["accepted"]), (1, &0.into()), "{}", unmoved.stdout);
+    assert!(unmoved.stderr.contains("no measurement was accepted"), "{}", unmoved.stderr);
+    // For people in words.
+    let table = surepose(&["replay", "mrclam", path]).stderr;
+    assert!(table.contains("measurements used") && !table.contains("_m "), "{table}");
+}
+
+#[test]
+fn a_robot_s_number_is_refused_where_there_is_one_robot() {
+    for format in ["carmen", "ticks"] {
+        let run = surepose(&["replay", format, "no/such/file", "--robot", "3"]);
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.stderr.contains("leave out --robot"), "{}", run.stderr);
+    }
+}
+
 #[test]
 fn every_damage_to_a_recording_exits_with_3_and_names_file_and_line() {
     let damages: [(&str, &[u8], Option<u32>); 8] = [

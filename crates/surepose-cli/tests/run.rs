@@ -207,6 +207,53 @@ fn an_interrupt_keeps_what_was_done_and_exits_with_130() {
     assert!(out.join("summary.json").exists() && out.join("time_series.csv").exists());
 }
 
+/// What was done is kept, and is not taken for all that was asked for.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_result_says_so() {
+    use std::process::{Command, Stdio};
+    let out = folder("interrupted-figures");
+    let out = out.to_str().expect("UTF-8");
+    for arguments in [
+        &["sweep", "--runs", "5000000", "--threads", "1", "--json"][..],
+        &["tune", "--rounds", "1000", "--threads", "1", "--period", "0.1", "--json"],
+        &["reproduce", "fig4", "--runs", "1000000", "--out", out, "--json"],
+    ] {
+        let child = Command::new(env!("CARGO_BIN_EXE_surepose"))
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        std::thread::sleep(std::time::Duration::from_secs(5));
+        let asked =
+            Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+        assert!(asked.success());
+        let output = child.wait_with_output().expect("it ends");
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON all the same");
+        assert_eq!((output.status.code(), &json["interrupted"]), (Some(130), &true.into()), "{json}");
+        let said = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(said.matches("warning: interrupted").count(), 1, "{said}");
+        if arguments[0] == "reproduce" {
+            // It came as far as the first set of sensors.
+            assert!(
+                json["fig4"]["odometry"]["runs"].as_u64().is_some_and(|runs| (1..1_000_000).contains(&runs)),
+                "{json}"
+            );
+            assert!(json["fig4"]["extraction"].is_null(), "{json}");
+            let kept =
+                std::fs::read_to_string(std::path::Path::new(out).join("figures.json")).expect("written");
+            assert!(kept.contains("interrupted"), "{kept}");
+        }
+    }
+    let whole = surepose(&["sweep", "--runs", "10", "--json"]);
+    assert!(
+        whole.json()["interrupted"].is_null() && !whole.stderr.contains("interrupted"),
+        "{}",
+        whole.stderr
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn a_command_with_nothing_to_keep_exits_with_130_too() {

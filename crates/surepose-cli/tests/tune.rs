@@ -25,6 +25,14 @@ fn the_result_is_certified_no_slower_and_a_configuration() {
         let figure = |when: &str| json[when]["time_ratio"][quantile].as_f64();
         assert!(figure("after") <= figure("before"), "{json}");
     }
+    let slowest = |when: &str| json[when]["time_s"]["max"].as_f64();
+    assert!(slowest("after") <= slowest("before"), "{json}");
+    for when in ["before", "after"] {
+        for bound in ["capture_radius_m", "final_position_bound_m", "final_heading_bound_deg"] {
+            assert!(json["certificate"][when][bound].is_number(), "{bound} in {json}");
+        }
+    }
+    assert!(run.stderr.contains("may be too fast"), "{}", run.stderr);
 
     // The file is a configuration, with these gains, that `sweep` gives the same figures for.
     assert_eq!(surepose(&["config", "check", path]).code, 0);
@@ -32,6 +40,39 @@ fn the_result_is_certified_no_slower_and_a_configuration() {
     assert_eq!(surepose(&sweep).json()["time_ratio"], json["after"]["time_ratio"]);
     let certify = surepose(&["certify", "--config", path, "--json"]);
     assert_eq!(certify.code, 0, "{}", certify.stdout);
+}
+
+/// The bench's robot has no limit of acceleration, and its law is told of the bench's noise. Another robot's has neither from
+/// a file that is made to drive it.
+#[test]
+fn the_configuration_holds_what_was_tuned_and_given_and_nothing_of_the_bench() {
+    let folder = folder("tune-out");
+    let out = folder.join("tuned.toml");
+    let path = out.to_str().expect("UTF-8");
+    let given = ["--set", "robot.track_m=0.5", "--law", "surepose"];
+    let run = surepose(
+        &[&["tune", "--rounds", "0", "--runs", "100", "--out", path, "--json"], &given[..]].concat(),
+    );
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let text = std::fs::read_to_string(&out).expect("written");
+    let mut keys: Vec<&str> = text
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .filter_map(|line| line.split_once(" = "))
+        .map(|(key, _)| key)
+        .collect();
+    keys.sort_unstable();
+    let mut wanted = [&GAINS[..], &["name", "period_s", "track_m"]].concat();
+    wanted.sort_unstable();
+    assert_eq!(keys, wanted, "{text}");
+
+    let shown = surepose(&["config", "show", path, "--json"]).json();
+    let default = surepose(&["config", "show", "--json"]).json();
+    for key in ["robot.wheel_acceleration_limit_m_s2", "robot.wheel_speed_limit_m_s", "law.position_noise_m"]
+    {
+        assert_eq!(shown[key], default[key], "{key}");
+    }
+    assert_eq!(shown["loop.period_s"]["value"], 0.02);
 }
 
 #[test]

@@ -132,14 +132,23 @@ impl Config {
     ///
     /// # Errors
     /// What is wrong with the text, as for a line of a file.
-    pub fn with_option(mut self, text: &str) -> Result<Self, ConfigError> {
-        let name = Path::new("--set");
+    pub fn with_option(self, text: &str) -> Result<Self, ConfigError> {
+        self.with_option_of("--set", text)
+    }
+
+    /// The same, where it was `option` that the user typed: that is what errors name.
+    ///
+    /// # Errors
+    /// As [`Config::with_option`].
+    pub fn with_option_of(mut self, option: &str, text: &str) -> Result<Self, ConfigError> {
+        let name = Path::new(option);
         let malformed = || {
             let what = format!("is not one SECTION.KEY=VALUE: '{}'", text.escape_debug());
             let help = "write `--set law.k_v=3`; `surepose config show` lists the names";
             ConfigError::unreadable(name, None, what, help)
         };
-        let settings = file::parse(name, option_as_toml(text).ok_or_else(malformed)?.as_bytes())?;
+        let toml = option_as_toml(text).ok_or_else(malformed)?;
+        let settings = file::parse(name, toml.as_bytes()).map_err(ConfigError::without_lines)?;
         let [setting] = settings.as_slice() else { return Err(malformed()) };
         self.put(Setting { origin: Origin::CommandLine, ..setting.clone() });
         Ok(self)

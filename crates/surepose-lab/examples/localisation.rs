@@ -30,7 +30,7 @@ fn main() -> ExitCode {
                 );
             }
         }
-        let e = extraction(&world, 1..runs.min(50) + 1, &Watch::default());
+        let Some(e) = extraction(&world, 1..runs.min(50) + 1, &Watch::default()) else { continue };
         println!(
             "  found {} of {}, line NEES {:.3} over {}, spurious {}, wrong {} of {}",
             e.found,

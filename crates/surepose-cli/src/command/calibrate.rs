@@ -64,7 +64,7 @@ impl CalibrateCommand {
                 ]);
             }
             wrapped(table)
-        });
+        })?;
         Ok(Exit::Done)
     }
 }

@@ -11,10 +11,11 @@ use surepose_cert::{Certificate, Counterexample, Margins, Noise};
 use surepose_data::Config;
 use surepose_lab::picture;
 
+use crate::certification::Bounds;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, shown, table, wrapped};
+use crate::output::{Output, table, worded, wrapped};
 use crate::settings::ConfigArgs;
 use crate::{certification, interrupt, progress};
 
@@ -90,20 +91,23 @@ fn bound(text: &str) -> Result<f64, String> {
 }
 
 fn heading_bound(text: &str) -> Result<f64, String> {
-    bound(text).and_then(|value| {
-        if value < 180.0 { Ok(value) } else { Err("a heading is less than 180° off".to_owned()) }
-    })
+    let value: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
+    if (0.0..180.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("a heading is less than 180° off, and not less than 0".to_owned())
+    }
 }
 
 impl CertifyCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let mut config = self.config.over(Config::default())?;
         if let Some(period) = self.period {
-            config = config.with_option(&format!("loop.period_s={period}"))?;
+            config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
         }
         let noise = self.noise.bounds();
         if self.gaussian {
-            return Ok(average::run(&config, noise, output));
+            return average::run(&config, noise, output);
         }
         // A folder that cannot be written to is found before the work, not after it.
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
@@ -114,8 +118,17 @@ impl CertifyCommand {
         }
         output.result(&json, || {
             let mut table = table(&[]);
-            for (key, value) in json.iter().filter(|(_, value)| !value.is_object()) {
-                table.add_row([key.clone(), shown(value)]);
+            let mut told = json.clone();
+            told.remove("counterexample");
+            for row in worded(&told, &WORDS) {
+                table.add_row(row);
+            }
+            for (key, what) in
+                [("final_heading_bound_deg", "heading"), ("final_position_bound_m", "position")]
+            {
+                if !json.contains_key(key) {
+                    table.add_row([what, "not bounded"]);
+                }
             }
             if let Some(found) = &certificate.counterexample {
                 table.add_row(["counterexample".to_owned(), described(found)]);
@@ -124,7 +137,7 @@ impl CertifyCommand {
                 table.add_row(["written to".to_owned(), path.display().to_string()]);
             }
             wrapped(table)
-        });
+        })?;
         Ok(match certificate.certified {
             _ if interrupt::asked() => Exit::Interrupted,
             true => Exit::Done,
@@ -179,16 +192,32 @@ fn cells(margins: &Margins) -> impl Iterator<Item = Cell> {
     })
 }
 
+/// The certificate's keys in words.
+const WORDS: [(&str, &str); 11] = [
+    ("certified", "certified"),
+    ("capture_radius_m", "comes within (capture radius) [m]"),
+    ("decrease_rate_per_s", "W falls at least by [1/s]"),
+    ("time_bound_s", "comes there in at most [s]"),
+    ("max_period_s", "shown for periods up to [s]"),
+    ("final_heading_bound_deg", "heading, then within [°]"),
+    ("final_position_bound_m", "position, then within [m]"),
+    ("switch_keeps_its_mind", "the switch keeps its mind"),
+    ("switch_dwell_ticks", "for at least so many ticks"),
+    ("boxes", "regions looked at"),
+    ("wall_s", "computing time [s]"),
+];
+
 /// The certificate under the contract's keys; what was not shown is absent.
 fn json_of(certificate: &Certificate) -> Map<String, Json> {
-    let heading = certificate.settling.and_then(|settling| settling.heading_bound).map(f64::to_degrees);
+    let Bounds { capture_radius_m, final_heading_bound_deg, final_position_bound_m } =
+        Bounds::of(certificate);
     let numbers = [
-        ("capture_radius_m", certificate.capture_radius),
+        ("capture_radius_m", capture_radius_m),
         ("decrease_rate_per_s", certificate.decrease_rate),
         ("time_bound_s", certificate.time_bound),
         ("max_period_s", certificate.max_period),
-        ("final_heading_bound_deg", heading),
-        ("final_position_bound_m", certificate.final_position_bound),
+        ("final_heading_bound_deg", final_heading_bound_deg),
+        ("final_position_bound_m", final_position_bound_m),
     ];
     let mut json = Map::new();
     json.insert("certified".to_owned(), json!(certificate.certified));

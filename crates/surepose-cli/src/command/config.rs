@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{self, Kind, Parameter, Range};
-use surepose_data::Config;
-use surepose_data::config::{Setting, Value};
+use surepose_data::config::{ConfigProblem, Setting, Value};
+use surepose_data::{Config, ConfigError};
 
 use crate::certification;
 use crate::exit::Exit;
@@ -27,7 +27,10 @@ enum What {
     #[command(after_help = "Example: surepose config check robot.toml")]
     Check(Source),
     /// Every parameter in effect, with where its value came from, as TOML that can be edited and read again
-    #[command(after_help = "Example: surepose config show --config robot.toml --set law.k_v=3")]
+    #[command(after_help = "Example: surepose config show --config robot.toml --set law.k_v=3
+
+Gains that nobody set are comments: they are fitted anew to the period and the wheels of the file. Without the leading # they \
+stay as they are.")]
     Show(Source),
     /// What one parameter means, its unit, its bounds and why they are there
     #[command(after_help = "Example: surepose config explain capture_radius_m")]
@@ -56,12 +59,20 @@ impl Source {
 impl ConfigCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         match self.what {
-            What::Check(source) => {
-                check(output, &source.read()?.fitted());
-                Ok(Exit::Done)
-            }
+            What::Check(source) => match source.read() {
+                Ok(config) => {
+                    check(output, &config.fitted())?;
+                    Ok(Exit::Done)
+                }
+                Err(failure) => {
+                    if let (true, Failure::Config(error)) = (output.json, &failure) {
+                        text(&format!("{}\n", invalid(error)))?;
+                    }
+                    Err(failure)
+                }
+            },
             What::Show(source) => {
-                show(output, &source.read()?.fitted());
+                show(output, &source.read()?.fitted())?;
                 Ok(Exit::Done)
             }
             What::Explain { name } => explain(output, &name),
@@ -69,7 +80,23 @@ impl ConfigCommand {
     }
 }
 
-fn check(output: Output, config: &Config) {
+/// The problems of a configuration for programs; people read the same on standard error.
+fn invalid(error: &ConfigError) -> Json {
+    let listed = |problem: &ConfigProblem| {
+        let mut json = Map::new();
+        json.insert("file".to_owned(), json!(error.file.display().to_string()));
+        let parts = [
+            ("line", problem.line.map(|line| json!(line))),
+            ("message", Some(json!(problem.what))),
+            ("help", problem.help.as_ref().map(|help| json!(help))),
+        ];
+        json.extend(parts.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
+        json
+    };
+    json!({ "valid": false, "problems": error.problems.iter().map(listed).collect::<Vec<_>>() })
+}
+
+fn check(output: Output, config: &Config) -> Result<(), Failure> {
     let warnings = certification::warnings(config);
     for said in &warnings {
         warning(said);
@@ -85,10 +112,10 @@ fn check(output: Output, config: &Config) {
             table.add_row(["every parameter", "as in the table", "default"]);
         }
         table
-    });
+    })
 }
 
-fn show(output: Output, config: &Config) {
+fn show(output: Output, config: &Config) -> Result<(), Failure> {
     if output.json {
         let entry = |setting: &Setting| {
             let value = match &setting.value {
@@ -102,7 +129,7 @@ fn show(output: Output, config: &Config) {
         let all: Map<String, Json> = config.settings().iter().map(entry).collect();
         return text(&format!("{}\n", Json::Object(all)));
     }
-    text(&toml_of(config));
+    text(&toml_of(config))
 }
 
 fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
@@ -126,13 +153,13 @@ fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
             "name": name(p), "unit": p.unit.symbol(), "default": default, "range": bounds, "reason": reason,
             "meaning": meaning,
         });
-        text(&format!("{all}\n"));
+        text(&format!("{all}\n"))?;
     } else {
         let default = default.as_str().map_or_else(|| default.to_string(), str::to_owned);
         text(&format!(
             "{}\n  {meaning}\n  default: {default}\n  allowed: {bounds}\n  because: {reason}\n",
             name(p)
-        ));
+        ))?;
     }
     Ok(Exit::Done)
 }

@@ -10,7 +10,7 @@ use surepose_lab::replay::carmen::{map_of, views};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::folder::Folder;
+use crate::folder::{Folder, no_folder_at, write_file};
 use crate::output::{Output, object, table};
 
 /// Make a wall map, or show one.
@@ -79,10 +79,12 @@ impl MapCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let report = match self.what {
             What::FromGrid { grid, out, picture } => {
+                no_folder_at(&out)?;
                 let grid = map_server::read(&grid)?;
                 write(&from_grid::walls_of(&grid), Ground::Grid(&grid), &out, picture)?
             }
             What::FromLog { format: Format::Carmen, path, out, picture } => {
+                no_folder_at(&out)?;
                 let (log, settings) = (carmen::read(&path)?, from_log::Settings::default());
                 let ends = from_log::ends_of(views(&log), &settings);
                 write(&map_of(&log, 1, &settings), Ground::Ends(&ends), &out, picture)?
@@ -109,7 +111,7 @@ impl MapCommand {
                 table.add_row(["points on a wall".to_owned(), format!("{:.1} %", 1e2 * explained)]);
             }
             table
-        });
+        })?;
         Ok(Exit::Done)
     }
 }
@@ -124,8 +126,7 @@ fn write(
     let text = mapped.map.to_toml(out)?;
     let folder = Folder::at(out.parent().unwrap_or(Path::new("")))?;
     let pictures = pictures.map_or_else(|| Ok(folder.clone()), |path| Folder::at(&path))?;
-    let file = out.file_name().map_or_else(|| "map.toml".into(), |name| name.to_string_lossy());
-    folder.text(&file, &text)?;
+    write_file(out, &text)?;
     pictures.picture(&name_of(out), &picture::wall_map(&mapped.map, ground))?;
     Ok(mapped.report)
 }

@@ -14,7 +14,7 @@ use surepose_lab::replay::{FollowerSettings, Hall, ReplayError, ReplayReport, ca
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, object, shown, table};
+use crate::output::{Output, object, table, warning, worded};
 use crate::settings::{ConfigArgs, PoseArg};
 
 /// Run the estimator on a recording and judge it against the recording's reference.
@@ -25,7 +25,10 @@ use crate::settings::{ConfigArgs, PoseArg};
   surepose replay wean robotdata1.log.gz --map wean.dat.gz --start 40,41.4,-96 --out pictures
   surepose replay wean robotdata1.log.gz --map wean.dat.gz
   surepose replay ticks exp1.dat.gz
-  surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json")]
+  surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
+
+Exit codes: 0 done; 1 not found where it was to be looked for, no measurement accepted, or a position farther off than \
+dead reckoning's.")]
 pub(crate) struct ReplayCommand {
     /// The format of the recording
     format: Format,
@@ -37,9 +40,9 @@ pub(crate) struct ReplayCommand {
     /// Where the robot starts, where the recording does not tell: metres, metres, degrees; without it, `wean` looks for the place, and exits with 1 while several explain the scans
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
-    /// Which robot, where the recording has several
-    #[arg(long, default_value_t = 1)]
-    robot: u32,
+    /// Which robot of a mrclam recording, which has several; the first unless given
+    #[arg(long, allow_negative_numbers = true)]
+    robot: Option<u32>,
     /// A folder for a picture of `wean`'s scans and the robot's way on its map
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -65,7 +68,7 @@ impl ReplayCommand {
         let report = match self.format {
             Format::Mrclam => {
                 let config = self.config.over(mrclam::Settings::preset())?;
-                mrclam::replay(&self.path, self.robot, &mrclam::Settings::of(&config))
+                mrclam::replay(&self.path, self.robot.unwrap_or(1), &mrclam::Settings::of(&config))
             }
             Format::Carmen => {
                 let config = self.config.over(carmen::Settings::preset())?;
@@ -85,17 +88,18 @@ impl ReplayCommand {
         let json = object(&report);
         output.result(&json, || {
             let mut table = table(&[]);
-            for (key, value) in &json {
-                table.add_row([key.clone(), shown(value)]);
+            for row in worded(&json, &WORDS) {
+                table.add_row(row);
             }
             table
-        });
+        })?;
+        let failing = failing(&report);
+        if let Some(why) = failing {
+            warning(why);
+        }
         // Somewhere is no place: what was asked for was not found.
-        Ok(if report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some()) {
-            Exit::Done
-        } else {
-            Exit::Negative
-        })
+        let placed = report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some());
+        Ok(if placed && failing.is_none() { Exit::Done } else { Exit::Negative })
     }
 
     /// Follows the robot through Wean Hall, looks for it first where nobody says where it starts, and draws it.
@@ -120,6 +124,9 @@ impl ReplayCommand {
         let usage =
             |what: &str, help: &str| Err(Failure::Usage { what: what.to_owned(), help: help.to_owned() });
         match self.format {
+            Format::Carmen | Format::Ticks | Format::Wean if self.robot.is_some() => {
+                usage("only recordings of mrclam have several robots", "leave out --robot")
+            }
             Format::Mrclam if self.map.is_some() => {
                 usage("mrclam has landmarks, and no use for a wall map", "leave out --map")
             }
@@ -139,6 +146,43 @@ impl ReplayCommand {
         }
     }
 }
+
+/// What shows that the estimator was of no use.
+fn failing(report: &ReplayReport) -> Option<&'static str> {
+    // What no measurement moved is as good as dead reckoning, to the last digits.
+    const SAME: f64 = 1e-6;
+    if report.accepted == 0 {
+        return Some("no measurement was accepted: this is dead reckoning");
+    }
+    let (estimated, reckoned) = (report.position_rmse_m?, report.dead_reckoning_position_rmse_m?);
+    (estimated > reckoned + SAME).then_some("the estimate is farther off than dead reckoning alone")
+}
+
+/// The report's keys in words.
+const WORDS: [(&str, &str); 22] = [
+    ("steps", "odometry records"),
+    ("duration_s", "duration [s]"),
+    ("distance_m", "way [m]"),
+    ("wall_s", "computing time [s]"),
+    ("position_rmse_m", "position error, RMS [m]"),
+    ("heading_rmse_deg", "heading error, RMS [°]"),
+    ("position_median_m", "position error, median [m]"),
+    ("nees_mean", "NEES, mean (3 if consistent)"),
+    ("nees_median", "NEES, median (2.37 if consistent)"),
+    ("dead_reckoning_position_rmse_m", "dead reckoning's position error, RMS [m]"),
+    ("dead_reckoning_heading_rmse_deg", "dead reckoning's heading error, RMS [°]"),
+    ("beams_on_walls", "part of the beams on walls"),
+    ("found_s", "found after [s]"),
+    ("found_x_m", "found at x [m]"),
+    ("found_y_m", "found at y [m]"),
+    ("found_heading_deg", "found with heading [°]"),
+    ("hypotheses_left", "places that explain the scans"),
+    ("explained", "part of the surface seen that is on walls"),
+    ("before_walls", "part of it before walls"),
+    ("beyond_walls", "part of it beyond walls"),
+    ("accepted", "measurements used"),
+    ("rejected", "measurements refused"),
+];
 
 /// What a map file holds.
 enum Known {

@@ -33,10 +33,10 @@ pub(crate) struct ReproduceCommand {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// How many seeds are behind fig4, and a tenth of them behind fig6
-    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000), allow_negative_numbers = true)]
     runs: u64,
     /// The first seed
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     #[command(flatten)]
     config: ConfigArgs,
@@ -95,6 +95,10 @@ impl ReproduceCommand {
             // At once, so that who does not wait for the next figure has this one's numbers.
             folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
         }
+        interrupt::mark(&mut json);
+        if interrupt::asked() {
+            folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
+        }
         output.result(&json, || {
             let mut table = table(&["figure", "what", "found"]);
             for row in rows {
@@ -102,7 +106,7 @@ impl ReproduceCommand {
             }
             table.add_row(["", "written to", &self.out.display().to_string()]);
             table
-        });
+        })?;
         Ok(match (interrupt::asked(), good) {
             (true, _) => Exit::Interrupted,
             (false, true) => Exit::Done,

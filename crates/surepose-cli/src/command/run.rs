@@ -40,7 +40,7 @@ pub(crate) struct RunCommand {
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     goal: Option<PoseArg>,
     /// What all noise is drawn from: the same seed gives the same drive
-    #[arg(long, default_value_t = SEED)]
+    #[arg(long, default_value_t = SEED, allow_negative_numbers = true)]
     seed: u64,
     /// A folder for pictures, time series and summary
     #[arg(long, value_name = "DIR")]
@@ -99,7 +99,7 @@ impl RunCommand {
                 table.add_row(["written to".to_owned(), path.display().to_string()]);
             }
             table
-        });
+        })?;
         Ok(match summary.outcome {
             _ if interrupt::asked() => Exit::Interrupted,
             Outcome::Reached => Exit::Done,
@@ -112,7 +112,7 @@ impl RunCommand {
         let mut base = Config::default();
         match self.scenario.as_deref() {
             Some(name) if Scenario::named(name, Config::default()).is_some() => {
-                base = base.with_option(&format!("scenario.arena={name}"))?;
+                base = base.with_option_of("--scenario", &format!("scenario.arena={name}"))?;
             }
             Some(file) if Path::new(file).extension().is_some() || Path::new(file).exists() => {
                 base = base.with_file(Path::new(file))?;
@@ -127,7 +127,8 @@ impl RunCommand {
         let mut config = self.config.over(base)?;
         for (section, pose) in [("start", self.start), ("goal", self.goal)] {
             for (key, value) in pose.iter().flat_map(PoseArg::keys) {
-                config = config.with_option(&format!("scenario.{section}_{key}={value}"))?;
+                config = config
+                    .with_option_of(&format!("--{section}"), &format!("scenario.{section}_{key}={value}"))?;
             }
         }
         let scenario = Scenario::configured(config);

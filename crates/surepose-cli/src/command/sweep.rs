@@ -5,16 +5,15 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value as Json};
-use surepose::param;
-use surepose_data::{Config, starts};
-use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Spread, Starts, Sweep, SweepReport};
+use surepose_data::starts;
+use surepose_lab::sweep::{Precision, Spread, Starts, Sweep, SweepReport};
 use surepose_lab::{Watch, picture};
 
+use super::trials::{LoopName, NoiseName, TrialArgs};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::output::{Output, align_numbers, object, table};
-use crate::settings::ConfigArgs;
 use crate::{interrupt, progress};
 
 /// Run the bench trial from many starts: success, time over the least possible, final error.
@@ -37,53 +36,19 @@ Written to --out: trials.csv and trials.parquet, a line for each trial; start_ma
 which is the JSON of the command without wall_s and steps_per_s. The same command line gives the same bytes.")]
 pub(crate) struct SweepCommand {
     /// How many random starts
-    #[arg(long, default_value_t = 10_000, conflicts_with = "starts")]
-    runs: usize,
+    #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    runs: u32,
     /// Given starts, in metres and degrees, seen from the goal
     #[arg(long, value_name = "FILE.csv")]
     starts: Option<PathBuf>,
-    /// Time between two ticks, in seconds
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    period: Option<f64>,
-    /// What tells the law where the robot is
-    #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
-    loop_: LoopName,
-    /// What is wrong with the estimate or the sensors, and with the wheels; none, or bench with --loop ekf, unless given
-    #[arg(long, value_enum)]
-    noise: Option<NoiseName>,
     /// What the loop is computed with
     #[arg(long, value_enum, default_value_t = PrecisionName::F64)]
     precision: PrecisionName,
-    /// How many threads; all cores unless given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
-    /// The law: surepose or paper
-    #[arg(long, value_name = "NAME")]
-    law: Option<String>,
-    /// What all noise and all random starts are drawn from
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// A folder for the summary, the trials, a map of their starts and histograms
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    config: ConfigArgs,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LoopName {
-    /// The bench trial: the true pose, with white noise
-    Bench,
-    /// The full loop: odometry, compass and walls through the filter
-    Ekf,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum NoiseName {
-    /// None
-    None,
-    /// 5 mm and 0.3° on the estimate, 5 % on each wheel's speed
-    Bench,
+    trials: TrialArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -93,9 +58,6 @@ enum PrecisionName {
     /// The robot's
     F64,
 }
-
-/// What the filter's belief jumps from tick to tick \[m]: of its error of 1.2 mm, the part that is white.
-const FILTER_JITTER: f64 = 5e-4;
 
 /// How often the progress is looked at.
 const LOOK: Duration = Duration::from_millis(50);
@@ -110,33 +72,30 @@ impl SweepCommand {
         let part = || watch.done() as f64 / total.max(1) as f64;
         let report = progress::attended(&bar, pause, part, || watch.stop(), || sweep.run(&watch))?;
 
-        let json = object(&report);
+        let mut json = object(&report);
+        interrupt::mark(&mut json);
         if let Some(folder) = &folder {
             write(folder, &report, &json)?;
         }
-        output.result(&json, || shown(&report));
+        output.result(&json, || shown(&report))?;
         Ok(if interrupt::asked() { Exit::Interrupted } else { Exit::Done })
     }
 
     fn sweep(&self) -> Result<Sweep, Failure> {
-        let noise = self.loop_.noise(self.noise);
-        let config = configured(&self.config, self.law.as_deref(), self.period, self.loop_.told(noise))?;
-        Ok(Sweep {
-            starts: match &self.starts {
-                Some(file) => Starts::Given(starts::read(file)?),
-                None => Starts::Random(self.runs),
-            },
-            law: config.law(),
-            period: config.number(&param::PERIOD),
-            noise,
-            estimate: self.loop_.estimate(&config),
-            precision: match self.precision {
-                PrecisionName::F32 => Precision::F32,
-                PrecisionName::F64 => Precision::F64,
-            },
-            threads: self.threads.map_or_else(cores, usize::from),
-            seed: self.seed,
-        })
+        let unless_given = match self.trials.loop_ {
+            LoopName::Bench => NoiseName::None,
+            LoopName::Ekf => NoiseName::Bench,
+        };
+        let trials = self.trials.read(unless_given)?;
+        let starts = match &self.starts {
+            Some(file) => Starts::Given(starts::read(file)?),
+            None => Starts::Random(self.runs as usize),
+        };
+        let precision = match self.precision {
+            PrecisionName::F32 => Precision::F32,
+            PrecisionName::F64 => Precision::F64,
+        };
+        Ok(trials.sweep(starts, precision))
     }
 }
 
@@ -146,66 +105,6 @@ fn write(folder: &Folder, report: &SweepReport, json: &Map<String, Json>) -> Res
     folder.picture("start_map", &picture::start_map(&report.trials))?;
     folder.picture("spreads", &picture::spreads(&report.trials))?;
     folder.summary(json)
-}
-
-/// The configuration of the bench's robot, with the user's over it.
-pub(super) fn configured(
-    arguments: &ConfigArgs,
-    law: Option<&str>,
-    period: Option<f64>,
-    told: f64,
-) -> Result<Config, Failure> {
-    // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
-    let bench = [
-        (&param::POSITION_NOISE, told),
-        (&param::WHEEL_RADIUS, 0.05),
-        (&param::TRACK, 0.6),
-        (&param::WHEEL_SPEED_LIMIT, 0.3),
-        (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
-        (&param::PERIOD, 0.02),
-    ];
-    let mut config = arguments.over(Config::default().with_preset("bench", &bench))?;
-    if let Some(name) = law {
-        config = config.with_option(&format!("law.name={name}"))?;
-    }
-    if let Some(period) = period {
-        config = config.with_option(&format!("loop.period_s={period}"))?;
-    }
-    Ok(config)
-}
-
-impl LoopName {
-    /// The noise that was asked for, or what makes sense with this loop.
-    pub(super) fn noise(self, asked: Option<NoiseName>) -> Noise {
-        match (asked, self) {
-            (Some(NoiseName::None), _) | (None, Self::Bench) => Noise::NONE,
-            (Some(NoiseName::Bench), _) | (None, Self::Ekf) => Noise::BENCH,
-        }
-    }
-
-    /// How far off its estimate the law is told to be from tick to tick \[m], as a robot's owner would tell it.
-    pub(super) fn told(self, noise: Noise) -> f64 {
-        match self {
-            Self::Bench => noise.position,
-            Self::Ekf => FILTER_JITTER,
-        }
-    }
-
-    /// What tells the law where the robot is.
-    pub(super) fn estimate(self, config: &Config) -> Estimate {
-        match self {
-            Self::Bench => Estimate::Given,
-            Self::Ekf => Estimate::Filtered(Filter {
-                delta: config.number(&param::DELTA),
-                gate_probability: config.number(&param::GATE_PROBABILITY),
-                ..Filter::BENCH
-            }),
-        }
-    }
-}
-
-pub(super) fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 fn shown(report: &SweepReport) -> comfy_table::Table {

@@ -7,67 +7,52 @@ use clap::Args;
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{self, Kind, Parameter};
 use surepose::{Gains, Law};
+use surepose_cert::Noise;
 use surepose_data::Config;
 use surepose_data::config::Origin;
-use surepose_lab::sweep::{Precision, Spread, Starts, Sweep, SweepReport};
+use surepose_lab::sweep::{Precision, Spread, Starts, SweepReport};
 use surepose_lab::tune::{Candidate, STRESS, Tune, Tuned, Watch};
 
 use super::certify::NoiseArgs;
-use super::sweep::{LoopName, NoiseName, configured, cores};
-use crate::certification;
+use super::trials::{BENCH, NoiseName, TrialArgs, Trials};
+use crate::certification::{self, Bounds};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::output::{Output, align_numbers, object, table, warning};
-use crate::settings::{ConfigArgs, toml_of};
-use crate::{interrupt, progress};
+use crate::settings::toml_of_those;
+use crate::{folder, interrupt, progress};
 
 /// Find the gains and the capture radius that take least time, always arrive, and are certified.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose tune                                           at 0.02 s with the bench's noise
-  surepose tune --period 0.1 --out robot.toml             a configuration, to drive with
+  surepose tune --out robot.toml                          a configuration, to drive with
   surepose tune --loop ekf --noise-position 0.004 --noise-heading 0.15 --json
   surepose tune --config robot.toml --rounds 24           on from an earlier result
 
 What is minimised is the median and the 95 % quantile of the time over the least possible, added. The figures before and \
 after are of --runs trials that the search never saw: `surepose sweep --seed N` drives the same ones. Gains that are worse \
-there in success, median or 95 % quantile are not given, nor gains without a certificate for the noise bounds, nor gains \
+there in success, median, 95 % quantile or the slowest trial are not given, nor gains without a certificate for the noise \
+bounds or with one that leaves unbounded what it bounded before (capture radius, final position, final heading), nor gains \
 that lose more trials than before from starts within 20 cm at 1.3 times the noise.
-The robot is the bench's, without a limit of acceleration: a robot whose wheels follow slowly wants smaller gains.
+The robot is the bench's, without a limit of acceleration: gains that are tuned for it may be too fast for a robot that has \
+one. --out writes the gains, the capture radius, the period and what you gave, but nothing of the bench's robot.
 
 Exit codes: 0 certified gains, 1 nothing was certified, 130 interrupted (the best until then is kept).")]
 pub(crate) struct TuneCommand {
     /// How many fresh trials judge the result
-    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     runs: u32,
     /// How many rounds the search takes, 17 candidates each
-    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(..=1000))]
+    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(..=1000), allow_negative_numbers = true)]
     rounds: u16,
-    /// Time between two ticks, in seconds
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    period: Option<f64>,
-    /// What tells the law where the robot is
-    #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
-    loop_: LoopName,
-    /// What is wrong with the estimate or the sensors, and with the wheels
-    #[arg(long, value_enum, default_value_t = NoiseName::Bench)]
-    noise: NoiseName,
-    /// How many threads; all cores unless given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
-    /// The law: surepose or paper
-    #[arg(long, value_name = "NAME")]
-    law: Option<String>,
-    /// What all noise, all random starts and the search are drawn from
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// A file for the configuration with the tuned gains
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]
     bounds: NoiseArgs,
     #[command(flatten)]
-    config: ConfigArgs,
+    trials: TrialArgs,
 }
 
 /// How often the progress is looked at.
@@ -78,20 +63,26 @@ const REACH: f64 = 20.0;
 
 impl TuneCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
-        let noise = self.loop_.noise(Some(self.noise));
-        let config = configured(&self.config, self.law.as_deref(), self.period, self.loop_.told(noise))?;
+        let trials = self.trials.read(NoiseName::Bench)?;
+        let config = &trials.config;
         if [&param::WHEEL_RADIUS, &param::TRACK, &param::WHEEL_SPEED_LIMIT, &param::WHEEL_ACCELERATION_LIMIT]
             .iter()
-            .any(|parameter| config.origin(parameter) != Origin::Preset("bench"))
+            .any(|parameter| config.origin(parameter) != Origin::Preset(BENCH))
         {
             warning("[robot] counts for the certificate only: the trials are those of the bench's robot");
         }
         if let Some(path) = &self.out {
-            writable(path)?;
+            folder::file_at(path)?;
         }
-        let tune = self.tune(&config);
+        let tune = self.tune(&trials);
         let noise = self.bounds.bounds();
-        let certified = |law: &Law<f64>| certification::holds(&config, law, noise);
+        interrupt::listen();
+        // Time is no good price for a promise: what the gains to begin with bound, the tuned ones bound as well.
+        let had = certification::bounds(config, &tune.sweep.law, noise);
+        let certified = |law: &Law<f64>| {
+            let has = certification::bounds(config, law, noise);
+            has.is_some_and(|has| had.is_none_or(|had| has.keep(&had)))
+        };
 
         let (clock, watch, bar) = (Instant::now(), Watch::default(), progress::bar(output, "tuning"));
         let part = || watch.done() as f64 / (tune.rounds + 1) as f64;
@@ -99,10 +90,19 @@ impl TuneCommand {
         let tuned = progress::attended(&bar, LOOK, part, || watch.stop(), work)?;
 
         if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
-            write(path, &config.with_preset("tuned", &values(best)))?;
+            write(path, &config.clone().with_preset(TUNED, &values(best)), noise)?;
         }
-        let json = json_of(&tuned, clock.elapsed().as_secs_f64(), self.seed);
-        output.result(&json, || shown(&tuned));
+        let has =
+            tuned.best.and_then(|best| certification::bounds(config, &best.with(&tune.sweep.law), noise));
+        let mut json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.trials.seed);
+        interrupt::mark(&mut json);
+        output.result(&json, || shown(&tuned, [had, has]))?;
+        if tuned.best.is_some_and(|best| best != tuned.start) {
+            warning(
+                "the trials have no limit of acceleration: for a robot that has one, these gains may be too fast; try them \
+                 with `surepose run --config`",
+            );
+        }
         Ok(match tuned.best {
             _ if interrupt::asked() => Exit::Interrupted,
             Some(_) => Exit::Done,
@@ -115,27 +115,17 @@ impl TuneCommand {
         })
     }
 
-    fn tune(&self, config: &Config) -> Tune {
-        let (law, period) = (config.law(), config.number(&param::PERIOD));
-        let start = Candidate::of(&law);
+    fn tune(&self, trials: &Trials<'_>) -> Tune {
+        let sweep = trials.sweep(Starts::Random(self.runs as usize), Precision::F64);
+        let start = Candidate::of(&sweep.law);
         let bound = |far: fn(f64, &Parameter) -> f64| {
             let [k_v, k_alpha, h, k_theta, capture_radius] =
                 values(&start).map(|(parameter, value)| far(value, parameter));
             Candidate { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius }
         };
         Tune {
-            sweep: Sweep {
-                starts: Starts::Random(self.runs as usize),
-                law,
-                period,
-                noise: self.loop_.noise(Some(self.noise)),
-                estimate: self.loop_.estimate(config),
-                precision: Precision::F64,
-                threads: self.threads.map_or_else(cores, usize::from),
-                seed: self.seed,
-            },
             fallback: Candidate {
-                gains: Gains::for_loop(period, &config.limits()),
+                gains: Gains::for_loop(sweep.period, &trials.config.limits()),
                 capture_radius: Config::default().number(&param::CAPTURE_RADIUS),
             },
             least: bound(|value, _| value / REACH),
@@ -144,6 +134,7 @@ impl TuneCommand {
                 _ => value,
             }),
             rounds: usize::from(self.rounds),
+            sweep,
         }
     }
 }
@@ -160,25 +151,38 @@ fn values(candidate: &Candidate) -> [(&'static Parameter, f64); 5] {
     ]
 }
 
-/// Fails where the result could not be written: better before the search than after it.
-fn writable(path: &Path) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder.map(std::fs::metadata).transpose() {
-        Ok(_) if !path.is_dir() => Ok(()),
-        Ok(_) => Err(Failure::Output {
-            path: path.to_owned(),
-            problem: std::io::Error::from(std::io::ErrorKind::IsADirectory).into(),
-        }),
-        Err(problem) => Err(Failure::Output { path: path.to_owned(), problem: problem.into() }),
+/// Writes what the user gave, what was tuned and the period that it was tuned for. The bench's robot stays out: whoever
+/// drives another one by this file keeps that robot's limits.
+fn write(path: &Path, config: &Config, noise: Noise) -> Result<(), Failure> {
+    let toml = toml_of_those(config, |setting| match setting.origin {
+        Origin::File { .. } | Origin::CommandLine => true,
+        Origin::Preset(name) => name == TUNED || setting.parameter == &param::PERIOD,
+        Origin::Default => false,
+    });
+    folder::write_file(path, &format!("{HEADER}{toml}"))?;
+
+    let written = Config::default().with_text(path, toml.as_bytes())?;
+    if certification::bounds(&written, &written.law(), noise).is_none() {
+        warning(&format!(
+            "with the robot that {} is for, the bench's being another one, these gains are not certified for these \
+             noise bounds; see `surepose certify --config`",
+            path.display()
+        ));
     }
+    Ok(())
 }
 
-fn write(path: &Path, config: &Config) -> Result<(), Failure> {
-    let failed = |problem: std::io::Error| Failure::Output { path: path.to_owned(), problem: problem.into() };
-    std::fs::write(path, toml_of(config)).map_err(failed)
-}
+/// The name of what was found, as the origin of values.
+const TUNED: &str = "tuned";
 
-fn json_of(tuned: &Tuned, wall: f64, seed: u64) -> Map<String, Json> {
+/// What stands above a configuration that was found.
+const HEADER: &str = "\
+# Found by `surepose tune`, on the bench's robot: its wheels follow at once. For a robot whose acceleration is limited
+# these gains may be too fast: try them with `surepose run --config` first. What is not here keeps its default.
+
+";
+
+fn json_of(tuned: &Tuned, bounds: [Option<Bounds>; 2], wall: f64, seed: u64) -> Map<String, Json> {
     let keyed = |candidate: &Candidate| -> Map<String, Json> {
         values(candidate)
             .into_iter()
@@ -195,6 +199,9 @@ fn json_of(tuned: &Tuned, wall: f64, seed: u64) -> Map<String, Json> {
     if let Some(after) = &tuned.after {
         json.insert("after".to_owned(), Json::Object(object(after)));
     }
+    let bounds = ["before", "after"].into_iter().zip(bounds);
+    let bounds = bounds.filter_map(|(when, bounds)| Some((when.to_owned(), Json::Object(object(&bounds?)))));
+    json.insert("certificate".to_owned(), Json::Object(bounds.collect()));
     let stressed = [("before", tuned.stressed_success.0), ("after", tuned.stressed_success.1)];
     let stressed = stressed.into_iter().filter_map(|(when, rate)| Some((when.to_owned(), json!(rate?))));
     json.insert("stressed_success_rate".to_owned(), Json::Object(stressed.collect()));
@@ -205,10 +212,13 @@ fn json_of(tuned: &Tuned, wall: f64, seed: u64) -> Map<String, Json> {
     json
 }
 
+/// A bound of a certificate.
+type Bound = fn(Bounds) -> Option<f64>;
+
 /// A figure of a report.
 type Figure = fn(&SweepReport) -> Option<Spread>;
 
-fn shown(tuned: &Tuned) -> comfy_table::Table {
+fn shown(tuned: &Tuned, bounds: [Option<Bounds>; 2]) -> comfy_table::Table {
     let mut table = table(&["", "before", "after"]);
     let best = tuned.best.map(|best| values(&best));
     for (k, (parameter, value)) in values(&tuned.start).into_iter().enumerate() {
@@ -217,6 +227,19 @@ fn shown(tuned: &Tuned) -> comfy_table::Table {
     }
     let yes = |sure: bool| if sure { "yes" } else { "no" };
     table.add_row(["certified", yes(tuned.start_certified), yes(tuned.best.is_some())]);
+    let certified: [(&str, Bound, f64); 3] = [
+        ("comes within [cm]", |bounds| bounds.capture_radius_m, 1e2),
+        ("stays within [cm]", |bounds| bounds.final_position_bound_m, 1e2),
+        ("final heading within [°]", |bounds| bounds.final_heading_bound_deg, 1.0),
+    ];
+    for (name, bound, factor) in certified {
+        let [before, after] = bounds.map(|bounds| match bounds.map(bound) {
+            Some(Some(value)) => format!("{:.2}", factor * value),
+            Some(None) => "not bounded".to_owned(),
+            None => "–".to_owned(),
+        });
+        table.add_row([format!("certified: {name}"), before, after]);
+    }
     let of_both = |value: &dyn Fn(&SweepReport) -> Option<String>| {
         [Some(&tuned.before), tuned.after.as_ref()]
             .map(|report| report.and_then(value).unwrap_or_else(|| "–".to_owned()))
@@ -237,6 +260,8 @@ fn shown(tuned: &Tuned) -> comfy_table::Table {
             table.add_row([format!("{name}, {quantile}"), before, after]);
         }
     }
+    let [before, after] = of_both(&|report| Some(format!("{:.2}", report.time_s?.max)));
+    table.add_row(["slowest trial [s]".to_owned(), before, after]);
     align_numbers(&mut table);
     table
 }

@@ -40,6 +40,19 @@ pub(crate) fn surepose(arguments: &[&str]) -> Run {
     run
 }
 
+/// The exit code and messages of a run whose standard output goes to `device`.
+pub(crate) fn surepose_into(device: &str, arguments: &[&str]) -> (i32, String) {
+    let device = std::fs::OpenOptions::new().write(true).open(device).expect("the device is there");
+    let output = Command::new(env!("CARGO_BIN_EXE_surepose"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .stdout(device)
+        .output()
+        .expect("the program starts");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    (output.status.code().expect("the program ends by itself"), stderr)
+}
+
 /// A folder of this test's own, empty.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);

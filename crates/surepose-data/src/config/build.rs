@@ -41,6 +41,21 @@ pub struct LaserMounting {
     pub beams: usize,
 }
 
+/// The names by which [`Config::fitted`] puts gains that nobody set.
+const FITTED: &str = "fitted";
+const PAPER: &str = "paper";
+
+impl Origin {
+    /// What a value follows that nobody set and that has no default of its own; written down as set, it would no longer.
+    pub fn follows(&self) -> Option<&'static str> {
+        match self {
+            Self::Preset(FITTED) => Some("fitted to the period and the wheels"),
+            Self::Preset(PAPER) => Some("the paper's"),
+            _ => None,
+        }
+    }
+}
+
 impl Config {
     /// The wheels' geometry: the mean of their radii and the ratio of the right one to the left one make the two.
     pub fn drive(&self) -> Drive<f64> {
@@ -54,8 +69,8 @@ impl Config {
     #[must_use]
     pub fn fitted(&self) -> Self {
         let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
-            "paper" => ("paper", Gains::paper(), Some(PAPER_CAPTURE_RADIUS)),
-            _ => ("fitted", Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
+            "paper" => (PAPER, Gains::paper(), Some(PAPER_CAPTURE_RADIUS)),
+            _ => (FITTED, Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
         };
         let values = [
             (&param::K_V, gains.k_v),

@@ -171,7 +171,9 @@ fn checked_number(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> 
         return Ok(Value::Number(number));
     }
     let shown = plain(number);
-    let what = if !number.is_finite() {
+    let what = if number.is_nan() {
+        format!("`{key}` is not a number")
+    } else if !number.is_finite() {
         format!("`{key}` is {shown}, and must be finite")
     } else if number < 0.0 && range.low >= 0.0 {
         format!("`{key}` is negative: {shown}{unit}")

@@ -49,6 +49,14 @@ impl ConfigError {
     }
 }
 
+impl ConfigError {
+    /// The same, of what has no lines: an option.
+    pub(super) fn without_lines(mut self) -> Self {
+        self.problems.iter_mut().for_each(|problem| problem.line = None);
+        self
+    }
+}
+
 /// Gathers the problems of one file.
 pub(super) struct Problems<'t> {
     file: &'t Path,

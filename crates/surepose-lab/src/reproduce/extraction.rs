@@ -73,8 +73,8 @@ fn share(part: f64, of: u64) -> Option<f64> {
 }
 
 /// Judges every scan of the runs with `seeds`, until `watch` is stopped, as the filter with encoders, compass and laser
-/// sees it.
-pub fn extraction(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Extraction {
+/// sees it; `None` without a run.
+pub fn extraction(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Option<Extraction> {
     let results = for_each(seeds, watch, |seed| {
         let mut run = world.run(seed);
         let mut robot = run.robot();
@@ -85,7 +85,7 @@ pub fn extraction(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Extrac
         }
         sum
     });
-    results.into_iter().fold(Extraction::default(), Extraction::and)
+    results.into_iter().reduce(Extraction::and)
 }
 
 /// Who knows the truth, and judges by it what is seen in a scan.

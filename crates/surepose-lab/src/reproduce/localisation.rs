@@ -52,6 +52,8 @@ impl Configuration {
 /// The figures of many runs, over t > 10 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
+    /// How many runs they are of.
+    pub runs: usize,
     /// Root mean square of the position error \[m].
     pub position_rmse: f64,
     /// Root mean square of the heading error \[rad].
@@ -87,7 +89,8 @@ pub fn localisation(
         drive(world, configuration, seed, |moment| sum.add(&moment));
         sum
     });
-    sums.into_iter().reduce(Sum::and)?.accuracy()
+    let runs = sums.len();
+    sums.into_iter().reduce(Sum::and)?.accuracy(runs)
 }
 
 /// One run of the same, moment by moment: the deviations over time of the paper's Fig. 5.
@@ -145,8 +148,9 @@ impl Sum {
         }
     }
 
-    fn accuracy(self) -> Option<Accuracy> {
+    fn accuracy(self, runs: usize) -> Option<Accuracy> {
         (self.count > 0.0).then(|| Accuracy {
+            runs,
             position_rmse: libm::sqrt(self.position_squared / self.count),
             heading_rmse: libm::sqrt(self.heading_squared / self.count),
             nees_mean: self.nees / self.count,

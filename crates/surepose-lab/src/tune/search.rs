@@ -4,7 +4,7 @@ use surepose::Law;
 
 use super::candidate::{Candidate, NUMBERS};
 use super::draw::{deviates, seed_of_round};
-use super::{Tune, stressed};
+use super::{Tune, slowest, stressed};
 use crate::Watch;
 use crate::sweep::{Starts, Sweep, SweepReport};
 
@@ -31,8 +31,15 @@ pub(super) struct Search<'a> {
     certificates: usize,
 }
 
-/// A candidate, and what it takes: less is better.
-type Rated = (Candidate, f64);
+/// A candidate, and what it takes.
+#[derive(Clone, Copy)]
+struct Rated {
+    candidate: Candidate,
+    /// Less is better.
+    cost: f64,
+    /// The time of the slowest trial \[s].
+    slowest: Option<f64>,
+}
 
 impl<'a> Search<'a> {
     pub(super) fn new(tune: &'a Tune, accepts: &'a dyn Fn(&Law<f64>) -> bool, watch: &'a Watch) -> Self {
@@ -74,19 +81,18 @@ impl<'a> Search<'a> {
         let drawn = (0..DRAWN).map(|number| self.drawn(round, number)).collect();
         let mut few = self.rated(drawn, starts / 4, seed);
         few.truncate(FINALISTS);
-        let mut finalists: Vec<Candidate> = few.iter().map(|(candidate, _)| *candidate).collect();
+        let mut finalists: Vec<Candidate> = few.iter().map(|rated| rated.candidate).collect();
         finalists.extend(mean(&finalists).map(|mean| self.inside(mean)));
         finalists.extend(self.certified.last().copied());
         let rated = self.rated(finalists, starts, seed);
 
         let incumbent = self.certified.last().copied();
         // Without one, whatever always arrives is welcome.
-        let better =
-            rated.into_iter().take_while(|(candidate, cost)| Some(*candidate) != incumbent && *cost < LOST);
-        let better: Vec<Rated> = better.take(ASKED).collect();
-        let found =
-            better.into_iter().find(|(candidate, _)| !self.watch.stopped() && self.is_certified(candidate));
-        if let Some((candidate, _)) = found {
+        let better = better(&rated, incumbent).into_iter().take(ASKED);
+        let found = better
+            .map(|it| it.candidate)
+            .find(|candidate| !self.watch.stopped() && self.is_certified(candidate));
+        if let Some(candidate) = found {
             self.certified.push(candidate);
             self.centre = candidate;
         }
@@ -114,14 +120,15 @@ impl<'a> Search<'a> {
         for candidate in candidates {
             let law = candidate.with(&self.tune.sweep.law);
             let sweep = Sweep { law, seed, starts: Starts::Random(starts), ..self.tune.sweep.clone() };
-            let cost = cost(&sweep.run(self.watch)) + LOST * losses(&stressed(&sweep).run(self.watch));
+            let report = sweep.run(self.watch);
+            let cost = cost(&report) + LOST * losses(&stressed(&sweep).run(self.watch));
             if self.watch.stopped() {
                 return Vec::new();
             }
             self.candidates += 1;
-            rated.push((candidate, cost));
+            rated.push(Rated { candidate, cost, slowest: slowest(&report) });
         }
-        rated.sort_by(|a, b| a.1.total_cmp(&b.1));
+        rated.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         rated
     }
 
@@ -129,6 +136,15 @@ impl<'a> Search<'a> {
         self.certificates += 1;
         (self.accepts)(&candidate.with(&self.tune.sweep.law))
     }
+}
+
+/// Those of `rated`, which the best begins, that may take the place of the incumbent, the best first.
+///
+/// The quantiles do not see the slowest trial, but the judgement in the end does: it is not to get slower on the way.
+fn better(rated: &[Rated], incumbent: Option<Candidate>) -> Vec<Rated> {
+    let before = rated.iter().find(|it| Some(it.candidate) == incumbent);
+    let quicker = rated.iter().take_while(|it| Some(it.candidate) != incumbent && it.cost < LOST);
+    quicker.filter(|it| before.is_none_or(|before| it.slowest <= before.slowest)).copied().collect()
 }
 
 /// No time ratios add up to this: beyond it lie the candidates that do not always arrive.
@@ -153,4 +169,28 @@ fn mean(candidates: &[Candidate]) -> Option<[f64; NUMBERS]> {
     let logarithms: Vec<_> = candidates.iter().map(Candidate::logarithms).collect();
     let count = logarithms.len() as f64;
     (count > 0.0).then(|| core::array::from_fn(|k| logarithms.iter().map(|l| l[k]).sum::<f64>() / count))
+}
+
+#[cfg(test)]
+mod tests {
+    use surepose::Gains;
+
+    use super::*;
+
+    #[test]
+    fn what_is_quicker_but_slower_at_its_slowest_does_not_take_the_incumbent_s_place() {
+        let rated = |capture_radius: f64, cost: f64, slowest: f64| Rated {
+            candidate: Candidate { gains: Gains::paper(), capture_radius },
+            cost,
+            slowest: Some(slowest),
+        };
+        let (hasty, sound, incumbent) =
+            (rated(0.05, 2.0, 112.0), rated(0.04, 2.1, 18.0), rated(0.03, 2.3, 18.5));
+        let all = [hasty, sound, incumbent, rated(0.02, 2.4, 17.0)];
+        let found = |incumbent: Option<Candidate>| -> Vec<f64> {
+            better(&all, incumbent).iter().map(|it| it.candidate.capture_radius).collect()
+        };
+        assert_eq!(found(Some(incumbent.candidate)), [0.04]);
+        assert_eq!(found(None), [0.05, 0.04, 0.03, 0.02]);
+    }
 }

@@ -2,8 +2,8 @@ use std::cell::Cell;
 
 use surepose::{Direction, Gains, Law};
 
-use super::{Candidate, Tune, Watch};
-use crate::sweep::{Estimate, Noise, Precision, Starts, Sweep, fitted_law};
+use super::{Candidate, Tune, Watch, no_worse};
+use crate::sweep::{Estimate, Noise, Precision, Spread, Starts, Sweep, SweepReport, fitted_law};
 
 fn tune(law: Law<f64>, rounds: usize) -> Tune {
     let fallback = Candidate::of(&fitted_law(0.1, Direction::Auto, Noise::BENCH));
@@ -51,6 +51,21 @@ fn what_comes_out_is_quicker_certified_and_the_same_every_time() {
     assert!(now.p50 < then.p50 - 0.005 && now.p95 <= then.p95, "{now:?} after {then:?}");
     assert_eq!(after.success_rate, Some(1.0));
     assert_eq!(run().best, Some(best));
+}
+
+/// Quicker in the median and at 95 %, but with one trial that takes longer than any before: not given.
+#[test]
+fn a_slower_slowest_trial_is_worse() {
+    let before = tune(fitted(), 0).sweep.run(&crate::Watch::default());
+    let (ratio, time) = (before.time_ratio.expect("arrived"), before.time_s.expect("arrived"));
+    let quicker = Spread { p50: 0.9 * ratio.p50, p95: 0.9 * ratio.p95, ..ratio };
+    let with_slowest = |max: f64| SweepReport {
+        time_ratio: Some(quicker),
+        time_s: Some(Spread { max, ..time }),
+        ..before.clone()
+    };
+    assert!(no_worse(&with_slowest(time.max), &before));
+    assert!(!no_worse(&with_slowest(time.max + 0.1), &before));
 }
 
 #[test]

@@ -8,7 +8,8 @@ use surepose_data::Config;
 
 use crate::certification;
 use crate::exit::Exit;
-use crate::output::{Output, shown, table};
+use crate::failure::Failure;
+use crate::output::{Output, table, worded};
 
 /// What the figures are not about.
 const LEFT_OUT: [&str; 4] = [
@@ -18,23 +19,35 @@ const LEFT_OUT: [&str; 4] = [
     "the wheels are taken to follow their commands at once",
 ];
 
+/// The keys in words.
+const WORDS: [(&str, &str); 6] = [
+    ("drift_radius_m", "W falls on average outside of [m]"),
+    ("drift_rate_per_s", "at least by [1/s]"),
+    ("expected_time_bound_s", "expected time to come there, at most [s]"),
+    ("deviations", "noise looked at, in standard deviations"),
+    ("exceeded_probability", "chance of more in a tick"),
+    ("wall_s", "computing time [s]"),
+];
+
 const REASON: &str = "with these standard deviations W was not shown to fall on average at any distance";
 
-pub(super) fn run(config: &Config, noise: Noise, output: Output) -> Exit {
+pub(super) fn run(config: &Config, noise: Noise, output: Output) -> Result<Exit, Failure> {
     let clock = Instant::now();
     let found = certification::average(config, noise);
     let json = json_of(found.as_ref(), clock.elapsed().as_secs_f64());
     output.result(&json, || {
         let mut table = table(&[]);
-        for (key, value) in json.iter().filter(|(_, value)| !value.is_array()) {
-            table.add_row([key.clone(), shown(value)]);
+        let mut told = json.clone();
+        told.remove("left_out");
+        for row in worded(&told, &WORDS) {
+            table.add_row(row);
         }
         for (k, words) in LEFT_OUT.iter().filter(|_| found.is_some()).enumerate() {
             table.add_row([if k == 0 { "left out" } else { "" }, words]);
         }
         table
-    });
-    if found.is_some() { Exit::Done } else { Exit::Negative }
+    })?;
+    Ok(if found.is_some() { Exit::Done } else { Exit::Negative })
 }
 
 fn json_of(found: Option<&Drift>, wall: f64) -> Map<String, Json> {

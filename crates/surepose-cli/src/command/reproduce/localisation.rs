@@ -50,9 +50,11 @@ impl Localisation {
                 result.rows.push([configuration.name().to_owned(), shown(&accuracy)]);
             }
         }
-        let lines = LineFigures::of(&extraction(world, seeds, watch));
-        result.rows.push(["lines".to_owned(), lines.shown()]);
-        result.json.insert("extraction".to_owned(), json!(lines));
+        if let Some(lines) = extraction(world, seeds, watch) {
+            let lines = LineFigures::of(&lines);
+            result.rows.push(["lines".to_owned(), lines.shown()]);
+            result.json.insert("extraction".to_owned(), json!(lines));
+        }
         result
     }
 
@@ -84,6 +86,7 @@ impl Localisation {
 /// The figures under the contract's keys.
 #[derive(Serialize)]
 struct Figures {
+    runs: usize,
     position_rmse_m: f64,
     heading_rmse_deg: f64,
     nees_mean: f64,
@@ -94,6 +97,7 @@ struct Figures {
 impl Figures {
     fn of(accuracy: Accuracy) -> Self {
         Self {
+            runs: accuracy.runs,
             position_rmse_m: accuracy.position_rmse,
             heading_rmse_deg: accuracy.heading_rmse.to_degrees(),
             nees_mean: accuracy.nees_mean,

@@ -81,7 +81,7 @@ fn clutter_costs_less_than_a_third() {
 #[test]
 fn walls_are_found_and_matched_and_their_lines_know_their_errors() {
     for beams in [181, 361] {
-        let result = extraction(&world(beams, Clutter::default()), 1..11, &Watch::default());
+        let result = extraction(&world(beams, Clutter::default()), 1..11, &Watch::default()).unwrap();
         assert!(result.visible > 9000 && result.matched > 9000, "{beams} beams: {result:?}");
         assert!(result.walls_found_share().unwrap() >= 0.99, "{beams} beams: {result:?}");
         assert!(result.wrong_match_share().unwrap() <= 0.001, "{beams} beams: {result:?}");
@@ -98,7 +98,7 @@ fn a_laser_mounted_off_centre_and_turned_does_as_well() {
     let accuracy = localisation(&world, Configuration::Both, 1..21, &Watch::default()).unwrap();
     assert!((accuracy.nees_mean - 3.0).abs() < 0.25, "{accuracy:?}");
     assert!(accuracy.position_rmse < 1.1 * 1.75e-3, "{accuracy:?}");
-    let lines = extraction(&world, 1..11, &Watch::default());
+    let lines = extraction(&world, 1..11, &Watch::default()).unwrap();
     let nees = lines.line_nees_mean().unwrap();
     assert!((1.9..=2.1).contains(&nees) && lines.wrong * 1000 <= lines.matched, "{lines:?}");
 }

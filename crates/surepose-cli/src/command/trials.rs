@@ -1,0 +1,133 @@
+//! What trials of the bench need to be told, in `sweep` and `tune` alike.
+
+use clap::{Args, ValueEnum};
+use surepose::param;
+use surepose_data::Config;
+use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Starts, Sweep};
+
+use crate::failure::Failure;
+use crate::settings::ConfigArgs;
+
+/// The loop, its noise, and what they are drawn from.
+#[derive(Debug, Args)]
+pub(super) struct TrialArgs {
+    /// Time between two ticks, in seconds; the configuration's, or 0.02, unless given
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    period: Option<f64>,
+    /// What tells the law where the robot is
+    #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
+    pub(super) loop_: LoopName,
+    /// What is wrong with the estimate or the sensors, and with the wheels; unless given, bench, and for `sweep` without --loop ekf none
+    #[arg(long, value_enum)]
+    noise: Option<NoiseName>,
+    /// How many threads; all cores unless given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
+    threads: Option<u16>,
+    /// The law: surepose or paper
+    #[arg(long, value_name = "NAME")]
+    law: Option<String>,
+    /// What all noise, all random starts and a search are drawn from
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    pub(super) seed: u64,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+/// The same, read: the configuration of the bench's robot with the user's over it, and how it is driven.
+pub(super) struct Trials<'a> {
+    pub(super) config: Config,
+    noise: Noise,
+    arguments: &'a TrialArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LoopName {
+    /// The bench trial: the true pose, with white noise
+    Bench,
+    /// The full loop: odometry, compass and walls through the filter
+    Ekf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum NoiseName {
+    /// None
+    None,
+    /// 5 mm and 0.3° on the estimate, 5 % on each wheel's speed
+    Bench,
+}
+
+/// What the filter's belief jumps from tick to tick \[m]: of its error of 1.2 mm, the part that is white.
+const FILTER_JITTER: f64 = 5e-4;
+
+impl TrialArgs {
+    /// Reads the configuration; the noise is this one unless it was given.
+    pub(super) fn read(&self, noise_unless_given: NoiseName) -> Result<Trials<'_>, Failure> {
+        let noise = match self.noise.unwrap_or(noise_unless_given) {
+            NoiseName::None => Noise::NONE,
+            NoiseName::Bench => Noise::BENCH,
+        };
+        // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
+        let bench = [
+            (&param::POSITION_NOISE, self.loop_.told(noise)),
+            (&param::WHEEL_RADIUS, 0.05),
+            (&param::TRACK, 0.6),
+            (&param::WHEEL_SPEED_LIMIT, 0.3),
+            (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
+            (&param::PERIOD, 0.02),
+        ];
+        let mut config = self.config.over(Config::default().with_preset(BENCH, &bench))?;
+        if let Some(name) = &self.law {
+            config = config.with_option_of("--law", &format!("law.name={name}"))?;
+        }
+        if let Some(period) = self.period {
+            config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
+        }
+        Ok(Trials { config, noise, arguments: self })
+    }
+}
+
+impl Trials<'_> {
+    /// The sweep of these trials.
+    pub(super) fn sweep(&self, starts: Starts, precision: Precision) -> Sweep {
+        let TrialArgs { loop_, threads, seed, .. } = self.arguments;
+        Sweep {
+            starts,
+            law: self.config.law(),
+            period: self.config.number(&param::PERIOD),
+            noise: self.noise,
+            estimate: loop_.estimate(&self.config),
+            precision,
+            threads: threads.map_or_else(cores, usize::from),
+            seed: *seed,
+        }
+    }
+}
+
+/// The name of the bench's robot, as the origin of values.
+pub(super) const BENCH: &str = "bench";
+
+impl LoopName {
+    /// How far off its estimate the law is told to be from tick to tick \[m], as a robot's owner would tell it.
+    fn told(self, noise: Noise) -> f64 {
+        match self {
+            Self::Bench => noise.position,
+            Self::Ekf => FILTER_JITTER,
+        }
+    }
+
+    /// What tells the law where the robot is.
+    fn estimate(self, config: &Config) -> Estimate {
+        match self {
+            Self::Bench => Estimate::Given,
+            Self::Ekf => Estimate::Filtered(Filter {
+                delta: config.number(&param::DELTA),
+                gate_probability: config.number(&param::GATE_PROBABILITY),
+                ..Filter::BENCH
+            }),
+        }
+    }
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
