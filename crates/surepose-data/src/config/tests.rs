@@ -109,7 +109,7 @@ fn impossible_values_are_refused_with_the_reason() {
     let expected = [
         ("robot.toml:2: `track_m` is out of range: 0 m", "wheels less than a centimetre apart"),
         ("robot.toml:4: `std_deg` is negative: -0.1 °", "a standard deviation is positive"),
-        ("robot.toml:6: `k_v` is NaN, and must be finite", "positive gains"),
+        ("robot.toml:6: `k_v` is not a number", "positive gains"),
         ("robot.toml:7: `h` is inf, and must be finite", "positive gains"),
         ("robot.toml:8: `k_theta` is inf, and must be finite", "positive gains"),
         ("robot.toml:10: `beams` is a whole number, and this is 180.5", "[2, 4096]"),
