@@ -12,11 +12,11 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 /// |---|---|---|---|
 /// | `sin_cos` | \|x\| ≤ 1000 | 2.3·10⁻¹⁶ | 10⁻⁷ |
 /// | `turn_cos_sinc` | \|x\| ≤ 5π/4 | 2.5·10⁻¹⁵ | 1.2·10⁻⁶ |
-/// | `small_sinc` | \|x\| ≤ π/4, NaN beyond | 2.3·10⁻¹⁶ | 6·10⁻⁸ |
+/// | `small_sinc` | \|x\| ≤ π/4 | 2.3·10⁻¹⁶ | 6·10⁻⁸ |
 /// | `atan2` | finite, not subnormal | 4.5·10⁻¹⁶·\|angle\| | 2.3·10⁻⁷·\|angle\| |
 ///
-/// NaN stays NaN, and an infinite angle or coordinate gives NaN. Tested by `sine_and_cosine`, `sinc_of_small_angles`, `turns_by_their_halves`,
-/// `arc_tangent`, `broken_numbers_stay_broken`.
+/// NaN stays NaN, and an infinite angle or coordinate gives NaN, or infinity from `small_sinc`. Tested by `sine_and_cosine`,
+/// `sinc_of_small_angles`, `turns_by_their_halves`, `arc_tangent`, `broken_numbers_stay_broken`.
 pub trait Element:
     Copy
     + Debug
@@ -51,7 +51,7 @@ pub trait Element:
     fn round(self) -> Self;
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
-    /// `sin(x)/x` for |x| ≤ π/4, NaN beyond.
+    /// `sin(x)/x` for |x| ≤ π/4.
     #[must_use]
     fn small_sinc(self) -> Self;
     /// `sin(x/2)/x` for |x| ≤ 5π/4, given x².

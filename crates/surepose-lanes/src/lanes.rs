@@ -12,7 +12,7 @@ use crate::mask::LaneMask;
 /// `N` numbers that go through the same operations, none of which branches.
 ///
 /// # Domain
-/// That of [`Element`]'s functions. [`Scalar::sinc`] is NaN beyond π/4: half the turn of one period's motion stays
+/// That of [`Element`]'s functions. [`Scalar::sinc`] is for angles up to π/4: half the turn of one period's motion stays
 /// within that, or the robot is not one this scalar can simulate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes<T, const N: usize>(pub [T; N]);

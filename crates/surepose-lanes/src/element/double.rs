@@ -118,8 +118,7 @@ impl Element for f64 {
     #[inline(always)]
     fn small_sinc(self) -> Self {
         let z = self * self;
-        let near = z.mul_add(horner(z, SINE), 1.0);
-        if z <= FRAC_PI_4 * FRAC_PI_4 { near } else { Self::NAN }
+        z.mul_add(horner(z, SINE), 1.0)
     }
     #[inline(always)]
     fn half_sine(square: Self) -> Self {

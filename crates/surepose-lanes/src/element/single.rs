@@ -18,9 +18,8 @@ const SINE: [f32; 3] = [-0.166_666_55, 0.008_332_176, -0.000_195_169_78];
 const COSINE: [f32; 3] = [0.041_666_646, -0.001_388_736_4, 0.000_024_438_09];
 /// sin(√z/2)/√z for z ≤ (5π/4)², error 2⁻²⁵·⁶.
 const HALF_SINE: [f32; 5] = [0.499_999_97, -0.020_833_27, 0.000_260_383_8, -1.544_080_4e-6, 4.929_714e-9];
-/// cos(√z/2) for z ≤ (5π/4)², error 2⁻²⁸.
-const HALF_COSINE: [f32; 6] =
-    [1.0, -0.124_999_985, 0.002_604_155_6, -2.169_831_4e-5, 9.649_38e-8, -2.464_681_5e-10];
+/// cos(√z/2) for z ≤ (5π/4)², error 2⁻²¹.
+const HALF_COSINE: [f32; 5] = [0.999_999_6, -0.124_998_63, 0.002_603_451_5, -2.157_031_3e-5, 8.699_871e-8];
 /// (atan(√z)/√z − 1)/z for z ≤ tan²(π/8), relative error of the arc tangent 2⁻²⁵·⁶.
 const ARC_TANGENT: [f32; 4] = [-0.333_329_56, 0.199_779_2, -0.138_797_8, 0.080_600_66];
 
@@ -75,8 +74,7 @@ impl Element for f32 {
     #[inline(always)]
     fn small_sinc(self) -> Self {
         let z = self * self;
-        let near = z.mul_add(horner(z, SINE), 1.0);
-        if z <= FRAC_PI_4 * FRAC_PI_4 { near } else { Self::NAN }
+        z.mul_add(horner(z, SINE), 1.0)
     }
     #[inline(always)]
     fn half_sine(square: Self) -> Self {
