@@ -70,9 +70,9 @@ impl<S: Scalar> Law<S> {
             Self::Hybrid(law) => law.steer(facing, memory),
             Self::Paper(law) => law.steer(facing, memory),
         };
-        // One sum for three comparisons: small where all three are, and not a number where one of them is not.
-        let size = facing.goal.rho * S::of(1e21) + twist.v.abs() + twist.omega.abs();
-        let seen = size.lt(S::of(1e30));
+        // One sum for two comparisons: small where both are, and not a number where one of them is not. A goal that is nowhere
+        // makes v so.
+        let seen = (twist.v.abs() + twist.omega.abs()).lt(S::of(1e30));
         Decision { twist: Twist::select(seen, twist, Twist::rest()), memory }
     }
 

@@ -1,4 +1,4 @@
-//! One period of every trial of a fleet, in six short loops.
+//! One period of every trial of a fleet, in short loops.
 //!
 //! Each loop is compiled into vector instructions. They are short so that the processor can work on many turns of a
 //! loop at once: a trial's period is one long chain of operations that wait for each other.
