@@ -237,7 +237,7 @@ fn all<T: Element, H: Half>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>) {
     }
 }
 
-/// Turns the wheels, within their limits and as inexactly as they do, and moves.
+/// Turns the wheels, within their limits and as inexactly as they do.
 struct Drive<'a, T: Element>(&'a mut Fleet<T>, Option<&'a Noise>, f64);
 
 impl<T: Element> Work for Drive<'_, T> {
