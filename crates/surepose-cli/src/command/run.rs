@@ -145,7 +145,7 @@ fn no_room(problem: &NoRoom, scenario: &Scenario) -> Failure {
     };
     let [low, high] = scenario.arena.corners();
     let help = format!(
-        "give --{key} a place at least {:.2} m (half of robot.track_m) from every wall and plate; the arena '{}' \
+        "give --{key} a place at least {:.2} m from every wall and plate; the arena '{}' \
          reaches from ({}, {}) to ({}, {}); this {key} comes from: {}",
         problem.needed,
         scenario.arena.name(),

@@ -39,8 +39,8 @@ pub enum Reading {
 /// Where the loop world's course starts, x \[m], y \[m], heading \[°].
 const LOOP_START: [f64; 3] = [2.0, 1.0, 0.0];
 
-/// However narrow a robot is, its middle keeps so far from walls where it turns \[m].
-const LEAST_CLEARANCE: f64 = 0.1;
+/// So far from every wall the robot's middle must be where it starts and where it is to rest \[m].
+const LEAST_CLEARANCE: f64 = 0.05;
 
 /// A start or a goal where the robot cannot stand.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -66,7 +66,7 @@ impl NoRoom {
         if *clearance < 0.0 {
             format!("{where_} lies outside the arena, {:.2} m beyond {wall}", clearance.abs())
         } else {
-            format!("{where_} is {clearance:.2} m from {wall}, and the robot needs {needed:.2} m to turn")
+            format!("{where_} is {clearance:.2} m from {wall}, and the robot's middle needs {needed:.2} m")
         }
     }
 }
@@ -132,13 +132,6 @@ impl Scenario {
         Self::in_arena(arena, config.with_preset("loop", &values))
     }
 
-    /// How far the robot's middle must be from every wall and plate where it starts and where it is to rest \[m].
-    ///
-    /// It turns there, and its wheels are half a track away from its middle.
-    pub fn needed_clearance(&self) -> f64 {
-        (0.5 * self.config.drive().track).max(LEAST_CLEARANCE)
-    }
-
     /// Whether there is room for the robot where it starts and where it is to rest.
     ///
     /// # Errors
@@ -146,7 +139,7 @@ impl Scenario {
     pub fn has_room(&self) -> Result<(), NoRoom> {
         let (start, goal) = (self.start().origin(), self.goal().origin());
         for (end, at) in [("start", start), ("goal", goal)] {
-            let (clearance, needed) = (self.arena.clearance(at), self.needed_clearance());
+            let (clearance, needed) = (self.arena.clearance(at), LEAST_CLEARANCE);
             if let Some(wall) = self.arena.nearest_wall(at)
                 && clearance < needed
             {
