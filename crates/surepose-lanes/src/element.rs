@@ -1,10 +1,13 @@
 //! One lane's number, and its elementary functions without branches.
 
 mod double;
+mod functions;
 mod single;
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use functions::element;
 
 /// `f64` or `f32`, with functions a compiler can vectorise.
 ///

@@ -1,0 +1,100 @@
+//! The elementary functions, written once for both floats: each module that calls [`element`] has the constants.
+
+/// The functions of one float: written once, with the constants of the module that calls this, whose numbers have `$bits`.
+macro_rules! element {
+    ($float:ident, $bits:ident) => {
+        const SIGN: $bits = 1 << ($bits::BITS - 1);
+
+        impl Element for $float {
+            const EPSILON: Self = $float::EPSILON;
+
+            #[inline(always)]
+            #[allow(clippy::cast_lossless, reason = "lossless for f64 only; one macro serves both")]
+            fn of(value: f64) -> Self {
+                value as $float
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn from_single(value: f32) -> Self {
+                Self::from(value)
+            }
+            #[inline(always)]
+            fn times_plus(self, factor: Self, addend: Self) -> Self {
+                self.mul_add(factor, addend)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $float::abs(self)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $float::sqrt(self)
+            }
+            #[inline(always)]
+            fn round(self) -> Self {
+                (self + SHIFT) - SHIFT
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                // x = q·π/2 + r with |r| ≤ π/4. π/2 in parts keeps the digits of r: the products by a small q are exact.
+                let shifted = self.mul_add(FRAC_2_PI, SHIFT);
+                let quadrant = shifted.to_bits();
+                let quarters = shifted - SHIFT;
+                let r = (-quarters).mul_add(QUARTER_LOW, (-quarters).mul_add(FRAC_PI_2, self));
+                let z = r * r;
+                let sin = (r * z).mul_add(polynomial(z, SINE), r);
+                let cos = (z * z).mul_add(polynomial(z, COSINE), z.mul_add(-0.5, 1.0));
+
+                let odd = quadrant & 1 != 0;
+                let (sin, cos) = (if odd { cos } else { sin }, if odd { sin } else { cos });
+                let flip_sin = (quadrant & 2) << ($bits::BITS - 2);
+                let flip_cos = (quadrant.wrapping_add(1) & 2) << ($bits::BITS - 2);
+                (Self::from_bits(sin.to_bits() ^ flip_sin), Self::from_bits(cos.to_bits() ^ flip_cos))
+            }
+            #[inline(always)]
+            fn small_sinc(self) -> Self {
+                let z = self * self;
+                z.mul_add(horner(z, SINE), 1.0)
+            }
+            #[inline(always)]
+            fn half_sine(square: Self) -> Self {
+                horner(square, HALF_SINE)
+            }
+            #[inline(always)]
+            fn half_cosine(square: Self) -> Self {
+                horner(square, HALF_COSINE)
+            }
+            #[inline(always)]
+            fn is_negative(self) -> bool {
+                self.to_bits() & SIGN != 0
+            }
+            #[inline(always)]
+            fn with_sign_of(self, other: Self) -> Self {
+                Self::from_bits((self.to_bits() & !SIGN) | (other.to_bits() & SIGN))
+            }
+            #[inline(always)]
+            fn atan2(self, x: Self) -> Self {
+                // The angle within the octant, from 0 or from π/4, whichever is nearer: the quotient stays below tan(π/8).
+                let (across, up) = (x.abs(), self.abs());
+                let (low, high) = (Element::min(up, across), Element::max(across, up));
+                let steep = low > high * TAN_22_5;
+                let numerator = if steep { low - high } else { low };
+                let denominator = if steep { low + high } else { high };
+                let tangent = numerator / (denominator + Self::MIN_POSITIVE);
+                let z = tangent * tangent;
+                let from = if steep { FRAC_PI_4 } else { 0.0 };
+                let octant = from + (tangent * z).mul_add(horner(z, ARC_TANGENT), tangent);
+
+                let quarter = if up > across { FRAC_PI_2 - octant } else { octant };
+                // Below the axis the largest angle is a hair less than π: −π is the same direction as π, which stands for both.
+                let straight = Self::from_bits(PI.to_bits() - (self.to_bits() >> ($bits::BITS - 1)));
+                let half = Element::min(if x < 0.0 { PI - quarter } else { quarter }, straight);
+                half.with_sign_of(self)
+            }
+        }
+    };
+}
+pub(super) use element;
