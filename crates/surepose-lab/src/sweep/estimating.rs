@@ -8,16 +8,13 @@ use surepose::{
     Angle, Belief, Body, Compass, Covariance, Goal, Innovation, Line, Map, Navigation, Pose, Scalar, Twist,
     WallSighting,
 };
-use surepose_lanes::{Element, Lanes, Work, on_widest};
+use surepose_lanes::{Element, Work, on_widest};
 
 use super::believing::{Beliefs, OF_COMPASS, OF_WALLS};
 use super::bench::{DRIVE, Noise, limits};
 use super::filter::{Filter, walls};
-use super::fleet::{Fleet, Numbers};
+use super::fleet::{Fleet, Numbers, Robot};
 use super::phases;
-
-/// One robot at a time: the filter's steps are so long that two of them interleaved leave too few registers.
-type Robot<T> = Lanes<T, 1>;
 
 /// Carries every trial one `period` \[s] forward.
 pub(super) fn step<T: Element>(
@@ -58,14 +55,19 @@ impl<T: Element> Work for Draw<'_, T> {
     }
 }
 
+/// Where a robot is, where it believes to be, and how it weighs what it measures.
+struct Whereabouts<T: Element> {
+    filter: Filter,
+    truth: Pose<Map, Body, Robot<T>>,
+    belief: Belief<Robot<T>>,
+}
+
 /// A sensor, which `M` numbers come from.
 trait Sensor<T: Element, const M: usize> {
-    /// What it measures from `truth`, compared with what `belief` expects; `deviate` gives its noise by number.
+    /// What it measures there, compared with what is believed; `deviate` gives its noise by number.
     fn innovation(
         &self,
-        filter: &Filter,
-        truth: Pose<Map, Body, Robot<T>>,
-        belief: &Belief<Robot<T>>,
+        there: &Whereabouts<T>,
         deviate: impl Fn(usize) -> Robot<T>,
     ) -> Innovation<Robot<T>, M>;
 }
@@ -78,11 +80,10 @@ impl<T: Element> Sensor<T, 1> for OfCompass {
     #[inline(always)]
     fn innovation(
         &self,
-        filter: &Filter,
-        truth: Pose<Map, Body, Robot<T>>,
-        belief: &Belief<Robot<T>>,
+        there: &Whereabouts<T>,
         deviate: impl Fn(usize) -> Robot<T>,
     ) -> Innovation<Robot<T>, 1> {
+        let Whereabouts { filter, truth, belief } = there;
         let std = Robot::of(self.real.map_or(0.0, |real| real.compass_std));
         let heading = truth.heading + Angle::from_wrapped(deviate(OF_COMPASS) * std);
         Compass { heading, std: Robot::of(filter.compass_std) }.innovation(belief)
@@ -99,11 +100,10 @@ impl<T: Element> Sensor<T, 2> for OfWall<T> {
     #[inline(always)]
     fn innovation(
         &self,
-        filter: &Filter,
-        truth: Pose<Map, Body, Robot<T>>,
-        belief: &Belief<Robot<T>>,
+        there: &Whereabouts<T>,
         deviate: impl Fn(usize) -> Robot<T>,
     ) -> Innovation<Robot<T>, 2> {
+        let Whereabouts { filter, truth, belief } = there;
         let std = |of: fn(&Filter) -> f64| Robot::<T>::of(self.real.as_ref().map_or(0.0, of));
         let distance = deviate(self.deviates[0]) * std(|real| real.wall_distance_std);
         let direction = deviate(self.deviates[1]) * std(|real| real.wall_direction_std);
@@ -136,10 +136,9 @@ impl<T: Element, S> Correct<'_, T, S> {
         let threshold = Robot::<T>::of(beliefs.gate.threshold(M));
         let (zero, one) = (Robot::<T>::of(0.0), Robot::<T>::of(1.0));
         for k in Numbers::<T>::rows::<1>() {
-            let belief = beliefs.get(k);
-            let innovation =
-                sensor.innovation(&filter, pose_of(fleet, k), &belief, |of| beliefs.deviates[of].get_as(k));
-            let correction = ekf.correct(belief, &innovation, threshold);
+            let there = Whereabouts { filter, truth: pose_of(fleet, k), belief: beliefs.get(k) };
+            let innovation = sensor.innovation(&there, |of| beliefs.deviates[of].get_as(k));
+            let correction = ekf.correct(there.belief, &innovation, threshold);
             beliefs.set(k, correction.belief);
             let refused = beliefs.score.refused.get(k) + Robot::select(correction.accepted, zero, one);
             beliefs.score.refused.set(k, refused);

@@ -1,6 +1,6 @@
 //! Many trials side by side: where each robot is, what it remembers, and what it is judged by.
 
-use surepose_lanes::{Column, Element, Streams};
+use surepose_lanes::{Column, Element, Lanes, Streams};
 
 use super::Start;
 use super::bench::is_inside;
@@ -9,8 +9,8 @@ use super::bench::is_inside;
 /// a power of two, so that columns do not share the lower bits of their addresses.
 pub(super) const LANES: usize = 240;
 
-/// How many vectors are in flight at once.
-pub(super) const VECTORS: usize = 1;
+/// One robot at a time: several interleaved leave too few registers, and the processor works on many turns of a loop anyway.
+pub(super) type Robot<T> = Lanes<T, 1>;
 
 /// One number for each trial.
 pub(super) type Numbers<T> = Column<T, LANES>;

@@ -7,12 +7,10 @@ use surepose::{
     Angle, Body, Direction, Facing, Goal, HybridLaw, Integration, Law, Mask, Memory, Motion, Navigation,
     Pose, Scalar, Twist, Wheels,
 };
-use surepose_lanes::{Element, Lanes, Work, on_widest};
+use surepose_lanes::{Element, Work, on_widest};
 
 use super::bench::{DRIVE, HEADING_TOLERANCE, Noise, POSITION_TOLERANCE, limits};
-use super::fleet::{Fleet, Numbers, VECTORS};
-
-type Robots<T> = Lanes<T, VECTORS>;
+use super::fleet::{Fleet, Numbers, Robot};
 
 /// Carries every trial one `period` \[s] forward.
 pub(super) fn step<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>, noise: &Noise, period: f64) {
@@ -87,8 +85,8 @@ impl<T: Element> Work for Look<'_, T> {
     fn run(self) {
         let Self(fleet, noise) = self;
         if let Some(noise) = noise {
-            let (position, heading) = (Robots::<T>::of(noise.position), Robots::<T>::of(noise.heading));
-            for k in Numbers::<T>::rows::<VECTORS>() {
+            let (position, heading) = (Robot::<T>::of(noise.position), Robot::<T>::of(noise.heading));
+            for k in Numbers::<T>::rows::<1>() {
                 let at = fleet.pose(k);
                 let (x, y, turn) = (fleet.deviate(0, k), fleet.deviate(1, k), fleet.deviate(2, k));
                 let estimate =
@@ -96,7 +94,7 @@ impl<T: Element> Work for Look<'_, T> {
                 fleet.see(k, estimate);
             }
         } else {
-            for k in Numbers::<T>::rows::<VECTORS>() {
+            for k in Numbers::<T>::rows::<1>() {
                 fleet.see(k, fleet.pose(k));
             }
         }
@@ -105,12 +103,12 @@ impl<T: Element> Work for Look<'_, T> {
 
 impl<T: Element> Fleet<T> {
     #[inline(always)]
-    fn pose(&self, k: usize) -> Pose<Goal, Body, Robots<T>> {
+    fn pose(&self, k: usize) -> Pose<Goal, Body, Robot<T>> {
         Pose::new(self.x.get(k), self.y.get(k), Angle::from_wrapped(self.heading.get(k)))
     }
 
     #[inline(always)]
-    fn see(&mut self, k: usize, estimate: Pose<Goal, Body, Robots<T>>) {
+    fn see(&mut self, k: usize, estimate: Pose<Goal, Body, Robot<T>>) {
         let navigation = Navigation::from_goal(estimate);
         self.rho.set(k, navigation.rho);
         self.alpha.set(k, navigation.alpha.radians());
@@ -118,18 +116,18 @@ impl<T: Element> Fleet<T> {
     }
 
     #[inline(always)]
-    fn deviate(&self, of: usize, k: usize) -> Robots<T> {
+    fn deviate(&self, of: usize, k: usize) -> Robot<T> {
         self.deviates[of].get_as(k)
     }
 
     #[inline(always)]
-    fn goal(&self, k: usize) -> Navigation<Robots<T>> {
+    fn goal(&self, k: usize) -> Navigation<Robot<T>> {
         let (alpha, phi) = (self.alpha.get(k), self.phi.get(k));
         Navigation { rho: self.rho.get(k), alpha: Angle::from_wrapped(alpha), phi: Angle::from_wrapped(phi) }
     }
 
     #[inline(always)]
-    fn memory(&self, k: usize) -> Memory<Robots<T>> {
+    fn memory(&self, k: usize) -> Memory<Robot<T>> {
         Memory {
             near: self.near.mask(k),
             reverse: self.reverse.mask(k),
@@ -140,12 +138,12 @@ impl<T: Element> Fleet<T> {
     }
 
     #[inline(always)]
-    fn wanted(&self, k: usize) -> Twist<Robots<T>> {
+    fn wanted(&self, k: usize) -> Twist<Robot<T>> {
         Twist::new(self.v.get(k), self.omega.get(k))
     }
 
     #[inline(always)]
-    fn set_motion(&mut self, k: usize, motion: Motion<Robots<T>>) {
+    fn set_motion(&mut self, k: usize, motion: Motion<Robot<T>>) {
         self.length.set(k, motion.length);
         self.turn.set(k, motion.turn);
     }
@@ -163,8 +161,8 @@ impl<T: Element> Fleet<T> {
 
 /// Which half of the law's decision a loop makes.
 trait Half {
-    /// Makes it for the robots of row `k`.
-    fn robots<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>, k: usize);
+    /// Makes it for the robot of lane `k`.
+    fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize);
 }
 
 /// Decides which end goes first.
@@ -172,7 +170,7 @@ struct Face;
 
 impl Half for Face {
     #[inline(always)]
-    fn robots<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>, k: usize) {
+    fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize) {
         let facing = law.face(&fleet.goal(k), &fleet.memory(k));
         fleet.alpha.set(k, facing.goal.alpha.radians());
         fleet.phi.set(k, facing.goal.phi.radians());
@@ -187,7 +185,7 @@ struct Steer;
 
 impl Half for Steer {
     #[inline(always)]
-    fn robots<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>, k: usize) {
+    fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize) {
         let facing = Facing {
             goal: fleet.goal(k),
             cos: fleet.cos.get(k),
@@ -214,7 +212,7 @@ impl<T: Element, H: Half> Work for Ask<'_, T, H> {
     fn run(self) {
         let Self(fleet, law, _) = self;
         // Which law it is, and which way it goes, is the same for all: a loop for each keeps branches out of it.
-        match law.cast::<Robots<T>>() {
+        match law.cast::<Robot<T>>() {
             Law::Paper(law) => all::<T, H>(fleet, &Law::Paper(law)),
             Law::Hybrid(law) => match law.direction {
                 Direction::Auto => all::<T, H>(fleet, &going(law, Direction::Auto)),
@@ -231,9 +229,9 @@ fn going<S: Scalar>(law: HybridLaw<S>, direction: Direction) -> Law<S> {
 }
 
 #[inline(always)]
-fn all<T: Element, H: Half>(fleet: &mut Fleet<T>, law: &Law<Robots<T>>) {
-    for k in Numbers::<T>::rows::<VECTORS>() {
-        H::robots(fleet, law, k);
+fn all<T: Element, H: Half>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>) {
+    for k in Numbers::<T>::rows::<1>() {
+        H::robot(fleet, law, k);
     }
 }
 
@@ -246,11 +244,11 @@ impl<T: Element> Work for Drive<'_, T> {
     #[inline(always)]
     fn run(self) {
         let Self(fleet, noise, period) = self;
-        let (drive, limits, period) = (DRIVE.cast(), limits().cast(), Robots::<T>::of(period));
+        let (drive, limits, period) = (DRIVE.cast(), limits().cast(), Robot::<T>::of(period));
         // What the limits leave of a twist, held for a period, is the whole twist held for that part of it.
         if let Some(noise) = noise {
-            let (one, std) = (Robots::<T>::of(1.0), Robots::<T>::of(noise.wheels));
-            for k in Numbers::<T>::rows::<VECTORS>() {
+            let (one, std) = (Robot::<T>::of(1.0), Robot::<T>::of(noise.wheels));
+            for k in Numbers::<T>::rows::<1>() {
                 let rims = drive.rims_from_twist(fleet.wanted(k));
                 let right = one + fleet.deviate(3, k) * std;
                 let left = one + fleet.deviate(4, k) * std;
@@ -258,7 +256,7 @@ impl<T: Element> Work for Drive<'_, T> {
                 fleet.set_motion(k, drive.motion_from_travel(turning.scaled(limits.share(rims) * period)));
             }
         } else {
-            for k in Numbers::<T>::rows::<VECTORS>() {
+            for k in Numbers::<T>::rows::<1>() {
                 let wanted = fleet.wanted(k);
                 fleet.set_motion(k, wanted.over(limits.share(drive.rims_from_twist(wanted)) * period));
             }
@@ -274,7 +272,7 @@ impl<T: Element> Work for Move<'_, T> {
 
     #[inline(always)]
     fn run(self) {
-        for k in Numbers::<T>::rows::<VECTORS>() {
+        for k in Numbers::<T>::rows::<1>() {
             self.0.drive(k);
         }
     }
@@ -290,8 +288,8 @@ impl<T: Element> Work for Judge<'_, T> {
     fn run(self) {
         let fleet = self.0;
         let score = &mut fleet.score;
-        let (zero, one) = (Robots::<T>::of(0.0), Robots::<T>::of(1.0));
-        for k in Numbers::<T>::rows::<VECTORS>() {
+        let (zero, one) = (Robot::<T>::of(0.0), Robot::<T>::of(1.0));
+        for k in Numbers::<T>::rows::<1>() {
             let (x, y, heading) = (fleet.x.get(k), fleet.y.get(k), fleet.heading.get(k));
             let (speed, legs, path) = (fleet.v.get(k), score.legs.get(k), score.path.get(k));
             let (held, path_entered, legs_entered) =
@@ -299,17 +297,17 @@ impl<T: Element> Work for Judge<'_, T> {
 
             // A leg ends where the speed that the wheels are told changes its sign, a rest between left out.
             let number = legs.abs().max(one);
-            let number = Robots::select((speed * legs).lt(zero), number + one, number);
-            let legs = Robots::select(speed.abs().gt(zero), number.with_sign_of(speed), legs);
+            let number = Robot::select((speed * legs).lt(zero), number + one, number);
+            let legs = Robot::select(speed.abs().gt(zero), number.with_sign_of(speed), legs);
 
-            let close = !Robots::of(POSITION_TOLERANCE * POSITION_TOLERANCE).lt(x.squared() + y.squared());
-            let inside = close.and(!Robots::of(HEADING_TOLERANCE).lt(heading.abs()));
+            let close = !Robot::of(POSITION_TOLERANCE * POSITION_TOLERANCE).lt(x.squared() + y.squared());
+            let inside = close.and(!Robot::of(HEADING_TOLERANCE).lt(heading.abs()));
             let holding = inside.and(held.gt(zero));
 
             score.legs.set(k, legs);
-            score.held.set(k, Robots::select(inside, held + one, zero));
-            score.path_entered.set(k, Robots::select(holding, path_entered, path));
-            score.legs_entered.set(k, Robots::select(holding, legs_entered, legs));
+            score.held.set(k, Robot::select(inside, held + one, zero));
+            score.path_entered.set(k, Robot::select(holding, path_entered, path));
+            score.legs_entered.set(k, Robot::select(holding, legs_entered, legs));
         }
     }
 }
