@@ -12,6 +12,7 @@ mod interval;
 mod map;
 mod mind;
 mod noise;
+mod ranked;
 mod region;
 mod search;
 mod settle;

@@ -6,6 +6,7 @@ use crate::annulus::ratio;
 use crate::certificate::{Certificate, Reason, Request, WANTED};
 use crate::descent::Descent;
 use crate::interval::Interval;
+use crate::ranked::Ranked;
 use crate::region::Region;
 use crate::subject::Subject;
 use crate::weight::Weight;
@@ -133,44 +134,18 @@ fn least_fall<L: Subject>(descent: &Descent<'_, L>, region: Region, boxes: usize
             let fall = descent.fall(&region, wanted);
             (fall.rate <= -wanted && fall.jump <= 0.0).then_some(-fall.rate)
         });
-        Part { least: known.max(shown.unwrap_or(known)), region }
+        Ranked { badness: -known.max(shown.unwrap_or(known)), region }
     };
     let mut parts = BinaryHeap::from([bounded(region, known)]);
     let mut least = known;
     for round in 0..PATIENCE * boxes {
         let Some(worst) = parts.pop() else { break };
-        least = worst.least;
+        least = -worst.badness;
         if round >= boxes && least > 0.0 {
             return least;
         }
         let (low, high) = worst.region.halves();
         parts.extend([low, high].map(|half| bounded(half, least)));
     }
-    parts.peek().map_or(least, |worst| worst.least)
+    parts.peek().map_or(least, |worst| -worst.badness)
 }
-
-/// A box of a cell, the one with the least margin first.
-struct Part {
-    least: f64,
-    region: Region,
-}
-
-impl Ord for Part {
-    fn cmp(&self, other: &Self) -> core::cmp::Ordering {
-        other.least.total_cmp(&self.least).then(self.region.size().total_cmp(&other.region.size()))
-    }
-}
-
-impl PartialOrd for Part {
-    fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Part {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Part {}

@@ -8,6 +8,7 @@ use crate::descent::Descent;
 use crate::fork::explore;
 use crate::interval::Interval;
 use crate::mind::Mind;
+use crate::ranked::Ranked;
 use crate::region::Region;
 use crate::settle::seen_moving;
 use crate::subject::Subject;
@@ -90,70 +91,44 @@ fn growth<L: Subject>(descent: &Descent<'_, L>, reach: f64, boxes: &mut usize) -
     let seen = Interval::new(0.0, reach);
     let minds: Vec<Mind> = descent.minds_known().collect();
     let all = Region::around(seen, &crate::noise::Noise::default());
-    let mut open: BinaryHeap<Part> = all.map(|region| Part::of(descent, &minds, region)).collect();
+    let ranked = |region: Region| Ranked { badness: growth_in(descent, &minds, &region), region };
+    let mut open: BinaryHeap<Ranked> = all.map(ranked).collect();
     for _ in 0..WORK / minds.len().max(1) {
         let Some(worst) = open.pop() else { break };
         *boxes += 1;
         let (low, high) = worst.region.halves_at_goal();
-        open.extend([low, high].map(|half| Part::of(descent, &minds, half)));
+        open.extend([low, high].map(ranked));
     }
-    open.peek().map(|worst| worst.growth).filter(|growth| growth.is_finite())
+    open.peek().map(|worst| worst.badness).filter(|growth| growth.is_finite())
 }
 
-/// A box of seen situations, the one with the largest bound first.
-struct Part {
-    growth: f64,
-    region: Region,
-}
-
-impl Part {
-    fn of<L: Subject>(descent: &Descent<'_, L>, minds: &[Mind], region: Region) -> Self {
-        let mut outcomes = Vec::new();
-        let known = minds
-            .iter()
-            .filter(|mind| descent.local_possible_from(&region, **mind))
-            .all(|mind| descent.outcomes_of(&region, *mind, MOST_WAYS, &mut outcomes));
-        if !known {
-            return Self { growth: f64::INFINITY, region };
+/// The same in `region`; infinite where nothing is known.
+fn growth_in<L: Subject>(descent: &Descent<'_, L>, minds: &[Mind], region: &Region) -> f64 {
+    let mut outcomes = Vec::new();
+    let known = minds
+        .iter()
+        .filter(|mind| descent.local_possible_from(region, **mind))
+        .all(|mind| descent.outcomes_of(region, *mind, MOST_WAYS, &mut outcomes));
+    if !known {
+        return f64::INFINITY;
+    }
+    let drive = descent.drive.cast();
+    let noise = Interval::symmetric(descent.noise.position);
+    let (ahead, aside) = region.true_place(descent.noise.heading);
+    let time = Interval::new(0.0, descent.period);
+    let mut growth = 0.0_f64;
+    for outcome in outcomes.iter().filter(|outcome| outcome.mind.near) {
+        let twist = descent.noise.driven(&drive, outcome.twist);
+        for piece in 0..PIECES {
+            // d(ρ²)/dt = −2·v·x with the goal x ahead.
+            let ahead = ahead + noise.piece(piece, PIECES);
+            let (ahead, _) = seen_moving(ahead, aside + noise, twist, time);
+            let rate = Interval::point(-2.0) * twist.v * ahead * time;
+            growth = growth.max(rate.hi());
         }
-        let drive = descent.drive.cast();
-        let noise = Interval::symmetric(descent.noise.position);
-        let (ahead, aside) = region.true_place(descent.noise.heading);
-        let time = Interval::new(0.0, descent.period);
-        let mut growth = 0.0_f64;
-        for outcome in outcomes.iter().filter(|outcome| outcome.mind.near) {
-            let twist = descent.noise.driven(&drive, outcome.twist);
-            for piece in 0..PIECES {
-                // d(ρ²)/dt = −2·v·x with the goal x ahead.
-                let ahead = ahead + noise.piece(piece, PIECES);
-                let (ahead, _) = seen_moving(ahead, aside + noise, twist, time);
-                let rate = Interval::point(-2.0) * twist.v * ahead * time;
-                growth = growth.max(rate.hi());
-            }
-        }
-        Self { growth, region }
     }
+    growth
 }
-
-impl Ord for Part {
-    fn cmp(&self, other: &Self) -> core::cmp::Ordering {
-        self.growth.total_cmp(&other.growth)
-    }
-}
-
-impl PartialOrd for Part {
-    fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Part {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Part {}
 
 impl Region {
     /// Where the goal truly lies in the robot's axes, but for the noise of the position: seen, and turned by the noise of
