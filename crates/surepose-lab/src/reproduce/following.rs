@@ -190,7 +190,7 @@ mod tests {
     fn filter_keeps_the_robot_five_times_nearer_to_both_paths() {
         let figures = following(&Config::default(), 1, 3).unwrap().figures;
         for shape in [figures.rounded_rectangle, figures.rounded_triangle] {
-            assert!(shape.with_ekf.path_rmse_m < 0.02, "{shape:?}");
+            assert!(shape.with_ekf.path_rmse_m < 0.0065, "{shape:?}");
             assert!(shape.without_ekf.path_rmse_m > 5.0 * shape.with_ekf.path_rmse_m, "{shape:?}");
         }
     }
