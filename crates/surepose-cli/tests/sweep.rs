@@ -81,8 +81,9 @@ fn the_parquet_file_holds_the_numbers_of_the_csv() {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    // The paper's law fails often under noise, so that some times are absent.
-    let arguments = ["--runs", "60", "--law", "paper", "--noise", "bench", "--period", "0.1"];
+    // So far from the goal the paper's local law fails in half of the trials, so that some times are absent.
+    let far = "law.capture_radius_m=0.033";
+    let arguments = ["--runs", "60", "--law", "paper", "--noise", "bench", "--period", "0.1", "--set", far];
     let files = written("sweep-parquet", &arguments);
     let bytes = |wanted: &str| files.iter().find(|(name, _)| name == wanted).expect("written").1.clone();
     let mut csv = csv::Reader::from_reader(std::io::Cursor::new(bytes("trials.csv")));
@@ -103,10 +104,10 @@ fn the_parquet_file_holds_the_numbers_of_the_csv() {
                 _ => false,
             };
             assert!(same, "{name}: {field} is not {text}");
-            absent += usize::from(*field == Field::Null);
+            absent += usize::from(name == "time_s" && *field == Field::Null);
         }
     }
-    assert!(absent > 0, "no trial failed, so nothing was absent");
+    assert!((10..50).contains(&absent), "{absent} of 60 trials failed");
 }
 
 #[test]

@@ -74,12 +74,6 @@ impl<S> Matched<S> {
             _ => None,
         })
     }
-
-    /// How many lines are ambiguous, and how many unknown.
-    pub fn unmatched(&self) -> (usize, usize) {
-        let count = |f: fn(&Fate<S>) -> bool| self.fates().iter().filter(|fate| f(fate)).count();
-        (count(|f| matches!(f, Fate::Ambiguous)), count(|f| matches!(f, Fate::Unknown)))
-    }
 }
 
 impl<S: Float> Default for Matcher<S> {
