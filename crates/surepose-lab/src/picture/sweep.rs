@@ -70,14 +70,14 @@ pub fn spreads(trials: &[Trial]) -> Picture {
             None,
         ),
         histogram(
-            "Distance from the goal in the end",
+            "Final distance from the goal",
             "final position error [mm]",
             &all(|trial| Some(1e3 * trial.final_position_error_m)),
             0.0,
             Some((position, tolerances(position))),
         ),
         histogram(
-            "Heading error in the end",
+            "Final heading error",
             "final heading error [°]",
             &all(|trial| Some(trial.final_heading_error_deg)),
             0.0,
