@@ -16,10 +16,10 @@ use functions::element;
 /// | `sin_cos` | \|x\| ≤ 1000 | 2.3·10⁻¹⁶ | 10⁻⁷ |
 /// | `turn_cos_sinc` | \|x\| ≤ 5π/4 | 2.5·10⁻¹⁵ | 1.2·10⁻⁶ |
 /// | `small_sinc` | \|x\| ≤ π/4 | 2.3·10⁻¹⁶ | 6·10⁻⁸ |
-/// | `atan2` | finite, not subnormal | 4.5·10⁻¹⁶·\|angle\| | 2.3·10⁻⁷·\|angle\| |
+/// | `polar` | a finite length whose square is a normal number | 5·10⁻¹⁶, relative | 2.3·10⁻⁷, relative |
 ///
 /// NaN stays NaN, and an infinite angle or coordinate gives NaN, or infinity from `small_sinc`. Tested by `sine_and_cosine`,
-/// `sinc_of_small_angles`, `turns_by_their_halves`, `arc_tangent`, `broken_numbers_stay_broken`.
+/// `sinc_of_small_angles`, `turns_by_their_halves`, `length_and_angle`, `broken_numbers_stay_broken`.
 pub trait Element:
     Copy
     + Debug
@@ -66,9 +66,11 @@ pub trait Element:
     /// The magnitude of this number with the sign of `other`, that of a zero too.
     #[must_use]
     fn with_sign_of(self, other: Self) -> Self;
-    /// The angle of the vector (`x`, `self`), in (−π, π]; 0 for the null vector.
+    /// The length of the vector (`x`, `self`), and its angle in (−π, π]; 0 for the null vector.
+    fn polar(self, x: Self) -> (Self, Self);
+    /// An angle that is at most a turn too large, wrapped to (−π, π].
     #[must_use]
-    fn atan2(self, x: Self) -> Self;
+    fn wrapped_sum(self) -> Self;
 
     /// The distance from 1 to the next larger number.
     const EPSILON: Self;

@@ -1,7 +1,6 @@
 //! `N` numbers as one scalar.
 
 use core::array::from_fn;
-use core::f64::consts::{PI, TAU};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use surepose::Scalar;
@@ -101,7 +100,15 @@ impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        self.zip(x, T::atan2)
+        self.polar(x).1
+    }
+    #[inline(always)]
+    fn polar(self, x: Self) -> (Self, Self) {
+        let (mut length, mut angle) = (self.0, self.0);
+        for k in 0..N {
+            (length[k], angle[k]) = self.0[k].polar(x.0[k]);
+        }
+        (Self(length), Self(angle))
     }
     #[inline(always)]
     fn sin_cos_sinc(self) -> (Self, Self, Self) {
@@ -133,10 +140,6 @@ impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
     }
     #[inline(always)]
     fn wrapped_sum(self) -> Self {
-        let (pi, tau) = (T::of(PI), T::of(TAU));
-        self.map(|sum| {
-            let below = if sum > pi { sum - tau } else { sum };
-            if below <= -pi { below + tau } else { below }
-        })
+        self.map(T::wrapped_sum)
     }
 }

@@ -70,22 +70,28 @@ fn turns_by_their_halves() {
 }
 
 #[test]
-fn arc_tangent() {
+fn length_and_angle() {
     let points = || {
         let scales = [1.0, 1e-3, 1e3, 1e-12].into_iter();
         let spread = scales.flat_map(|scale| uniform(200_000, scale).zip(uniform(200_003, 1.0).skip(3)));
         let axes = [(0.0, 1.0), (0.0, -1.0), (-0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (-1.0, -1.0)];
         spread.chain(axes)
     };
-    let within = |angle: f64, exact: f64, part: f64| (angle - exact).abs() <= part * exact.abs();
+    let within = |(length, angle): (f64, f64), (y, x): (f64, f64), part: f64| {
+        let exact = (libm::hypot(y, x), libm::atan2(y, x));
+        (length - exact.0).abs() <= part * exact.0 && (angle - exact.1).abs() <= part * exact.1.abs()
+    };
     for (y, x) in points() {
-        assert!(within(Element::atan2(y, x), libm::atan2(y, x), 4.5e-16), "{y:e} {x:e}");
+        assert!(within(Element::polar(y, x), (y, x), 5e-16), "{y:e} {x:e}");
         let (y, x) = (y as f32, x as f32);
-        let exact = libm::atan2(f64::from(y), f64::from(x));
-        assert!(within(f64::from(Element::atan2(y, x)), exact, 2.3e-7), "{y:e} {x:e} single");
+        let (length, angle) = Element::polar(y, x);
+        let found = (f64::from(length), f64::from(angle));
+        assert!(within(found, (f64::from(y), f64::from(x)), 2.3e-7), "{y:e} {x:e} single");
     }
-    assert_eq!(Element::atan2(0.0_f64, 0.0).to_bits(), 0);
-    assert_eq!(Element::atan2(0.0_f64, -1.0), PI);
+    assert_eq!(Element::polar(0.0_f64, 0.0), (0.0, 0.0));
+    assert_eq!(Element::polar(0.0_f64, -1.0), (1.0, PI));
+    // The direction of −π is that of π.
+    assert_eq!(Element::polar(-0.0_f64, -1.0), (1.0, -PI.next_down()));
 }
 
 #[test]
@@ -97,8 +103,8 @@ fn broken_numbers_stay_broken() {
         assert!(single.0.is_nan() && single.1.is_nan());
     }
     for (y, x) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::NAN, f64::NAN), (f64::INFINITY, f64::INFINITY)] {
-        assert!(Element::atan2(y, x).is_nan(), "{y} {x}");
-        assert!(Element::atan2(y as f32, x as f32).is_nan(), "{y} {x}");
+        assert!(Element::polar(y, x).1.is_nan(), "{y} {x}");
+        assert!(Element::polar(y as f32, x as f32).1.is_nan(), "{y} {x}");
     }
     let wrapped = Scalar::wrapped_sum(Lanes([f64::NAN, 4.0, -PI, PI]));
     assert!(wrapped.0[0].is_nan());

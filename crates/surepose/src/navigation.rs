@@ -43,8 +43,14 @@ impl<S: Scalar> Navigation<S> {
     #[inline(always)]
     pub fn from_goal(goal_from_body: Pose<Goal, Body, S>) -> Self {
         let (body, goal) = (goal_from_body.origin(), Point::new(S::of(0.0), S::of(0.0)));
-        let bearing = body.direction_to(goal);
-        Self { rho: body.distance(goal), alpha: bearing - goal_from_body.heading, phi: bearing }
+        let (rho, bearing) = body.polar_to(goal);
+        Self::toward(rho, bearing, goal_from_body.heading)
+    }
+
+    /// The goal `rho` \[m] away in the direction `bearing`, seen by a robot with this `heading`, both in the goal's frame.
+    #[inline(always)]
+    pub fn toward(rho: S, bearing: Angle<S>, heading: Angle<S>) -> Self {
+        Self { rho, alpha: bearing - heading, phi: bearing }
     }
 
     /// θ_e = θ − θ₂ = φ − α, how far the robot is turned from the commanded heading.

@@ -106,6 +106,13 @@ impl<In: Frame, S: Scalar> Point<In, S> {
         ((self.x - other.x).squared() + (self.y - other.y).squared()).sqrt()
     }
 
+    /// Distance \[m] and direction from here to `other`; the direction is 0 where they coincide.
+    #[inline(always)]
+    pub fn polar_to(self, other: Self) -> (S, Angle<S>) {
+        let (distance, direction) = (other.y - self.y).polar(other.x - self.x);
+        (distance, Angle::from_wrapped(direction))
+    }
+
     /// Direction from here to `other`; 0 where they coincide.
     #[inline(always)]
     pub fn direction_to(self, other: Self) -> Angle<S> {

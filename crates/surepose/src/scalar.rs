@@ -92,6 +92,14 @@ pub trait Scalar:
     #[must_use]
     fn atan2(self, x: Self) -> Self;
 
+    /// The length of the vector (`x`, `self`), and its angle.
+    ///
+    /// For scalars that come to the angle by the length.
+    #[inline(always)]
+    fn polar(self, x: Self) -> (Self, Self) {
+        ((x.squared() + self.squared()).sqrt(), self.atan2(x))
+    }
+
     /// Sine, cosine and `sin(x)/x` (1 at 0) of an angle in radians.
     #[inline(always)]
     fn sin_cos_sinc(self) -> (Self, Self, Self) {

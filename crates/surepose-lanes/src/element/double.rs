@@ -1,6 +1,6 @@
 //! `f64` without branches. The coefficients are minimax fits (Remez), with the errors stated.
 
-use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
+use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
 use super::{Element, element, horner, polynomial};
 
@@ -8,8 +8,6 @@ use super::{Element, element, horner, polynomial};
 const SHIFT: f64 = 6_755_399_441_055_744.0;
 /// What π/2 is more than its `f64`.
 const QUARTER_LOW: f64 = 6.123_233_995_736_766e-17;
-/// tan(π/8): beyond it the arc tangent is taken from π/4.
-const TAN_22_5: f64 = 0.414_213_562_373_095_03;
 
 /// (sin(√z)/√z − 1)/z for z ≤ (π/4)², relative error of the sine 2⁻⁵⁸.
 const SINE: [f64; 6] = [

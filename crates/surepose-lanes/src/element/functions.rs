@@ -76,24 +76,32 @@ macro_rules! element {
                 Self::from_bits((self.to_bits() & !SIGN) | (other.to_bits() & SIGN))
             }
             #[inline(always)]
-            fn atan2(self, x: Self) -> Self {
-                // The angle within the octant, from 0 or from π/4, whichever is nearer: the quotient stays below tan(π/8).
+            fn polar(self, x: Self) -> (Self, Self) {
+                let length = Element::sqrt(x.mul_add(x, self * self));
+                // The angle within the octant from the tangent of its half, at most tan(π/8).
                 let (across, up) = (x.abs(), self.abs());
                 let (low, high) = (Element::min(up, across), Element::max(across, up));
-                let steep = low > high * TAN_22_5;
-                let numerator = if steep { low - high } else { low };
-                let denominator = if steep { low + high } else { high };
-                let tangent = numerator / (denominator + Self::MIN_POSITIVE);
-                let z = tangent * tangent;
-                let from = if steep { FRAC_PI_4 } else { 0.0 };
-                let octant = from + (tangent * z).mul_add(horner(z, ARC_TANGENT), tangent);
+                let tangent = low / (length + (high + Self::MIN_POSITIVE));
+                let (twice, z) = (tangent + tangent, tangent * tangent);
+                let octant = (twice * z).mul_add(horner(z, ARC_TANGENT), twice);
 
-                let quarter = if up > across { FRAC_PI_2 - octant } else { octant };
-                // Below the axis the largest angle is a hair less than π: −π is the same direction as π, which stands for both.
-                let straight = Self::from_bits(PI.to_bits() - (self.to_bits() >> ($bits::BITS - 1)));
-                let half = Element::min(if x < 0.0 { PI - quarter } else { quarter }, straight);
-                half.with_sign_of(self)
+                // Compared as words, which order numbers without signs: compared as numbers once more, the compiler makes two of
+                // all this, one for each answer.
+                let quarter = if up.to_bits() > across.to_bits() { FRAC_PI_2 - octant } else { octant };
+                let half = Element::min(if x < 0.0 { PI - quarter } else { quarter }, straight(self));
+                (length, half.with_sign_of(self))
             }
+            #[inline(always)]
+            fn wrapped_sum(self) -> Self {
+                if self.abs() > straight(self) { self - TAU.with_sign_of(self) } else { self }
+            }
+        }
+
+        /// The largest angle on the side of `number`: π, and a hair less below the axis, where −π is the same direction as π,
+        /// which stands for both.
+        #[inline(always)]
+        fn straight(number: $float) -> $float {
+            $float::from_bits(PI.to_bits() - (number.to_bits() >> ($bits::BITS - 1)))
         }
     };
 }

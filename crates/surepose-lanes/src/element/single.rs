@@ -1,6 +1,6 @@
 //! `f32` without branches. The coefficients are minimax fits (Remez), with the errors stated.
 
-use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
+use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
 use super::{Element, element, horner, polynomial};
 
@@ -8,8 +8,6 @@ use super::{Element, element, horner, polynomial};
 const SHIFT: f32 = 12_582_912.0;
 /// What π/2 is more than its `f32`.
 const QUARTER_LOW: f32 = -4.371_139e-8;
-/// tan(π/8): beyond it the arc tangent is taken from π/4.
-const TAN_22_5: f32 = 0.414_213_57;
 
 /// (sin(√z)/√z − 1)/z for z ≤ (π/4)², relative error of the sine 2⁻²⁸.
 const SINE: [f32; 3] = [-0.166_666_55, 0.008_332_176, -0.000_195_169_78];
