@@ -158,7 +158,13 @@ impl Sweep {
             let threads: Vec<_> =
                 (0..self.threads.max(1)).map(|thread| scope.spawn(move || work(thread))).collect();
             let joined = threads.into_iter().map(std::thread::ScopedJoinHandle::join);
-            joined.flat_map(|part| part.unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
+            let parts = joined.map(|part| part.unwrap_or_else(|fault| std::panic::resume_unwind(fault)));
+            // What the first thread has stays where it is: there is much of it.
+            parts.reduce(|mut all, part| {
+                all.extend(part);
+                all
+            })
         })
+        .unwrap_or_default()
     }
 }

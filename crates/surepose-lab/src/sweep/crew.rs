@@ -7,10 +7,13 @@ use surepose_lanes::Element;
 use super::believing::Beliefs;
 use super::bench::{HOLD, TIMEOUT};
 use super::filter::Estimate;
-use super::fleet::{Fleet, LANES, cusps};
+use super::fleet::{Fleet, LANES};
 use super::trial::Ended;
 use super::{Sweep, estimating, phases};
 use crate::Watch;
+
+/// How many lanes are looked at together for one whose trial ends.
+const GROUP: usize = 16;
 
 /// When a trial ends, in periods.
 #[derive(Clone, Copy, Debug)]
@@ -107,11 +110,18 @@ impl<T: Element> Crew<'_, T> {
         if due {
             self.deadline = u64::MAX;
         }
-        // Nearly always no trial ends: one look at all lanes says so.
-        if due || phases::any_held(&self.fleet, held) {
-            for lane in 0..LANES {
-                if due || self.fleet.score.held.0[lane] >= held {
-                    self.end(lane, done, watch);
+        // Often no trial ends: one look at all lanes says so. Else a look at each group of them finds whose it is.
+        if !due && !phases::any_held(&self.fleet, held) {
+            return;
+        }
+        for first in (0..LANES).step_by(GROUP) {
+            let group = first..first + GROUP;
+            let ending = |number: &T| due || *number >= held;
+            if self.fleet.score.held.0[group.clone()].iter().fold(false, |any, number| any | ending(number)) {
+                for lane in group {
+                    if ending(&self.fleet.score.held.0[lane]) {
+                        self.end(lane, done, watch);
+                    }
                 }
             }
         }
@@ -134,8 +144,8 @@ impl<T: Element> Crew<'_, T> {
             x: fleet.x.0[lane].to_f64(),
             y: fleet.y.0[lane].to_f64(),
             heading: fleet.heading.0[lane].to_f64(),
-            path: score.path_entered.0[lane].to_f64(),
-            cusps: cusps(score.legs_entered.0[lane]),
+            path: score.path(lane),
+            cusps: score.cusps(lane),
             belief: self.beliefs.as_ref().map(|beliefs| beliefs.consistency(lane, steps)),
         });
         watch.count();

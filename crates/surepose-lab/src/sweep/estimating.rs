@@ -5,8 +5,7 @@
 //! filter is the core's, in lanes: its gate is a mask.
 
 use surepose::{
-    Angle, Belief, Body, Compass, Covariance, Goal, Innovation, Line, Map, Navigation, Pose, Scalar, Twist,
-    WallSighting,
+    Angle, Belief, Body, Compass, Covariance, Innovation, Line, Map, Pose, Scalar, Twist, WallSighting,
 };
 use surepose_lanes::{Element, Work, on_widest};
 
@@ -193,12 +192,10 @@ impl<T: Element> Work for Look<'_, T> {
     #[inline(always)]
     fn run(self) {
         let Self(fleet, beliefs) = self;
-        let goal: Pose<Map, Goal, Robot<T>> = Pose::identity();
         for k in Numbers::<T>::rows::<1>() {
-            let navigation = Navigation::of(beliefs.pose(k), goal);
-            fleet.rho.set(k, navigation.rho);
-            fleet.alpha.set(k, navigation.alpha.radians());
-            fleet.phi.set(k, navigation.phi.radians());
+            // The map's origin is the goal.
+            let Pose { x, y, heading, .. } = beliefs.pose(k);
+            fleet.see(k, Pose::new(x, y, heading));
         }
     }
 }

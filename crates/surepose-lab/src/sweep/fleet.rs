@@ -31,11 +31,14 @@ pub(super) struct Fleet<T: Element> {
     pub(super) side: Numbers<T>,
     pub(super) trims: Numbers<T>,
     pub(super) travel: Numbers<T>,
-    /// The goal as it is seen this period.
+    /// How far the goal seems this period, in which direction, and where the robot seems to head.
     pub(super) rho: Numbers<T>,
+    pub(super) bearing: Numbers<T>,
+    pub(super) estimated: Numbers<T>,
+    /// The goal as the end that goes first sees it.
     pub(super) alpha: Numbers<T>,
     pub(super) phi: Numbers<T>,
-    /// What the end that goes first sees of α.
+    /// cos α and sin α/α.
     pub(super) cos: Numbers<T>,
     pub(super) sinc: Numbers<T>,
     /// The twist that is wanted this period.
@@ -60,14 +63,21 @@ pub(super) struct Score<T: Element> {
     pub(super) path: Numbers<T>,
     /// How many legs it drove, each to where its travel turned round, with the sign of the last; 0 at first.
     pub(super) legs: Numbers<T>,
-    /// Way and legs when the robot came inside the tolerance, in which it has been since.
-    pub(super) path_entered: Numbers<T>,
-    pub(super) legs_entered: Numbers<T>,
+    /// The part of the way, and of the turns from leg to leg, since the robot came inside the tolerance.
+    pub(super) held_path: Numbers<T>,
+    pub(super) held_turns: Numbers<T>,
 }
 
-/// How often the travel of so many `legs` turned round.
-pub(super) fn cusps<T: Element>(legs: T) -> f64 {
-    (legs.to_f64().abs() - 1.0).max(0.0)
+impl<T: Element> Score<T> {
+    /// How far the robot of `lane` drove until it came inside the tolerance \[m].
+    pub(super) fn path(&self, lane: usize) -> f64 {
+        self.path.0[lane].to_f64() - self.held_path.0[lane].to_f64()
+    }
+
+    /// How often its travel turned round until then.
+    pub(super) fn cusps(&self, lane: usize) -> f64 {
+        (self.legs.0[lane].to_f64().abs() - 1.0).max(0.0) - self.held_turns.0[lane].to_f64()
+    }
 }
 
 impl<T: Element> Fleet<T> {
@@ -78,8 +88,8 @@ impl<T: Element> Fleet<T> {
         let zeros = memory.into_iter().chain([
             &mut score.path,
             &mut score.legs,
-            &mut score.path_entered,
-            &mut score.legs_entered,
+            &mut score.held_path,
+            &mut score.held_turns,
         ]);
         for numbers in zeros {
             numbers.0[lane] = T::default();

@@ -5,7 +5,7 @@
 
 use surepose::{
     Angle, Body, Direction, Facing, Goal, HybridLaw, Integration, Law, Mask, Memory, Motion, Navigation,
-    Pose, Scalar, Twist, Wheels,
+    Point, Pose, Scalar, Twist, Wheels,
 };
 use surepose_lanes::{Element, Work, on_widest};
 
@@ -108,11 +108,18 @@ impl<T: Element> Fleet<T> {
     }
 
     #[inline(always)]
-    fn see(&mut self, k: usize, estimate: Pose<Goal, Body, Robot<T>>) {
-        let navigation = Navigation::from_goal(estimate);
-        self.rho.set(k, navigation.rho);
-        self.alpha.set(k, navigation.alpha.radians());
-        self.phi.set(k, navigation.phi.radians());
+    pub(super) fn see(&mut self, k: usize, estimate: Pose<Goal, Body, Robot<T>>) {
+        let (rho, bearing) = estimate.origin().polar_to(Point::new(Robot::of(0.0), Robot::of(0.0)));
+        self.rho.set(k, rho);
+        self.bearing.set(k, bearing.radians());
+        self.estimated.set(k, estimate.heading.radians());
+    }
+
+    /// What [`see`](Self::see) saw. α is a difference that the next loop makes as well, and this one is the longest.
+    #[inline(always)]
+    fn seen(&self, k: usize) -> Navigation<Robot<T>> {
+        let (bearing, heading) = (self.bearing.get(k), self.estimated.get(k));
+        Navigation::toward(self.rho.get(k), Angle::from_wrapped(bearing), Angle::from_wrapped(heading))
     }
 
     #[inline(always)]
@@ -155,7 +162,6 @@ impl<T: Element> Fleet<T> {
         self.x.set(k, pose.x);
         self.y.set(k, pose.y);
         self.heading.set(k, pose.heading.radians());
-        self.score.path.set(k, self.score.path.get(k) + motion.length.abs());
     }
 }
 
@@ -171,7 +177,7 @@ struct Face;
 impl Half for Face {
     #[inline(always)]
     fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize) {
-        let facing = law.face(&fleet.goal(k), &fleet.memory(k));
+        let facing = law.face(&fleet.seen(k), &fleet.memory(k));
         fleet.alpha.set(k, facing.goal.alpha.radians());
         fleet.phi.set(k, facing.goal.phi.radians());
         fleet.cos.set(k, facing.cos);
@@ -190,6 +196,8 @@ impl Half for Steer {
             goal: fleet.goal(k),
             cos: fleet.cos.get(k),
             sinc: fleet.sinc.get(k),
+            // θ − θ₂, and the goal's heading is 0.
+            heading_error: Angle::from_wrapped(fleet.estimated.get(k)),
             reverse: fleet.reverse.mask(k),
         };
         let decision = law.steer(&facing, fleet.memory(k));
@@ -211,21 +219,25 @@ impl<T: Element, H: Half> Work for Ask<'_, T, H> {
     #[inline(always)]
     fn run(self) {
         let Self(fleet, law, _) = self;
-        // Which law it is, and which way it goes, is the same for all: a loop for each keeps branches out of it.
+        // Which law it is, which way it goes and whether it rests are the same for all: a loop for each keeps that out of it.
         match law.cast::<Robot<T>>() {
             Law::Paper(law) => all::<T, H>(fleet, &Law::Paper(law)),
             Law::Hybrid(law) => match law.direction {
-                Direction::Auto => all::<T, H>(fleet, &going(law, Direction::Auto)),
-                Direction::Forward => all::<T, H>(fleet, &going(law, Direction::Forward)),
-                Direction::Reverse => all::<T, H>(fleet, &going(law, Direction::Reverse)),
+                Direction::Auto => going::<T, H>(fleet, law, Direction::Auto),
+                Direction::Forward => going::<T, H>(fleet, law, Direction::Forward),
+                Direction::Reverse => going::<T, H>(fleet, law, Direction::Reverse),
             },
         }
     }
 }
 
 #[inline(always)]
-fn going<S: Scalar>(law: HybridLaw<S>, direction: Direction) -> Law<S> {
-    Law::Hybrid(HybridLaw { direction, ..law })
+fn going<T: Element, H: Half>(fleet: &mut Fleet<T>, law: HybridLaw<Robot<T>>, direction: Direction) {
+    let law = HybridLaw { direction, ..law };
+    match law.rest {
+        Some(rest) => all::<T, H>(fleet, &Law::Hybrid(HybridLaw { rest: Some(rest), ..law })),
+        None => all::<T, H>(fleet, &Law::Hybrid(HybridLaw { rest: None, ..law })),
+    }
 }
 
 #[inline(always)]
@@ -291,23 +303,24 @@ impl<T: Element> Work for Judge<'_, T> {
         let (zero, one) = (Robot::<T>::of(0.0), Robot::<T>::of(1.0));
         for k in Numbers::<T>::rows::<1>() {
             let (x, y, heading) = (fleet.x.get(k), fleet.y.get(k), fleet.heading.get(k));
-            let (speed, legs, path) = (fleet.v.get(k), score.legs.get(k), score.path.get(k));
-            let (held, path_entered, legs_entered) =
-                (score.held.get(k), score.path_entered.get(k), score.legs_entered.get(k));
+            let (speed, way, legs) = (fleet.v.get(k), fleet.length.get(k).abs(), score.legs.get(k));
+            let (held, held_path, held_turns) =
+                (score.held.get(k), score.held_path.get(k), score.held_turns.get(k));
 
             // A leg ends where the speed that the wheels are told changes its sign, a rest between left out.
-            let number = legs.abs().max(one);
-            let number = Robot::select((speed * legs).lt(zero), number + one, number);
-            let legs = Robot::select(speed.abs().gt(zero), number.with_sign_of(speed), legs);
+            let (moving, turned) = (speed.abs().gt(zero), (speed * legs).lt(zero));
+            let turn = Robot::select(turned, one, zero);
+            let number = legs.abs().max(Robot::select(moving, one, zero)) + turn;
 
             let close = !Robot::of(POSITION_TOLERANCE * POSITION_TOLERANCE).lt(x.squared() + y.squared());
             let inside = close.and(!Robot::of(HEADING_TOLERANCE).lt(heading.abs()));
             let holding = inside.and(held.gt(zero));
 
-            score.legs.set(k, legs);
+            score.path.set(k, score.path.get(k) + way);
+            score.legs.set(k, number.with_sign_of(Robot::select(moving, speed, legs)));
             score.held.set(k, Robot::select(inside, held + one, zero));
-            score.path_entered.set(k, Robot::select(holding, path_entered, path));
-            score.legs_entered.set(k, Robot::select(holding, legs_entered, legs));
+            score.held_path.set(k, Robot::select(holding, held_path + way, zero));
+            score.held_turns.set(k, Robot::select(holding, held_turns + turn, zero));
         }
     }
 }
@@ -316,25 +329,40 @@ impl<T: Element> Work for Judge<'_, T> {
 mod tests {
     use super::{Fleet, Judge, on_widest};
 
-    /// Cusps of a robot that is told `speeds`, in a lane in the middle.
-    fn cusps(speeds: &[f64]) -> f64 {
+    /// Cusps of a robot in a lane in the middle that is told `speeds`, `x` \[m] from the goal.
+    fn cusps_at(x: f64, speeds: &[f64]) -> f64 {
         let mut fleet = Fleet::<f64>::default();
+        fleet.x.0[77] = x;
         for speed in speeds {
             fleet.v.0[77] = *speed;
             on_widest(Judge(&mut fleet));
         }
         assert!(fleet.score.legs.0[76].abs() < 0.5, "the neighbour stands still");
-        super::super::fleet::cusps(fleet.score.legs.0[77])
+        fleet.score.cusps(77)
     }
 
     #[test]
     fn a_cusp_is_a_change_of_the_speeds_sign() {
         let close = |a: f64, b: f64| (a - b).abs() < 0.5;
+        let cusps = |speeds: &[f64]| cusps_at(1.0, speeds);
         assert!(close(cusps(&[0.1; 20]), 0.0));
         assert!(close(cusps(&[0.1, 0.1, -0.1, -0.1]), 1.0));
         assert!(close(cusps(&[0.1, -1e-6, 1e-6, -0.1]), 3.0));
         // A rest is none, neither is the start's.
         assert!(close(cusps(&[0.0, -0.1, 0.0, 0.0, -0.1]), 0.0));
         assert!(close(cusps(&[-0.1, 0.0, 0.0, 0.1]), 1.0));
+    }
+
+    #[test]
+    fn way_and_cusps_of_a_robot_that_holds_the_goal_do_not_count() {
+        assert!(cusps_at(0.0, &[0.1, -0.1, 0.1]).abs() < 0.5);
+        let mut fleet = Fleet::<f64>::default();
+        // It comes inside, leaves again, comes inside to stay, and holds the goal for one more period.
+        for (x, speed) in [(1.0, 0.1), (0.0, -0.1), (0.0, 0.1), (1.0, 0.1), (0.0, -0.1), (0.0, 0.1)] {
+            (fleet.x.0[3], fleet.v.0[3], fleet.length.0[3]) = (x, speed, speed * 0.02);
+            on_widest(Judge(&mut fleet));
+        }
+        assert!((fleet.score.path(3) - 5.0 * 0.002).abs() < 1e-12, "{}", fleet.score.path(3));
+        assert!((fleet.score.cusps(3) - 3.0).abs() < 0.5, "{}", fleet.score.cusps(3));
     }
 }

@@ -68,10 +68,11 @@ pub(super) fn reverse<S: Scalar>(
         Direction::Reverse => S::Mask::splat(true),
         Direction::Auto => {
             let (alpha, phi) = (navigation.alpha.radians().abs(), navigation.phi.radians().abs());
-            let less_turning = (alpha + phi).gt(S::of(PI));
             let (even, margin) = ((S::of(1.0) + h) * S::of(PI / 2.0), S::of(DIRECTION_HYSTERESIS));
-            let kept = (alpha + h * phi).gt(S::select(memory.reverse, even - margin, even + margin));
-            memory.is_fresh().select(less_turning, kept)
+            let kept = S::select(memory.reverse, even - margin, even + margin);
+            let fresh = memory.is_fresh();
+            let (share, most) = (S::select(fresh, S::of(1.0), h), S::select(fresh, S::of(PI), kept));
+            (alpha + share * phi).gt(most)
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The goal as the end of the robot sees it that goes first: what a law steers by.
 
+use crate::angle::Angle;
 use crate::navigation::Navigation;
 use crate::scalar::Scalar;
 
@@ -12,6 +13,8 @@ pub struct Facing<S: Scalar> {
     pub cos: S,
     /// sin α/α.
     pub sinc: S,
+    /// θ_e, how far the robot is turned from the commanded heading: the same for both ends.
+    pub heading_error: Angle<S>,
     /// The tail goes first.
     pub reverse: S::Mask,
 }
@@ -22,6 +25,6 @@ impl<S: Scalar> Facing<S> {
     pub fn of(navigation: &Navigation<S>, reverse: S::Mask) -> Self {
         let goal = Navigation::select(reverse, navigation.reversed(), *navigation);
         let (cos, sinc) = goal.alpha.radians().turn_cos_sinc();
-        Self { goal, cos, sinc, reverse }
+        Self { goal, cos, sinc, heading_error: navigation.heading_error(), reverse }
     }
 }

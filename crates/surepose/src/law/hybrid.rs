@@ -111,7 +111,7 @@ impl<S: Scalar> HybridLaw<S> {
         let seen = Seen::of(facing, self.capture_radius);
 
         let near = seen.near(memory.near, memory.trims);
-        let error = S::select(near, -ahead.heading_error().radians(), ahead.alpha.radians());
+        let error = S::select(near, -facing.heading_error.radians(), ahead.alpha.radians());
         let (error, side) = commitment::to_side(error, memory.side);
         let (zero, one) = (S::of(0.0), S::of(1.0));
         // Compared where the local law is in charge only: elsewhere it would be one more undecided comparison of intervals.

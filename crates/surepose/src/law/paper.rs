@@ -55,7 +55,7 @@ impl<S: Scalar> PaperLaw<S> {
     #[inline(always)]
     pub fn steer(&self, facing: &Facing<S>, memory: Memory<S>) -> Decision<S> {
         let Facing { goal, cos, sinc, .. } = *facing;
-        let error = goal.heading_error().radians();
+        let error = facing.heading_error.radians();
         let near = goal.rho.lt(self.capture_radius).and(error.abs().lt(self.capture_heading));
         let local = self.local().twist_toward(goal.rho * cos, error);
         let global =
