@@ -102,9 +102,18 @@ pub trait Element:
     }
 }
 
-/// Σ `coefficients`ₖ·xᵏ, by Horner's rule in x² over pairs: half as long a chain of operations that wait for each other.
+/// Σ `coefficients`ₖ·xᵏ: short ones by Horner's rule, in the fewest operations; long ones by Horner's rule in x² over pairs,
+/// half as long a chain of operations that wait for each other.
 #[inline(always)]
 pub(crate) fn polynomial<T: Element, const K: usize>(x: T, coefficients: [T; K]) -> T {
+    const SHORT: usize = 5;
+    if K <= SHORT {
+        return coefficients
+            .into_iter()
+            .rev()
+            .reduce(|sum, next| sum.times_plus(x, next))
+            .unwrap_or_default();
+    }
     let square = x * x;
     let pair = |k: usize| x.times_plus(coefficients[k + 1], coefficients[k]);
     let (mut k, mut sum) =
@@ -112,17 +121,6 @@ pub(crate) fn polynomial<T: Element, const K: usize>(x: T, coefficients: [T; K])
     while k > 0 {
         k -= 2;
         sum = sum.times_plus(square, pair(k));
-    }
-    sum
-}
-
-/// The same by Horner's rule, in the fewest operations: for loops where other work fills the time that each waits for
-/// the one before.
-#[inline(always)]
-pub(crate) fn horner<T: Element, const K: usize>(x: T, coefficients: [T; K]) -> T {
-    let mut sum = coefficients[K - 1];
-    for k in (0..K - 1).rev() {
-        sum = sum.times_plus(x, coefficients[k]);
     }
     sum
 }

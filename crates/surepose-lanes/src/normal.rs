@@ -3,7 +3,7 @@
 use core::f32::consts::{LN_2, SQRT_2};
 
 use crate::column::Column;
-use crate::element::horner;
+use crate::element::polynomial;
 use crate::streams::{Streams, draw};
 
 impl<const L: usize> Streams<L> {
@@ -66,9 +66,9 @@ fn normal_pair(square: f32, direction: f32) -> (f32, f32) {
     let radius = square.sqrt();
     let turns = f32::from_bits(direction.to_bits() & !SIGN) - 1.5;
     let square = turns * turns;
-    let along = radius * horner(square, COSINE);
+    let along = radius * polynomial(square, COSINE);
     let along = f32::from_bits(along.to_bits() ^ (direction.to_bits() & SIGN));
-    (radius * (turns * horner(square, SINE)), along)
+    (radius * (turns * polynomial(square, SINE)), along)
 }
 
 /// −2 ln u with u = k/2³¹ from 31 bits, k odd.
@@ -79,5 +79,5 @@ fn radius_squared(word: u32) -> f32 {
     let bits = (((word >> 1) | 1).cast_signed() as f32).to_bits().wrapping_sub(LEAST + (31 << 23));
     let exponent = bits.cast_signed() >> 23;
     let f = f32::from_bits((bits & FRACTION) + LEAST) - 1.0;
-    (exponent as f32).mul_add(-2.0 * LN_2, f * horner(f, LOGARITHM))
+    (exponent as f32).mul_add(-2.0 * LN_2, f * polynomial(f, LOGARITHM))
 }

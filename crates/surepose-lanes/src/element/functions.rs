@@ -57,15 +57,15 @@ macro_rules! element {
             #[inline(always)]
             fn small_sinc(self) -> Self {
                 let z = self * self;
-                z.mul_add(horner(z, SINE), 1.0)
+                z.mul_add(polynomial(z, SINE), 1.0)
             }
             #[inline(always)]
             fn half_sine(square: Self) -> Self {
-                horner(square, HALF_SINE)
+                polynomial(square, HALF_SINE)
             }
             #[inline(always)]
             fn half_cosine(square: Self) -> Self {
-                horner(square, HALF_COSINE)
+                polynomial(square, HALF_COSINE)
             }
             #[inline(always)]
             fn is_negative(self) -> bool {
@@ -83,7 +83,7 @@ macro_rules! element {
                 let (low, high) = (Element::min(up, across), Element::max(across, up));
                 let tangent = low / (length + (high + Self::MIN_POSITIVE));
                 let (twice, z) = (tangent + tangent, tangent * tangent);
-                let octant = (twice * z).mul_add(horner(z, ARC_TANGENT), twice);
+                let octant = (twice * z).mul_add(polynomial(z, ARC_TANGENT), twice);
 
                 // Compared as words, which order numbers without signs: compared as numbers once more, the compiler makes two of
                 // all this, one for each answer.

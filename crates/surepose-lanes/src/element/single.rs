@@ -2,7 +2,7 @@
 
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
-use super::{Element, element, horner, polynomial};
+use super::{Element, element, polynomial};
 
 /// Adding and subtracting 1.5·2^(digits − 1) rounds to a whole number, whose lowest bits then are those of the sum.
 const SHIFT: f32 = 12_582_912.0;
