@@ -2,6 +2,7 @@
 
 mod arrival;
 mod commitment;
+mod engaged;
 mod facing;
 mod follow;
 mod gains;
@@ -16,6 +17,7 @@ use crate::scalar::Scalar;
 
 pub use arrival::{Arrival, Phase, Tolerance};
 pub use commitment::{Direction, Memory};
+pub use engaged::Engaged;
 pub use facing::Facing;
 pub use follow::{FollowLaw, Following, Offset};
 pub use gains::{Actuation, Gains};
@@ -51,10 +53,11 @@ impl<S: Scalar> Law<S> {
     /// Finite for every input: a goal whose place is not a number is answered with rest, and so is one beyond 10⁹ m.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
-        self.steer(&self.face(navigation, &memory), memory)
+        let facing = self.face(navigation, &memory);
+        self.steer(&facing, self.engage(&facing, memory))
     }
 
-    /// The first half of [`Law::decide`]: which end goes first, and what it sees.
+    /// The first step of [`Law::decide`]: which end goes first, and what it sees.
     #[inline(always)]
     pub fn face(&self, navigation: &Navigation<S>, memory: &Memory<S>) -> Facing<S> {
         match self {
@@ -63,12 +66,21 @@ impl<S: Scalar> Law<S> {
         }
     }
 
-    /// The second half of [`Law::decide`].
+    /// The second step: which law is in charge.
     #[inline(always)]
-    pub fn steer(&self, facing: &Facing<S>, memory: Memory<S>) -> Decision<S> {
+    pub fn engage(&self, facing: &Facing<S>, memory: Memory<S>) -> Engaged<S> {
+        match self {
+            Self::Hybrid(law) => law.engage(facing, memory),
+            Self::Paper(law) => law.engage(facing, memory),
+        }
+    }
+
+    /// The third: its twist.
+    #[inline(always)]
+    pub fn steer(&self, facing: &Facing<S>, engaged: Engaged<S>) -> Decision<S> {
         let Decision { twist, memory } = match self {
-            Self::Hybrid(law) => law.steer(facing, memory),
-            Self::Paper(law) => law.steer(facing, memory),
+            Self::Hybrid(law) => law.steer(facing, engaged),
+            Self::Paper(law) => law.steer(facing, engaged),
         };
         // One sum for two comparisons: small where both are, and not a number where one of them is not. A goal that is nowhere
         // makes v so.

@@ -41,6 +41,8 @@ pub(super) struct Fleet<T: Element> {
     /// cos α and sin α/α.
     pub(super) cos: Numbers<T>,
     pub(super) sinc: Numbers<T>,
+    /// How far the robot is to turn.
+    pub(super) error: Numbers<T>,
     /// The twist that is wanted this period.
     pub(super) v: Numbers<T>,
     pub(super) omega: Numbers<T>,

@@ -4,8 +4,8 @@
 //! loop at once: a trial's period is one long chain of operations that wait for each other.
 
 use surepose::{
-    Angle, Body, Direction, Facing, Goal, HybridLaw, Integration, Law, Mask, Memory, Motion, Navigation,
-    Point, Pose, Scalar, Twist, Wheels,
+    Angle, Body, Direction, Engaged, Facing, Goal, HybridLaw, Integration, Law, Mask, Memory, Motion,
+    Navigation, Point, Pose, Scalar, Twist, Wheels,
 };
 use surepose_lanes::{Element, Work, on_widest};
 
@@ -27,6 +27,7 @@ pub(super) fn step<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>, noise: &Noi
 /// Asks the law what every trial's robot shall do.
 pub(super) fn decide<T: Element>(fleet: &mut Fleet<T>, law: &Law<f64>) {
     on_widest(Ask(fleet, law, Face));
+    on_widest(Ask(fleet, law, Engage));
     on_widest(Ask(fleet, law, Steer));
 }
 
@@ -128,9 +129,20 @@ impl<T: Element> Fleet<T> {
     }
 
     #[inline(always)]
-    fn goal(&self, k: usize) -> Navigation<Robot<T>> {
+    fn facing(&self, k: usize) -> Facing<Robot<T>> {
         let (alpha, phi) = (self.alpha.get(k), self.phi.get(k));
-        Navigation { rho: self.rho.get(k), alpha: Angle::from_wrapped(alpha), phi: Angle::from_wrapped(phi) }
+        Facing {
+            goal: Navigation {
+                rho: self.rho.get(k),
+                alpha: Angle::from_wrapped(alpha),
+                phi: Angle::from_wrapped(phi),
+            },
+            cos: self.cos.get(k),
+            sinc: self.sinc.get(k),
+            // θ − θ₂, and the goal's heading is 0.
+            heading_error: Angle::from_wrapped(self.estimated.get(k)),
+            reverse: self.reverse.mask(k),
+        }
     }
 
     #[inline(always)]
@@ -165,16 +177,16 @@ impl<T: Element> Fleet<T> {
     }
 }
 
-/// Which half of the law's decision a loop makes.
-trait Half {
-    /// Makes it for the robot of lane `k`.
+/// Which step of the law's decision a loop takes.
+trait Step {
+    /// Takes it for the robot of lane `k`.
     fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize);
 }
 
 /// Decides which end goes first.
 struct Face;
 
-impl Half for Face {
+impl Step for Face {
     #[inline(always)]
     fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize) {
         let facing = law.face(&fleet.seen(k), &fleet.memory(k));
@@ -186,34 +198,38 @@ impl Half for Face {
     }
 }
 
-/// Decides how that end moves.
-struct Steer;
+/// Decides which law is in charge.
+struct Engage;
 
-impl Half for Steer {
+impl Step for Engage {
     #[inline(always)]
     fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize) {
-        let facing = Facing {
-            goal: fleet.goal(k),
-            cos: fleet.cos.get(k),
-            sinc: fleet.sinc.get(k),
-            // θ − θ₂, and the goal's heading is 0.
-            heading_error: Angle::from_wrapped(fleet.estimated.get(k)),
-            reverse: fleet.reverse.mask(k),
-        };
-        let decision = law.steer(&facing, fleet.memory(k));
-        fleet.near.set_mask(k, decision.memory.near);
-        fleet.side.set(k, decision.memory.side);
-        fleet.trims.set(k, decision.memory.trims);
+        let Engaged { error, memory } = law.engage(&fleet.facing(k), fleet.memory(k));
+        fleet.error.set(k, error);
+        fleet.near.set_mask(k, memory.near);
+        fleet.side.set(k, memory.side);
+        fleet.trims.set(k, memory.trims);
+    }
+}
+
+/// Decides how the end that goes first moves.
+struct Steer;
+
+impl Step for Steer {
+    #[inline(always)]
+    fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize) {
+        let engaged = Engaged { error: fleet.error.get(k), memory: fleet.memory(k) };
+        let decision = law.steer(&fleet.facing(k), engaged);
         fleet.travel.set(k, decision.memory.travel);
         fleet.v.set(k, decision.twist.v);
         fleet.omega.set(k, decision.twist.omega);
     }
 }
 
-/// Asks the law for one half of its decision.
+/// Asks the law for one step of its decision.
 struct Ask<'a, T: Element, H>(&'a mut Fleet<T>, &'a Law<f64>, H);
 
-impl<T: Element, H: Half> Work for Ask<'_, T, H> {
+impl<T: Element, H: Step> Work for Ask<'_, T, H> {
     type Output = ();
 
     #[inline(always)]
@@ -232,7 +248,7 @@ impl<T: Element, H: Half> Work for Ask<'_, T, H> {
 }
 
 #[inline(always)]
-fn going<T: Element, H: Half>(fleet: &mut Fleet<T>, law: HybridLaw<Robot<T>>, direction: Direction) {
+fn going<T: Element, H: Step>(fleet: &mut Fleet<T>, law: HybridLaw<Robot<T>>, direction: Direction) {
     let law = HybridLaw { direction, ..law };
     match law.rest {
         Some(rest) => all::<T, H>(fleet, &Law::Hybrid(HybridLaw { rest: Some(rest), ..law })),
@@ -241,7 +257,7 @@ fn going<T: Element, H: Half>(fleet: &mut Fleet<T>, law: HybridLaw<Robot<T>>, di
 }
 
 #[inline(always)]
-fn all<T: Element, H: Half>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>) {
+fn all<T: Element, H: Step>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>) {
     for k in Numbers::<T>::rows::<1>() {
         H::robot(fleet, law, k);
     }

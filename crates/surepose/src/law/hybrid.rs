@@ -7,6 +7,7 @@ use crate::scalar::Scalar;
 
 use super::Decision;
 use super::commitment::{self, Direction, Memory};
+use super::engaged::Engaged;
 use super::facing::Facing;
 use super::gains::{Actuation, Gains};
 use super::global::GlobalLaw;
@@ -95,7 +96,8 @@ impl<S: Scalar> HybridLaw<S> {
     /// The twist for the goal as seen now, and the memory for the next tick.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
-        self.steer(&self.face(navigation, &memory), memory)
+        let facing = self.face(navigation, &memory);
+        self.steer(&facing, self.engage(&facing, memory))
     }
 
     /// Which end goes first, and what it sees.
@@ -104,22 +106,27 @@ impl<S: Scalar> HybridLaw<S> {
         Facing::of(navigation, commitment::reverse(self.direction, navigation, self.gains.h, memory))
     }
 
-    /// The twist that this end wants, and the memory for the next tick.
+    /// Which law is in charge, and of what error.
     #[inline(always)]
-    pub fn steer(&self, facing: &Facing<S>, memory: Memory<S>) -> Decision<S> {
+    pub fn engage(&self, facing: &Facing<S>, memory: Memory<S>) -> Engaged<S> {
         let (ahead, reverse) = (&facing.goal, facing.reverse);
-        let seen = Seen::of(facing, self.capture_radius);
-
-        let near = seen.near(memory.near, memory.trims);
+        let near = self.radii_squared(ahead.rho).lt(handover(memory.near, memory.trims));
         let error = S::select(near, -facing.heading_error.radians(), ahead.alpha.radians());
         let (error, side) = commitment::to_side(error, memory.side);
         let (zero, one) = (S::of(0.0), S::of(1.0));
         // Compared where the local law is in charge only: elsewhere it would be one more undecided comparison of intervals.
         let trimming = S::select(near, error.abs(), one).lt(S::of(WHOLE_THETA));
-        let trims = S::select(trimming, memory.trims, zero);
+        let trims = S::select(trimming, memory.trims + one, zero);
+        Engaged { error, memory: Memory { near, reverse, side, trims, ..memory } }
+    }
 
+    /// The twist that the end which goes first wants of this law.
+    #[inline(always)]
+    pub fn steer(&self, facing: &Facing<S>, engaged: Engaged<S>) -> Decision<S> {
+        let (ahead, reverse, Engaged { error, memory }) = (&facing.goal, facing.reverse, engaged);
+        let seen = self.seen(facing);
         let Twist { v, omega } =
-            Twist::select(near, self.near(&seen, -error, trims), self.far(&seen, ahead, error));
+            Twist::select(memory.near, self.near(&seen, -error, memory.trims), self.far(&seen, ahead, error));
         let onward = |along: S| S::select(reverse, -along, along);
         let (v, travel) = match self.rest {
             Some(rest) => {
@@ -127,8 +134,20 @@ impl<S: Scalar> HybridLaw<S> {
             }
             None => (onward(v), memory.travel),
         };
-        let memory = Memory { near, reverse, side, trims: S::select(trimming, trims + one, zero), travel };
-        Decision { twist: Twist::new(v, omega), memory }
+        Decision { twist: Twist::new(v, omega), memory: Memory { travel, ..memory } }
+    }
+
+    /// ρ² in capture radii squared.
+    #[inline(always)]
+    fn radii_squared(&self, rho: S) -> S {
+        (rho * (S::of(1.0) / self.capture_radius)).squared()
+    }
+
+    #[inline(always)]
+    fn seen(&self, facing: &Facing<S>) -> Seen<S> {
+        let Facing { goal, cos, sinc, .. } = *facing;
+        let radii_squared = self.radii_squared(goal.rho);
+        Seen { cos, sinc, ahead: goal.rho * cos, radii_squared, per_radius: S::of(1.0) / self.capture_radius }
     }
 
     /// (23) scheduled, with `alpha` continued beyond ±π.
@@ -150,11 +169,12 @@ impl<S: Scalar> HybridLaw<S> {
     /// (28) scheduled, with the heading error continued beyond ±π.
     #[inline(always)]
     fn near(&self, seen: &Seen<S>, heading_error: S, trims: S) -> Twist<S> {
+        // At the n-th tick of trimming n = `trims`; it is 0 where nothing is trimmed.
         let one = S::of(1.0);
         let whole = self.gains.k_theta;
         let local = LocalLaw {
             k_v: self.gains.k_v,
-            k_theta: (whole / (one + trims)).max(self.actuation.quiet_theta.min(whole)),
+            k_theta: (whole / trims.max(one)).max(self.actuation.quiet_theta.min(whole)),
         };
         let twist = local.twist_toward(seen.ahead, heading_error);
         let limit = self.actuation.turn_rate;
@@ -184,21 +204,12 @@ struct Seen<S> {
     per_radius: S,
 }
 
-impl<S: Scalar> Seen<S> {
-    #[inline(always)]
-    fn of(facing: &Facing<S>, capture_radius: S) -> Self {
-        let Facing { goal, cos, sinc, .. } = *facing;
-        let per_radius = S::of(1.0) / capture_radius;
-        let radii = goal.rho * per_radius;
-        Self { cos, sinc, ahead: goal.rho * cos, radii_squared: radii.squared(), per_radius }
-    }
-
-    /// Whether the local law is in charge, having been or not, and having trimmed for so many ticks.
-    #[inline(always)]
-    fn near(&self, was: S::Mask, trims: S) -> S::Mask {
-        const LEAST: f64 = LEAVE * LEAVE;
-        const PER_TRIM: f64 = (LEAVE_AT_ONCE * LEAVE_AT_ONCE - LEAST) / TRIMS_TO_LEAVE;
-        let leave = (S::of(LEAVE_AT_ONCE * LEAVE_AT_ONCE) - trims * S::of(PER_TRIM)).max(S::of(LEAST));
-        self.radii_squared.lt(S::select(was, leave, S::of(ENTER * ENTER)))
-    }
+/// ρ² in capture radii squared below which the local law is in charge, having been or not, and having trimmed for so many
+/// ticks.
+#[inline(always)]
+fn handover<S: Scalar>(was: S::Mask, trims: S) -> S {
+    const LEAST: f64 = LEAVE * LEAVE;
+    const PER_TRIM: f64 = (LEAVE_AT_ONCE * LEAVE_AT_ONCE - LEAST) / TRIMS_TO_LEAVE;
+    let leave = (S::of(LEAVE_AT_ONCE * LEAVE_AT_ONCE) - trims * S::of(PER_TRIM)).max(S::of(LEAST));
+    S::select(was, leave, S::of(ENTER * ENTER))
 }

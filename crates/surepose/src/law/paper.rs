@@ -6,6 +6,7 @@ use crate::scalar::{Mask, Scalar};
 
 use super::Decision;
 use super::commitment::Memory;
+use super::engaged::Engaged;
 use super::facing::Facing;
 use super::gains::Gains;
 use super::global::GlobalLaw;
@@ -42,7 +43,8 @@ impl<S: Scalar> PaperLaw<S> {
     /// The twist for the goal as seen now. Of the memory only `near` is set, for those who plot the switch.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
-        self.steer(&self.face(navigation), memory)
+        let facing = self.face(navigation);
+        self.steer(&facing, self.engage(&facing, memory))
     }
 
     /// What the nose sees: it always goes first.
@@ -51,15 +53,21 @@ impl<S: Scalar> PaperLaw<S> {
         Facing::of(navigation, S::Mask::splat(false))
     }
 
+    /// Which law is in charge.
+    #[inline(always)]
+    pub fn engage(&self, facing: &Facing<S>, memory: Memory<S>) -> Engaged<S> {
+        let (goal, heading_error) = (&facing.goal, facing.heading_error.radians());
+        let near = goal.rho.lt(self.capture_radius).and(heading_error.abs().lt(self.capture_heading));
+        let error = S::select(near, -heading_error, goal.alpha.radians());
+        Engaged { error, memory: Memory { near, ..memory } }
+    }
+
     /// The twist for what the nose sees.
     #[inline(always)]
-    pub fn steer(&self, facing: &Facing<S>, memory: Memory<S>) -> Decision<S> {
-        let Facing { goal, cos, sinc, .. } = *facing;
-        let error = facing.heading_error.radians();
-        let near = goal.rho.lt(self.capture_radius).and(error.abs().lt(self.capture_heading));
-        let local = self.local().twist_toward(goal.rho * cos, error);
-        let global =
-            self.global().twist_driven(goal.rho, goal.alpha.radians(), goal.phi.radians(), cos, sinc);
-        Decision { twist: Twist::select(near, local, global), memory: Memory { near, ..memory } }
+    pub fn steer(&self, facing: &Facing<S>, engaged: Engaged<S>) -> Decision<S> {
+        let (Facing { goal, cos, sinc, .. }, Engaged { error, memory }) = (*facing, engaged);
+        let local = self.local().twist_toward(goal.rho * cos, -error);
+        let global = self.global().twist_driven(goal.rho, error, goal.phi.radians(), cos, sinc);
+        Decision { twist: Twist::select(memory.near, local, global), memory }
     }
 }
