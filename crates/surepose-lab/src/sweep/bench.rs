@@ -69,7 +69,9 @@ pub(super) const TIMEOUT: f64 = 120.0;
 
 /// Whether a trial that begins so begins on the goal.
 pub(super) fn is_inside(start: &Start) -> bool {
-    start.x.hypot(start.y) <= POSITION_TOLERANCE && start.heading.radians().abs() <= HEADING_TOLERANCE
+    let distance_squared = start.x * start.x + start.y * start.y;
+    distance_squared <= POSITION_TOLERANCE * POSITION_TOLERANCE
+        && start.heading.radians().abs() <= HEADING_TOLERANCE
 }
 
 /// The start pose of random trial `number`.
