@@ -128,7 +128,7 @@ impl Sweep {
             let mine = ended.chunks(share).nth(thread).unwrap_or_default();
             mine.iter().filter_map(|ended| Trial::of(ended, self, ends)).collect()
         };
-        SweepReport::of(self.on_threads(bounded), wall, self.seed)
+        SweepReport::of(self.on_threads(bounded).concat(), wall, self.seed)
     }
 
     /// How many periods a second are driven if every trial goes on for `periods`, on the goal too.
@@ -142,29 +142,24 @@ impl Sweep {
     fn drive(&self, ends: Ends, watch: &Watch) -> (Vec<Ended>, f64) {
         let begin = Instant::now();
         let next = AtomicUsize::new(0);
-        let mut ended = self.on_threads(|_| match self.precision {
+        let parts = self.on_threads(|_| match self.precision {
             Precision::F32 => crew::drive::<f32>(self, ends, &next, watch),
             Precision::F64 => crew::drive::<f64>(self, ends, &next, watch),
         });
         let wall = begin.elapsed().as_secs_f64();
+        let mut ended: Vec<_> = parts.into_iter().flatten().collect();
         ended.sort_unstable_by_key(|ended| ended.way);
         (ended, wall)
     }
 
-    /// What `work` gives on each thread, one after the other.
-    fn on_threads<T: Send>(&self, work: impl Fn(usize) -> Vec<T> + Sync) -> Vec<T> {
+    /// What `work` gives on each thread.
+    fn on_threads<T: Send>(&self, work: impl Fn(usize) -> Vec<T> + Sync) -> Vec<Vec<T>> {
         std::thread::scope(|scope| {
             let work = &work;
             let threads: Vec<_> =
                 (0..self.threads.max(1)).map(|thread| scope.spawn(move || work(thread))).collect();
             let joined = threads.into_iter().map(std::thread::ScopedJoinHandle::join);
-            let parts = joined.map(|part| part.unwrap_or_else(|fault| std::panic::resume_unwind(fault)));
-            // What the first thread has stays where it is: there is much of it.
-            parts.reduce(|mut all, part| {
-                all.extend(part);
-                all
-            })
+            joined.map(|part| part.unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
         })
-        .unwrap_or_default()
     }
 }

@@ -146,7 +146,7 @@ impl<T: Element> Crew<'_, T> {
             heading: fleet.heading.0[lane].to_f64(),
             path: score.path(lane),
             cusps: score.cusps(lane),
-            belief: self.beliefs.as_ref().map(|beliefs| beliefs.consistency(lane, steps)),
+            belief: self.beliefs.as_ref().map(|beliefs| Box::new(beliefs.consistency(lane, steps))),
         });
         watch.count();
         self.active -= 1;

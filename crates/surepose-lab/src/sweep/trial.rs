@@ -10,7 +10,7 @@ use super::crew::Ends;
 use crate::optimal;
 
 /// A trial that ended, in few numbers: what can be worked out from them waits until all have ended.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Ended {
     /// Its place among the starts.
     pub(super) way: usize,
@@ -26,7 +26,7 @@ pub(super) struct Ended {
     pub(super) path: f64,
     pub(super) cusps: f64,
     /// How good its beliefs were, if it had any.
-    pub(super) belief: Option<Consistency>,
+    pub(super) belief: Option<Box<Consistency>>,
 }
 
 /// How a trial went.
@@ -68,7 +68,7 @@ impl Trial {
     /// What came of a trial of `sweep`, with the least time that it could have taken; none where it has no start.
     pub(super) fn of(ended: &Ended, sweep: &Sweep, ends: Ends) -> Option<Self> {
         let start = sweep.starts.nth(sweep.seed, ended.way)?;
-        let belief = ended.belief;
+        let belief = ended.belief.as_deref();
         Some(Self {
             start_x_m: start.x,
             start_y_m: start.y,
