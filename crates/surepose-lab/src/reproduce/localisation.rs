@@ -58,6 +58,10 @@ pub struct Accuracy {
     pub position_rmse: f64,
     /// Root mean square of the heading error \[rad].
     pub heading_rmse: f64,
+    /// How far `position_rmse` of so many other runs is likely to be from it \[m]; none for a single run.
+    pub position_rmse_std_error: Option<f64>,
+    /// The same of `heading_rmse` \[rad].
+    pub heading_rmse_std_error: Option<f64>,
     /// Mean of the normalised estimation error squared; 3 for a filter that knows its errors.
     pub nees_mean: f64,
     /// The largest error in x \[m].
@@ -89,8 +93,7 @@ pub fn localisation(
         drive(world, configuration, seed, |moment| sum.add(&moment));
         sum
     });
-    let runs = sums.len();
-    sums.into_iter().reduce(Sum::and)?.accuracy(runs)
+    Accuracy::of(&sums)
 }
 
 /// One run of the same, moment by moment: the deviations over time of the paper's Fig. 5.
@@ -147,17 +150,33 @@ impl Sum {
             largest: [self.largest[0].max(other.largest[0]), self.largest[1].max(other.largest[1])],
         }
     }
+}
 
-    fn accuracy(self, runs: usize) -> Option<Accuracy> {
-        (self.count > 0.0).then(|| Accuracy {
-            runs,
-            position_rmse: libm::sqrt(self.position_squared / self.count),
-            heading_rmse: libm::sqrt(self.heading_squared / self.count),
-            nees_mean: self.nees / self.count,
-            max_deviation_x: self.largest[0],
-            max_deviation_y: self.largest[1],
+impl Accuracy {
+    fn of(runs: &[Sum]) -> Option<Self> {
+        let all = runs.iter().copied().reduce(Sum::and).filter(|all| all.count > 0.0)?;
+        let position = |run: &Sum| run.position_squared / run.count;
+        let heading = |run: &Sum| run.heading_squared / run.count;
+        let (position_rmse, heading_rmse) = (libm::sqrt(position(&all)), libm::sqrt(heading(&all)));
+        Some(Self {
+            runs: runs.len(),
+            position_rmse,
+            heading_rmse,
+            position_rmse_std_error: std_error(position_rmse, runs.iter().map(position)),
+            heading_rmse_std_error: std_error(heading_rmse, runs.iter().map(heading)),
+            nees_mean: all.nees / all.count,
+            max_deviation_x: all.largest[0],
+            max_deviation_y: all.largest[1],
         })
     }
+}
+
+/// The standard error of `rmse`, the root of the mean of the runs' `mean_squares`: that of the mean over 2·`rmse`, the
+/// slope of the square. Within a run errors depend on each other, from run to run they do not.
+fn std_error(rmse: f64, mean_squares: impl ExactSizeIterator<Item = f64>) -> Option<f64> {
+    let count = mean_squares.len() as f64;
+    let squares: f64 = mean_squares.map(|mean_square| (mean_square - rmse * rmse).powi(2)).sum();
+    (count > 1.0 && rmse > 0.0).then(|| libm::sqrt(squares / (count * (count - 1.0))) / (2.0 * rmse))
 }
 
 #[cfg(test)]

@@ -89,6 +89,10 @@ struct Figures {
     runs: usize,
     position_rmse_m: f64,
     heading_rmse_deg: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position_rmse_std_error_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heading_rmse_std_error_deg: Option<f64>,
     nees_mean: f64,
     max_deviation_x_m: f64,
     max_deviation_y_m: f64,
@@ -100,6 +104,8 @@ impl Figures {
             runs: accuracy.runs,
             position_rmse_m: accuracy.position_rmse,
             heading_rmse_deg: accuracy.heading_rmse.to_degrees(),
+            position_rmse_std_error_m: accuracy.position_rmse_std_error,
+            heading_rmse_std_error_deg: accuracy.heading_rmse_std_error.map(f64::to_degrees),
             nees_mean: accuracy.nees_mean,
             max_deviation_x_m: accuracy.max_deviation_x,
             max_deviation_y_m: accuracy.max_deviation_y,
@@ -181,5 +187,13 @@ impl Row {
 
 fn shown(accuracy: &Accuracy) -> String {
     let (position, heading) = (1e3 * accuracy.position_rmse, accuracy.heading_rmse.to_degrees());
-    format!("{position:.2} mm, {heading:.4}° (rms), NEES {:.2}", accuracy.nees_mean)
+    let give_or_take = |error: Option<f64>, scale: f64, digits: usize| {
+        error.map_or_else(String::new, |error| format!(" ± {:.digits$}", scale * error))
+    };
+    format!(
+        "{position:.2}{} mm, {heading:.4}{}° (rms), NEES {:.2}",
+        give_or_take(accuracy.position_rmse_std_error, 1e3, 2),
+        give_or_take(accuracy.heading_rmse_std_error, 1f64.to_degrees(), 4),
+        accuracy.nees_mean
+    )
 }

@@ -111,3 +111,23 @@ fn a_run_is_the_same_every_time_and_another_for_another_seed() {
     assert_eq!(run(3), run(3));
     assert_ne!(run(3), run(4));
 }
+
+/// The RMSE of 20 disjoint blocks of 50 runs scatters by what each block says of itself: that scatter is known to a sixth.
+#[test]
+fn the_standard_error_is_how_far_other_runs_would_be() {
+    let world = world(3, Clutter::default());
+    let blocks: Vec<_> = (0..20)
+        .filter_map(|block| {
+            let seeds = 50 * block + 1..50 * block + 51;
+            localisation(&world, Configuration::Compass, seeds, &Watch::default())
+        })
+        .collect();
+    let mean = |values: &dyn Fn(&super::Accuracy) -> f64| blocks.iter().map(values).sum::<f64>() / 20.0;
+    let centre = mean(&|block| block.position_rmse);
+    let scatter = (mean(&|block| (block.position_rmse - centre).powi(2)) * 20.0 / 19.0).sqrt();
+    let told = mean(&|block| block.position_rmse_std_error.unwrap());
+    assert!((scatter / told - 1.0).abs() < 0.5, "{scatter} m, told {told} m");
+
+    let alone = localisation(&world, Configuration::Compass, 1..2, &Watch::default()).unwrap();
+    assert_eq!((alone.position_rmse_std_error, alone.heading_rmse_std_error), (None, None));
+}
