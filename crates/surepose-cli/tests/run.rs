@@ -254,6 +254,36 @@ fn an_interrupted_result_says_so() {
     );
 }
 
+/// The certificate is whole, and says that its pictures are not there.
+#[cfg(unix)]
+#[test]
+fn a_certificate_without_its_pictures_says_so() {
+    use std::process::{Command, Stdio};
+    let out = folder("interrupted-margin");
+    let summary = out.join("summary.json");
+    let child = Command::new(env!("CARGO_BIN_EXE_surepose"))
+        .args(["certify", "--json", "--out", out.to_str().expect("UTF-8")])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    // The summary is written before the pictures are begun, which take half a minute.
+    let written = (0..1200).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        summary.exists()
+    });
+    assert!(written, "no certificate within a minute");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let asked = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(asked.success());
+    let output = child.wait_with_output().expect("it ends");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON all the same");
+    assert_eq!(output.status.code(), Some(130), "{json}");
+    assert_eq!((&json["certified"], &json["interrupted"]), (&true.into(), &true.into()), "{json}");
+    assert!(std::fs::read_to_string(&summary).expect("written").contains("interrupted"));
+    assert!(!out.join("margin.png").exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_command_with_nothing_to_keep_exits_with_130_too() {

@@ -112,9 +112,14 @@ impl CertifyCommand {
         // A folder that cannot be written to is found before the work, not after it.
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
         let certificate = certification::certificate(&config, noise);
-        let json = json_of(&certificate);
+        let mut json = json_of(&certificate);
         if let Some(folder) = &folder {
-            write(folder, &config, noise, &certificate, (&json, output))?;
+            folder.summary(&json)?;
+            draw(folder, &config, noise, &certificate, output)?;
+            if interrupt::asked() {
+                interrupt::mark(&mut json);
+                folder.summary(&json)?;
+            }
         }
         output.result(&json, || {
             let mut table = table(&[]);
@@ -146,16 +151,14 @@ impl CertifyCommand {
     }
 }
 
-/// Writes the summary and the pictures of the margin; the summary alone if the user does not wait for them.
-fn write(
+/// Writes the pictures of the margin, unless the user does not wait for them.
+fn draw(
     folder: &Folder,
     config: &Config,
     noise: Noise,
     certificate: &Certificate,
-    (json, output): (&Map<String, Json>, Output),
+    output: Output,
 ) -> Result<(), Failure> {
-    folder.summary(json)?;
-
     interrupt::listen();
     let bar = progress::bar(output, "margin");
     let margins = certification::margin(config, noise, certificate, |part| {
