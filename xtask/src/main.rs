@@ -1,6 +1,8 @@
-//! Chores of the project: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`.
+//! Chores of the project: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`,
+//! `cargo xtask microcontroller`.
 
 mod instructions;
+mod microcontroller;
 mod run;
 mod tidy;
 
@@ -10,7 +12,8 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 cargo xtask ci              everything the gate checks: format, lints, tidy, documentation, tests
 cargo xtask tidy            whether documents and code still say the same
-cargo xtask instructions    instruction counts of law and filter against their budgets (needs valgrind, x86-64)";
+cargo xtask instructions    instruction counts of law and filter against their budgets (needs valgrind, x86-64)
+cargo xtask microcontroller whether an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)";
 
 fn main() -> ExitCode {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -18,6 +21,7 @@ fn main() -> ExitCode {
         Some("ci") => run::ci(&root),
         Some("tidy") => tidy::check(&root),
         Some("instructions") => instructions::check(&root),
+        Some("microcontroller") => microcontroller::check(&root),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

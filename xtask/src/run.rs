@@ -10,7 +10,8 @@ pub(crate) fn ci(root: &Path) -> Result<(), String> {
     cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
     cargo(root, &["doc", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(root, &["test", "--workspace", "--release"], &[])?;
-    crate::instructions::check(root)
+    crate::instructions::check(root)?;
+    crate::microcontroller::check(root)
 }
 
 /// Runs cargo at the root and passes on what it prints.

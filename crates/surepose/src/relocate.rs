@@ -206,9 +206,8 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
             }
         }
         self.add(&view, &proposed::<S, N>(&glance, lines, walls, &laser.body_from_laser, &hint));
-        if self.memory.keep(&glance)
-            && let Some(chart) = chart
-        {
+        let kept = self.memory.keep(&glance);
+        if let Some(chart) = chart.filter(|_| kept) {
             let fan = Fan::of(self.memory.ends(), self.memory.ends().count());
             let mut found = Pool::<S, N>::empty();
             let mut rank = S::of(0.0);
@@ -232,9 +231,8 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
 
     /// Puts the place that is found where all scans in mind fit best: the last ones alone may leave it beside that.
     fn settle_found(&mut self, view: &View<'_, S, FRAMES>) {
-        if let Finding::Found(belief) = self.finding()
-            && let Some(Some(found)) = self.hypotheses.get_mut(self.ahead.0)
-        {
+        let Finding::Found(belief) = self.finding() else { return };
+        if let Some(Some(found)) = self.hypotheses.get_mut(self.ahead.0) {
             found.belief = view.found(belief.pose);
         }
     }
@@ -278,9 +276,10 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
                     .iter_mut()
                     .max_by(|a, b| misfit(a.as_ref()).total_cmp(&misfit(b.as_ref()))),
             };
-            if let Some(slot) = slot
-                && slot.is_none_or(|worst| fresh.agreement.misfit < worst.agreement.misfit)
-            {
+            let is_worse = |slot: &&mut Option<Hypothesis<S>>| {
+                slot.is_none_or(|worst| fresh.agreement.misfit < worst.agreement.misfit)
+            };
+            if let Some(slot) = slot.filter(is_worse) {
                 *slot = Some(fresh);
             }
         }
@@ -291,9 +290,8 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
     fn merge(&mut self) {
         for i in 0..N {
             for j in 0..i {
-                if let (Some(a), Some(b)) = (self.hypotheses[i], self.hypotheses[j])
-                    && is_same(a.belief.pose, b.belief.pose)
-                {
+                let (Some(a), Some(b)) = (self.hypotheses[i], self.hypotheses[j]) else { continue };
+                if is_same(a.belief.pose, b.belief.pose) {
                     let is_elder = a.scans > b.scans;
                     let (elder, younger) = if is_elder { (a, b) } else { (b, a) };
                     let stays = younger.agreement.misfit + self.certainty.margin > elder.agreement.misfit;

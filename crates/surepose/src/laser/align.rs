@@ -131,9 +131,10 @@ impl<S: Float> Aligner<S> {
 
         let mut best: Option<Settled<S>> = None;
         for start in start::candidates(belief) {
-            if let Some(settled) = self.settle(&task, start, beams)
-                && best.as_ref().is_none_or(|best| settled.disagreement < best.disagreement)
-            {
+            let is_better = |settled: &Settled<S>| {
+                best.as_ref().is_none_or(|best| settled.disagreement < best.disagreement)
+            };
+            if let Some(settled) = self.settle(&task, start, beams).filter(is_better) {
                 best = Some(settled);
             }
         }

@@ -38,9 +38,8 @@ impl<S: Float, const N: usize> Pool<S, N> {
             ranks.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
         };
         let index = self.slots.iter().position(is_known).or_else(|| worst(&self.slots));
-        if let Some(slot) = index.and_then(|index| self.slots.get_mut(index))
-            && slot.is_none_or(|known| misfit < known.misfit)
-        {
+        let slot = index.and_then(|index| self.slots.get_mut(index));
+        if let Some(slot) = slot.filter(|slot| slot.is_none_or(|known| misfit < known.misfit)) {
             *slot = Some(Proposal { pose, misfit });
         }
     }

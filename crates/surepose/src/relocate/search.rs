@@ -53,9 +53,8 @@ impl<S: Float> Fan<S> {
         let mut fan = Self { rays: [(S::of(0.0), S::of(0.0)); MOST_RAYS], len: 0 };
         for (k, end) in ends.enumerate() {
             // The next one of so many, evenly over all.
-            if k * MOST_RAYS / count.max(MOST_RAYS) >= fan.len
-                && let Some(slot) = fan.rays.get_mut(fan.len)
-            {
+            let due = k * MOST_RAYS / count.max(MOST_RAYS) >= fan.len;
+            if let Some(slot) = fan.rays.get_mut(fan.len).filter(|_| due) {
                 *slot = (end.x, end.y);
                 fan.len += 1;
             }

@@ -1,0 +1,11 @@
+//! The closed loop on a microcontroller, and the same on the host: `cargo xtask microcontroller` compares their bits.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+mod parking;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("{}", parking::park(|| ()));
+}

@@ -1,0 +1,142 @@
+//! A robot parks: the closed loop of the core between made-up sensors and made-up wheels, in single precision.
+//!
+//! The world is as plain as it can be, and written with the core's own motion and lines: what is shown is that the same
+//! source gives the same bits here and there, not how good it is.
+
+use core::fmt::{Display, Formatter};
+
+use surepose::closed_loop::{Controller, Localiser, Progress, Sensed, Signal, tick};
+use surepose::{
+    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, HybridLaw, Integration, Law,
+    Limits, Line, Map, Measurement, Phase, Pose, Stamp, Stamped, Tolerance, WallSighting, Wheels,
+};
+
+/// Time between ticks \[ms].
+const PERIOD: u16 = 20;
+/// Ticks after which the robot is given up.
+const MOST_TICKS: u32 = 3000;
+/// Standard deviations of what the compass \[rad] and the laser \[m], \[rad] say.
+const COMPASS: f32 = 0.002;
+const WALL: [f32; 2] = [0.01, 0.004];
+/// Standard deviation of the part by which a wheel rolls farther than its encoder says.
+const SLIP: f32 = 0.05;
+
+/// How the drive ended.
+pub(crate) struct Parked {
+    pub(crate) ticks: u32,
+    reached: bool,
+    truth: Pose<Map, Body, f32>,
+    belief: Belief<f32>,
+    refused: u32,
+    /// Of the bits of every tick's belief and twist.
+    hash: u64,
+}
+
+impl Display for Parked {
+    fn fmt(&self, f: &mut Formatter<'_>) -> core::fmt::Result {
+        let Self { ticks, reached, truth, belief, refused, hash } = self;
+        let pose = |name: &str, pose: &Pose<Map, Body, f32>, f: &mut Formatter<'_>| {
+            writeln!(f, "{name} {} m, {} m, {} rad", pose.x, pose.y, pose.heading.radians())
+        };
+        writeln!(f, "reached {reached} after {ticks} ticks, {refused} measurements refused")?;
+        pose("truth", truth, f)?;
+        pose("belief", &belief.pose, f)?;
+        write!(f, "bits {hash:016x}")
+    }
+}
+
+/// Drives from (1, 1, 0°) to (4, 2.5, 90°) in a room of 6 m × 4 m. `clock` is read before and after every tick, for those
+/// who want to know what a tick costs.
+pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
+    let drive = Drive::new(0.05, 0.6);
+    let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
+    let period = f32::from(PERIOD) * 1e-3;
+    let controller = Controller {
+        drive,
+        law: Law::Hybrid(HybridLaw::fitted(&drive, &limits, period, Direction::Auto)),
+        limits,
+        tolerance: Tolerance { position: 0.01, heading: 0.0175, hold: 0.5, release: 1.5 },
+        period,
+    };
+    let ekf = Ekf { drive, delta: 0.0025, integration: Integration::Arc };
+    let mut truth = Pose::new(1.0, 1.0, Angle::wrapped(0.0));
+    let goal = Pose::new(4.0, 2.5, Angle::from_degrees(90.0));
+    let belief = Belief::new(truth, [0.01, 0.01, 0.01]);
+    let start = Stamp::from_nanoseconds(0);
+    let mut localiser = Localiser::<f32, 8, 0> {
+        estimator: Estimator::new(ekf, Gate::new(0.999_999), 1.0, start, belief),
+        eye: Eye::blind(),
+    };
+    let walls = [(6.0, 0.0), (4.0, 90.0), (0.0, 180.0), (0.0, 270.0)]
+        .map(|(distance, degrees)| Line::new(distance, Angle::from_degrees(degrees)));
+
+    let (mut noise, mut hash) = (Noise(1), Hash::new());
+    let (mut progress, mut rolled) = (Progress::fresh(), Wheels::rest());
+    let (mut ticks, mut reached) = (0, false);
+    while ticks < MOST_TICKS && !reached {
+        ticks += 1;
+        let stamp = Stamp::from_nanoseconds(i64::from(ticks) * i64::from(PERIOD) * 1_000_000);
+        let heading = truth.heading.nudged(COMPASS * noise.draw());
+        let compass = Measurement::Compass(Compass { heading, std: COMPASS });
+        let seen = truth.inverse() * walls[ticks as usize % 4];
+        let sighting = Measurement::Wall(WallSighting {
+            wall: walls[ticks as usize % 4],
+            seen: Line::new(
+                seen.distance + WALL[0] * noise.draw(),
+                seen.direction.nudged(WALL[1] * noise.draw()),
+            ),
+            distance_variance: WALL[0] * WALL[0],
+            direction_variance: WALL[1] * WALL[1],
+            covariance: 0.0,
+        });
+        let signals =
+            [compass, sighting].map(|measurement| Stamped::new(stamp, Signal::Measurement(measurement)));
+        let sensed = Sensed { stamp, travel: ekf.travel(rolled), signals: &signals };
+
+        clock();
+        let now = tick(&controller, &mut localiser, &[], progress, &sensed, goal, &mut ());
+        clock();
+
+        progress = now.step.progress;
+        rolled = drive.rims_from_twist(now.step.granted).scaled(period);
+        let slipping = Wheels::new(
+            rolled.right * (1.0 + SLIP * noise.draw()),
+            rolled.left * (1.0 + SLIP * noise.draw()),
+        );
+        truth = truth.moved(drive.motion_from_travel(slipping), Integration::Arc);
+        reached = now.phase == Phase::Reached;
+        let (pose, twist) = (now.belief.pose, now.step.granted);
+        for number in [pose.x, pose.y, pose.heading.radians(), twist.v, twist.omega] {
+            hash.add(number);
+        }
+    }
+    let (belief, refused) = (localiser.estimator.belief(), localiser.estimator.tally().refused_in_all());
+    Parked { ticks, reached, truth, belief, refused, hash: hash.0 }
+}
+
+/// Noise of unit variance, uniform: [Marsaglia2003].
+struct Noise(u32);
+
+impl Noise {
+    fn draw(&mut self) -> f32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        (self.0 >> 8) as f32 * (3.464_101_6 / 16_777_216.0) - 1.732_050_8
+    }
+}
+
+/// FNV-1a of the bits of numbers.
+struct Hash(u64);
+
+impl Hash {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn add(&mut self, number: f32) {
+        for byte in number.to_bits().to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
