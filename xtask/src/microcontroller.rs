@@ -76,7 +76,9 @@ fn printed(root: &Path, target: &str, command: &mut Command) -> Result<String, S
     let command = command
         .current_dir(root.join("firmware"))
         .env("CARGO_TARGET_DIR", root.join("target/firmware").join(target));
-    let output = command.output().map_err(|error| format!("cargo does not start: {error}"))?;
+    let output = command
+        .output()
+        .map_err(|error| format!("{} does not start: {error}", command.get_program().to_string_lossy()))?;
     if !output.status.success() {
         return Err(format!("the firmware fails:\n{}", String::from_utf8_lossy(&output.stderr)));
     }
