@@ -35,6 +35,27 @@ impl ConfigArgs {
     }
 }
 
+/// Which law it is, and what is configured beside.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct LawArgs {
+    /// The law: surepose or paper
+    #[arg(long, value_name = "NAME")]
+    law: Option<String>,
+    #[command(flatten)]
+    config: ConfigArgs,
+}
+
+impl LawArgs {
+    /// `base`, with the file's values and the options' over it.
+    pub(crate) fn over(&self, base: Config) -> Result<Config, Failure> {
+        let config = self.config.over(base)?;
+        Ok(match &self.law {
+            Some(name) => config.with_option_of("--law", &format!("law.name={name}"))?,
+            None => config,
+        })
+    }
+}
+
 /// A pose on the command line: `X,Y,DEG`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PoseArg {

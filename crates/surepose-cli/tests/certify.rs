@@ -55,6 +55,11 @@ fn the_paper_s_gains_are_refused_with_a_situation() {
     let found = &json["counterexample"];
     let weight = |key: &str| found[key].as_f64().unwrap_or(f64::NAN);
     assert!(weight("w_after") > weight("w_before"), "{json}");
+
+    let paper = surepose(&[&["certify", "--law", "paper", "--json"][..], &gains[..]].concat());
+    assert_eq!((paper.code, &paper.json()["certified"]), (1, &false.into()), "{}", paper.stderr);
+    let unknown = surepose(&["certify", "--law", "best"]);
+    assert!(unknown.code == 2 && unknown.stderr.contains("--law"), "{}", unknown.stderr);
 }
 
 /// The margin that is drawn is at least what the certificate says, and a refusal is drawn with its gaps.

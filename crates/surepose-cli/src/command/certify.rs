@@ -16,7 +16,7 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::output::{Output, table, worded, wrapped};
-use crate::settings::ConfigArgs;
+use crate::settings::LawArgs;
 use crate::{certification, interrupt, progress};
 
 /// Certify that the loop arrives: the shipped law, evaluated with intervals.
@@ -49,7 +49,7 @@ pub(crate) struct CertifyCommand {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    config: ConfigArgs,
+    config: LawArgs,
 }
 
 /// What may go wrong at every tick.

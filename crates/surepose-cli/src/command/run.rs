@@ -16,7 +16,7 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::output::{Output, object, table, warning};
-use crate::settings::{ConfigArgs, PoseArg, toml_of};
+use crate::settings::{LawArgs, PoseArg, toml_of};
 use crate::{interrupt, progress};
 
 /// Drive the simulated robot, with motors, sensors and estimate, to a pose.
@@ -24,6 +24,7 @@ use crate::{interrupt, progress};
 #[command(after_help = "Examples:
   surepose run                                          the paper's arena, to 2,2,30
   surepose run --goal 2,2,90 --seed 7 --out out         another goal; pictures and data into out/
+  surepose run --law paper --json                       the paper's own law
   surepose run --scenario open --start 0,0,180 --set law.direction=reverse --json
 
 Exit codes: 0 reached, 1 missed (it rests where it believes the goal to be, and is outside the tolerance in
@@ -46,7 +47,7 @@ pub(crate) struct RunCommand {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    config: ConfigArgs,
+    config: LawArgs,
 }
 
 /// The seed unless one is given.
@@ -54,7 +55,7 @@ const SEED: u64 = 1;
 
 impl Default for RunCommand {
     fn default() -> Self {
-        Self { scenario: None, start: None, goal: None, seed: SEED, out: None, config: ConfigArgs::default() }
+        Self { scenario: None, start: None, goal: None, seed: SEED, out: None, config: LawArgs::default() }
     }
 }
 

@@ -6,7 +6,7 @@ use surepose_data::Config;
 use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Starts, Sweep};
 
 use crate::failure::Failure;
-use crate::settings::ConfigArgs;
+use crate::settings::LawArgs;
 
 /// The loop, its noise, and what they are drawn from.
 #[derive(Debug, Args)]
@@ -23,14 +23,11 @@ pub(super) struct TrialArgs {
     /// How many threads; all cores unless given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
     threads: Option<u16>,
-    /// The law: surepose or paper
-    #[arg(long, value_name = "NAME")]
-    law: Option<String>,
     /// What all noise, all random starts and a search are drawn from
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub(super) seed: u64,
     #[command(flatten)]
-    config: ConfigArgs,
+    config: LawArgs,
 }
 
 /// The same, read: the configuration of the bench's robot with the user's over it, and how it is driven.
@@ -76,9 +73,6 @@ impl TrialArgs {
             (&param::PERIOD, 0.02),
         ];
         let mut config = self.config.over(Config::default().with_preset(BENCH, &bench))?;
-        if let Some(name) = &self.law {
-            config = config.with_option_of("--law", &format!("law.name={name}"))?;
-        }
         if let Some(period) = self.period {
             config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
         }
