@@ -9,8 +9,8 @@ use crate::streams::{Streams, draw};
 impl<const L: usize> Streams<L> {
     /// `COUNT` independent standard normal deviates of every stream: [BoxMuller1958].
     ///
-    /// A deviate is right to 3·10⁻⁵ of itself, which 10⁹ of them would not show in any moment. The grid is 2⁻³⁰ for the radius
-    /// and 2⁻²⁴ turns for the direction, and the largest deviate is 6.56. Tested by `moments_and_tails_are_normal`, `streams_are_independent`.
+    /// A deviate is right to 3·10⁻⁵ of itself. The grid is 2⁻³⁰ for the radius and 2⁻²⁴ turns for the direction, and the
+    /// largest deviate is 6.56. Tested by `moments_and_tails_are_normal`, `streams_are_independent`.
     #[inline(always)]
     pub fn normals<const COUNT: usize>(&mut self, deviates: &mut [Column<f32, L>; COUNT]) {
         // Several short loops: the processor works on many turns of each at once.

@@ -5,7 +5,7 @@ use surepose_lanes::{Column, Element, Lanes, Streams};
 use super::Start;
 use super::bench::is_inside;
 
-/// How many trials run side by side: enough that a loop over them is worth beginning, few enough for the nearest cache, and not
+/// How many trials run side by side: enough that a loop over them is worth beginning, few enough for the nearest caches, and not
 /// a power of two, so that columns do not share the lower bits of their addresses.
 pub(super) const LANES: usize = 240;
 
