@@ -1,8 +1,9 @@
 //! Chores of the project: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`,
-//! `cargo xtask microcontroller`.
+//! `cargo xtask microcontroller`, `cargo xtask ros2`.
 
 mod instructions;
 mod microcontroller;
+mod ros2;
 mod run;
 mod tidy;
 
@@ -13,7 +14,8 @@ const USAGE: &str = "\
 cargo xtask ci              everything the gate checks: format, lints, tidy, documentation, tests
 cargo xtask tidy            whether documents and code still say the same
 cargo xtask instructions    instruction counts of law and filter against their budgets (needs valgrind, x86-64)
-cargo xtask microcontroller whether an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)";
+cargo xtask microcontroller whether an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
+cargo xtask ros2            whether rclpy, real ROS 2, can talk to the node (needs python3.11 and the network)";
 
 fn main() -> ExitCode {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -22,6 +24,7 @@ fn main() -> ExitCode {
         Some("tidy") => tidy::check(&root),
         Some("instructions") => instructions::check(&root),
         Some("microcontroller") => microcontroller::check(&root),
+        Some("ros2") => ros2::check(&root),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

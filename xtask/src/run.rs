@@ -11,7 +11,8 @@ pub(crate) fn ci(root: &Path) -> Result<(), String> {
     cargo(root, &["doc", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(root, &["test", "--workspace", "--release"], &[])?;
     crate::instructions::check(root)?;
-    crate::microcontroller::check(root)
+    crate::microcontroller::check(root)?;
+    crate::ros2::check(root)
 }
 
 /// Runs cargo at the root and passes on what it prints.

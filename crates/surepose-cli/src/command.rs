@@ -6,6 +6,7 @@ mod config;
 mod map;
 mod replay;
 mod reproduce;
+mod ros2;
 mod run;
 mod sweep;
 mod trials;
@@ -38,6 +39,8 @@ pub(crate) enum Command {
     Config(config::ConfigCommand),
     /// Run the estimator on a recording, judged against its reference
     Replay(replay::ReplayCommand),
+    /// Run as a ROS 2 node, on a robot or with a simulated one
+    Ros2(ros2::Ros2Command),
 }
 
 impl Default for Command {
@@ -60,6 +63,7 @@ impl Command {
             Self::Calibrate(command) => command.run(output),
             Self::Config(command) => command.run(output),
             Self::Replay(command) => command.run(output),
+            Self::Ros2(command) => command.run(output),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C: a command that keeps what was done is asked to stop, and a second Ctrl-C ends it at once; any other ends.
+//! Ctrl-C, and a request to terminate: a command that keeps what was done is asked to stop, and a second Ctrl-C ends it at once; any other ends.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};

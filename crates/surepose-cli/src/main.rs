@@ -51,6 +51,7 @@ Examples:
   surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
   surepose replay carmen freiburg-101.log.gz  the same on walls, seen by a laser
   surepose map from-grid room.yaml --out room.toml
+  surepose ros2 --simulate                    a ROS 2 node with a simulated robot; without it, on yours
   surepose config show > robot.toml           every parameter with its default, to edit
   surepose config check robot.toml            whether a configuration can be used
   surepose config explain capture_radius_m    what one parameter does

@@ -17,8 +17,7 @@ use crate::optimal::fastest;
 use crate::replay::Score;
 use crate::rig::{Rig, Scenario};
 
-use guard::Guard;
-
+pub use guard::{Guard, PATIENCE};
 pub use sample::{Mode, Sample};
 pub use summary::{Outcome, Summary};
 

@@ -18,6 +18,7 @@ pub mod wean;
 pub(crate) use follower::mounted;
 pub use follower::{FollowerSettings, walls_of};
 pub use hall::Hall;
+pub use odometry::motion_between;
 pub use reference::Reference;
 pub use report::{ReplayError, ReplayReport};
 pub use score::{Score, Summary};

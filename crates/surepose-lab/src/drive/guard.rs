@@ -8,11 +8,11 @@ use super::lookout::is_blocked;
 use crate::rig::SEARCH_RATE;
 
 /// A drive that the supervisor has stopped for so long \[s] is over.
-const PATIENCE: f64 = 10.0;
+pub const PATIENCE: f64 = 10.0;
 
 /// How long the supervisor has held the robot, and why.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Guard {
+pub struct Guard {
     held: Option<(Reason, f64)>,
     /// A wall stood in the way: the drive brakes and is over.
     walled: bool,
@@ -22,7 +22,7 @@ impl Guard {
     /// `step`, as far as `verdict` allows it at time `now` \[s], after the wheels were told `last`.
     ///
     /// Wheels slow down and stop as hard as they can, and no harder. A robot that is lost turns in place if it `can_look`: what it sees may tell it where it is.
-    pub(super) fn allow(
+    pub fn allow(
         &mut self,
         verdict: Verdict,
         controller: &Controller<f64>,
@@ -46,8 +46,8 @@ impl Guard {
         told(allowed, controller, Step { progress: remembered, ..step }, last)
     }
 
-    /// `step`, unless a robot that is at `pose` in truth would come too near to a wall: then it brakes, for good.
-    pub(super) fn keep_off_walls(
+    /// `step`, unless a robot at `pose` would come too near to a wall: then it brakes, for good.
+    pub fn keep_off_walls(
         &mut self,
         arena: &Arena,
         pose: Pose<Map, Body, f64>,
@@ -60,12 +60,12 @@ impl Guard {
     }
 
     /// Whether the robot brakes, or has braked, before a wall.
-    pub(super) fn is_walled(&self) -> bool {
+    pub fn is_walled(&self) -> bool {
         self.walled
     }
 
     /// Why the drive is over, where it is.
-    pub(super) fn gave_up(&self, now: f64) -> Option<Reason> {
+    pub fn gave_up(&self, now: f64) -> Option<Reason> {
         self.held.filter(|(_, since)| now - since >= PATIENCE).map(|(reason, _)| reason)
     }
 }

@@ -1,6 +1,6 @@
-//! Recorded odometry poses, as the motion between them.
+//! Odometry that comes as poses, as the motion between them.
 
-use surepose::{Angle, Body, Integration, Map, Motion, Pose};
+use surepose::{Angle, Body, Frame, Integration, Map, Motion, Point, Pose};
 use surepose_data::recording::StampedPose;
 
 /// A recorded pose in the core's form.
@@ -11,12 +11,12 @@ pub(crate) fn pose_of(at: &StampedPose) -> Pose<Map, Body, f64> {
 /// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::moved`].
 ///
 /// What the second pose lies beside that arc is no motion of wheels, and is left out.
-pub(super) fn motion_between(from: Pose<Map, Body, f64>, to: Pose<Map, Body, f64>) -> Motion<f64> {
+pub fn motion_between<In: Frame>(from: Pose<In, Body, f64>, to: Pose<In, Body, f64>) -> Motion<f64> {
     let turn = (to.heading - from.heading).radians();
     let (sin, cos) = from.heading.turned(0.5 * turn).sin_cos();
     let chord = (to.x - from.x) * cos + (to.y - from.y) * sin;
-    let unit = Pose::<Map, Body, f64>::identity().moved(Motion { length: 1.0, turn }, Integration::Arc);
-    Motion { length: chord / unit.origin().distance(Pose::<Map, Map, f64>::identity().origin()), turn }
+    let unit = Pose::<In, Body, f64>::identity().moved(Motion { length: 1.0, turn }, Integration::Arc);
+    Motion { length: chord / unit.origin().distance(Point::new(0.0, 0.0)), turn }
 }
 
 /// The pose after `count` records, between two of them along the arc that joins them.

@@ -1,0 +1,173 @@
+//! `surepose ros2`: the node on a robot, or with a simulated robot beside it.
+
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use clap::{Args, ValueEnum};
+use surepose::{Angle, Belief, Pose};
+use surepose_data::wall_map::{self, Wall, WallMap};
+use surepose_data::{Config, map_server};
+use surepose_lab::mapping::from_grid;
+use surepose_lab::rig::{Reading, Scenario};
+use surepose_ros2::network::Network;
+use surepose_ros2::node::{self, NodeSettings};
+use surepose_ros2::robot::{self, RobotSettings};
+use surepose_ros2::{Names, NodeError, START_STD, Settings};
+
+use crate::certification;
+use crate::exit::Exit;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::output::{Output, say, text, warning};
+use crate::settings::{LawArgs, PoseArg};
+
+/// Run as a ROS 2 node: park a robot where RViz's "2D Goal Pose", or navigate_to_pose, says.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  surepose ros2 --simulate                              a simulated robot in the paper's arena, to try it
+  surepose ros2 --map building.toml --start 1,2,90      a robot with odometry and laser, at a known place
+  surepose ros2 --map building.toml --compass           the same with a compass, looking for its place by itself
+  surepose ros2 --config robot.toml --remap odom:=/diff_drive/odom --cmd-vel twist
+
+Hears odom (nav_msgs/Odometry), with --map also scan (sensor_msgs/LaserScan), with --compass imu (sensor_msgs/Imu, \
+an absolute heading); goal_pose, initialpose (as RViz sends them), the action navigate_to_pose (nav2_msgs) and the \
+service reinitialize_global_localization (std_srvs/Empty). Says cmd_vel, while it has a goal; pose, walls, /tf (map to \
+odometry's frame) and /diagnostics. ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE mean what they mean to ROS. It needs \
+no ROS installation.
+
+Exit codes: 0 stopped by Ctrl-C, after telling the wheels to rest; 2 wrong command line, configuration or environment; \
+3 a map that cannot be read.")]
+pub(crate) struct Ros2Command {
+    /// A wall map (TOML), or an occupancy grid (map_server's YAML) to trace the walls of; without one, the map is where odometry starts
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Where the robot starts on the map, to 10 cm and 6°: metres, metres, degrees; without it, it looks for itself
+    #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
+    start: Option<PoseArg>,
+    /// Hear an absolute heading on imu: east or the map's x axis is 0, but for compass.offset_deg
+    #[arg(long)]
+    compass: bool,
+    /// Hold a pose that was reached, also after a push, until another goal or a cancel
+    #[arg(long)]
+    hold: bool,
+    /// The type of cmd_vel, of geometry_msgs
+    #[arg(long, value_enum, default_value_t = CommandType::Stamped)]
+    cmd_vel: CommandType,
+    /// Simulate a robot with odom, scan and imu in the arena that the configuration names, in real time
+    #[arg(long)]
+    simulate: bool,
+    /// What the simulated robot's noise is drawn from
+    #[arg(long, default_value_t = 1, requires = "simulate")]
+    seed: u64,
+    /// The namespace of the node and its topics
+    #[arg(long, value_name = "NAME", default_value = "/")]
+    namespace: String,
+    /// Another name for one of the node's own: odom:=/base/odom. May be repeated
+    #[arg(long, value_name = "FROM:=TO")]
+    remap: Vec<String>,
+    /// The frame of the map
+    #[arg(long, value_name = "NAME", default_value = "map")]
+    map_frame: String,
+    #[command(flatten)]
+    config: LawArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CommandType {
+    /// TwistStamped, as robots take it since Jazzy
+    Stamped,
+    /// Twist
+    Twist,
+}
+
+impl Ros2Command {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+        let config = self.config.over(Config::default())?;
+        let names = Names::new(&self.namespace, &self.remap)
+            .map_err(|error| usage(&error, "see --help for the node's names"))?;
+        let network = Network::of_environment(|name| std::env::var(name).ok())
+            .map_err(|error| usage(&error, "set the variable, or unset it"))?;
+        let (simulated, settings) = self.settings(config, names, network)?;
+        for said in &settings.warnings {
+            warning(said);
+        }
+        interrupt::listen();
+        let simulation = simulated.map(|robot| {
+            thread::spawn(move || robot::run(&robot, interrupt::asked).map_err(|error| failure(&error)))
+        });
+        say(&format_args!("in ROS domain {}; Ctrl-C ends it", network.domain));
+        let ran = node::run(settings, interrupt::asked, |line| say(&line)).map_err(|error| failure(&error));
+        if ran.is_err() {
+            // The simulated robot goes with the program.
+            return ran.map(|()| Exit::Done);
+        }
+        // A thread that panicked has said so.
+        simulation.map_or(Ok(Ok(())), thread::JoinHandle::join).unwrap_or(Ok(()))?;
+        if output.json {
+            text("{\"outcome\":\"stopped\"}\n")?;
+        }
+        Ok(Exit::Done)
+    }
+
+    /// The simulated robot, where one is asked for, and the node.
+    fn settings(
+        &self,
+        config: Config,
+        names: Names,
+        network: Network,
+    ) -> Result<(Option<RobotSettings>, NodeSettings), Failure> {
+        let stamped = self.cmd_vel == CommandType::Stamped;
+        let warnings = certification::warnings(&config);
+        let mut map = self.map.as_deref().map(read).transpose()?;
+        let mut start = self.start.map(|start| {
+            let pose = Pose::new(start.x, start.y, Angle::from_degrees(start.heading_deg));
+            Belief::new(pose, START_STD)
+        });
+        let simulated = if self.simulate {
+            let scenario = Scenario::configured(config.clone());
+            // The robot knows its arena, unless it is told otherwise.
+            if map.is_none() {
+                map = Some((walls_of(&scenario), Reading::Lines));
+                start = start.or_else(|| Some(Belief::new(scenario.start(), scenario.start_std)));
+            }
+            let (names, map_frame) = (names.clone(), self.map_frame.clone());
+            Some(RobotSettings { scenario, seed: self.seed, names, stamped, map_frame, network })
+        } else {
+            None
+        };
+        if map.is_none() && self.start.is_some() {
+            let help = "give --map, or leave out --start: without a map the robot starts at 0,0,0".to_owned();
+            return Err(Failure::Usage { what: "there is no map to start on".to_owned(), help });
+        }
+        let (map, reading) = map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
+        let compass = self.compass || self.simulate;
+        let pilot = Settings { config, map, reading, start, compass, hold: self.hold };
+        let map_frame = self.map_frame.clone();
+        Ok((simulated, NodeSettings { pilot, names, map_frame, stamped, network, warnings }))
+    }
+}
+
+/// A map, and how scans are laid on it: walls that a grid was traced for are short.
+fn read(path: &Path) -> Result<(WallMap, Reading), Failure> {
+    if path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml") {
+        let grid = map_server::read(path)?;
+        return Ok((from_grid::walls_of(&grid).map, Reading::Beams));
+    }
+    Ok((wall_map::read(path)?, Reading::Lines))
+}
+
+fn walls_of(scenario: &Scenario) -> WallMap {
+    let walls = scenario.arena.walls().iter().map(|wall| {
+        let (from, to) = ([wall.start.x, wall.start.y], [wall.end.x, wall.end.y]);
+        Wall { name: None, from, to, covariance: None }
+    });
+    WallMap { name: Some(scenario.arena.name().to_owned()), walls: walls.collect() }
+}
+
+fn usage(error: &dyn std::fmt::Display, help: &str) -> Failure {
+    Failure::Usage { what: error.to_string(), help: help.to_owned() }
+}
+
+fn failure(error: &NodeError) -> Failure {
+    usage(error, "is the network up, and is the domain free? See ROS_DOMAIN_ID")
+}

@@ -1,0 +1,49 @@
+//! `surepose ros2`: what it refuses before it joins a network. How it drives is tested in `surepose-ros2`.
+
+mod common;
+
+use std::process::Command;
+
+use common::{file, folder, surepose};
+
+#[test]
+fn what_cannot_be_meant_is_a_usage_error_with_its_cure() {
+    let cases: [(&[&str], &str); 6] = [
+        (&["ros2", "--start", "0,0,0"], "give --map"),
+        (&["ros2", "--remap", "odom"], "write odom:=/base/odom"),
+        (&["ros2", "--remap", "odo:=x"], "its own are odom, scan"),
+        (&["ros2", "--namespace", "1 2"], "is no name"),
+        (&["ros2", "--set", "law.k_v=-1"], "k_v"),
+        (&["ros2", "--seed", "3"], "--simulate"),
+    ];
+    for (arguments, cure) in cases {
+        let run = surepose(arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.replace("\n  │ ", " ").contains(cure), "{arguments:?}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn a_map_that_cannot_be_read_is_named_with_its_line() {
+    let map = file(&folder("ros2-map"), "walls.toml", b"[[wall]]\nfrom_m = [0, 0]\n");
+    for (path, said) in [("nowhere.toml", "nowhere.toml"), (&map, "walls.toml:1")] {
+        let run = surepose(&["ros2", "--map", path]);
+        assert_eq!(run.code, 3, "{}", run.stderr);
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn an_environment_that_means_nothing_is_named() {
+    for (variable, value) in [("ROS_DOMAIN_ID", "1000"), ("ROS_AUTOMATIC_DISCOVERY_RANGE", "MARS")] {
+        let output = Command::new(env!("CARGO_BIN_EXE_surepose"))
+            .args(["ros2", "--simulate"])
+            .env(variable, value)
+            .env("NO_COLOR", "1")
+            .output()
+            .expect("the program starts");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert!(stderr.contains(variable) && stderr.contains(value), "{stderr}");
+    }
+}

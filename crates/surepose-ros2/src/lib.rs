@@ -1,0 +1,28 @@
+//! Surepose as a ROS 2 node: odometry, scans, headings and goals in, the pose and velocity commands out.
+//!
+//! It speaks DDS by itself and needs no ROS installation. [`Pilot`] is what it does, without ROS, and can be tested so;
+//! [`node`] gives it ears and a voice, [`robot`] is a simulated robot with the topics of a real one.
+//!
+//! | module | what it is about |
+//! |---|---|
+//! | [`message`] | the messages, as they are on the wire |
+//! | [`convert`] | what they mean in the core's words, or why they mean nothing |
+//! | [`Pilot`] | the loop: no ROS, no clock |
+//! | [`network`] | which domain, and how far it reaches |
+//! | [`node`] | topics, the action, the service, parameters and diagnostics |
+//! | [`robot`] | a simulated robot to try it on |
+#![forbid(unsafe_code)]
+
+pub mod convert;
+pub mod message;
+mod names;
+pub mod network;
+pub mod node;
+mod pilot;
+pub mod robot;
+mod velocity;
+mod wire;
+
+pub use names::{NameProblem, Names, OWN};
+pub use pilot::{Ended, Heard, LaserScan, Odom, Pilot, Report, START_STD, Settings};
+pub use wire::NodeError;

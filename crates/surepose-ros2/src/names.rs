@@ -1,0 +1,125 @@
+//! What topics, the service and the action are called.
+
+use ros2_client::Name;
+
+/// The names that the node, and the simulated robot, use for themselves.
+pub const OWN: [&str; 11] = [
+    "odom",
+    "scan",
+    "imu",
+    "goal_pose",
+    "initialpose",
+    "navigate_to_pose",
+    "reinitialize_global_localization",
+    "cmd_vel",
+    "pose",
+    "walls",
+    "truth",
+];
+
+/// The node's namespace, and other names for some of its own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names {
+    namespace: String,
+    others: Vec<(String, String)>,
+}
+
+/// A name that is none.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NameProblem {
+    /// It is not written as one.
+    #[error("'{name}' is no name: {why}; names are letters, digits, _ and /, for example /robot1/odom")]
+    Malformed {
+        /// As given.
+        name: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// It is not written as two names.
+    #[error("'{given}' does not say which name becomes which: write odom:=/base/odom")]
+    NotAPair {
+        /// As given.
+        given: String,
+    },
+    /// The node has no such name.
+    #[error("the node has no name '{name}'; its own are {}", OWN.join(", "))]
+    Unknown {
+        /// As given.
+        name: String,
+    },
+}
+
+impl Default for Names {
+    fn default() -> Self {
+        Self { namespace: "/".to_owned(), others: Vec::new() }
+    }
+}
+
+impl Names {
+    /// Names in `namespace`, of which some become others by remappings such as `odom:=/base/odom`.
+    ///
+    /// # Errors
+    /// [`NameProblem`].
+    pub fn new(namespace: &str, remappings: &[String]) -> Result<Self, NameProblem> {
+        let namespace = format!("/{}", namespace.trim_matches('/'));
+        if namespace != "/" {
+            parsed(&namespace)?;
+        }
+        let mut others = Vec::new();
+        for given in remappings {
+            let not_a_pair = || NameProblem::NotAPair { given: given.escape_debug().to_string() };
+            let (own, other) = given.split_once(":=").ok_or_else(not_a_pair)?;
+            if !OWN.contains(&own) {
+                return Err(NameProblem::Unknown { name: own.escape_debug().to_string() });
+            }
+            parsed(other)?;
+            others.push((own.to_owned(), other.to_owned()));
+        }
+        Ok(Self { namespace, others })
+    }
+
+    /// The namespace, with a slash before it.
+    pub fn namespace(&self) -> &str {
+        &self.namespace
+    }
+
+    /// What the node calls `own`, from the root.
+    pub(crate) fn of(&self, own: &str) -> Result<Name, NameProblem> {
+        let other = self.others.iter().rev().find(|(from, _)| from == own);
+        let name = other.map_or(own, |(_, to)| to);
+        if name.starts_with('/') {
+            return parsed(name);
+        }
+        parsed(&format!("{}/{name}", self.namespace.trim_end_matches('/')))
+    }
+}
+
+fn parsed(name: &str) -> Result<Name, NameProblem> {
+    let malformed = |why: String| NameProblem::Malformed { name: name.escape_debug().to_string(), why };
+    Name::parse(name).map_err(|why| malformed(why.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_others() {
+        let names = Names::new("robot1", &["odom:=/base/odom".to_owned()]).unwrap();
+        assert_eq!(names.namespace(), "/robot1");
+        assert_eq!(names.of("odom").unwrap().to_string(), "/base/odom");
+        assert_eq!(names.of("scan").unwrap().to_string(), "/robot1/scan");
+        assert_eq!(Names::default().of("scan").unwrap().to_string(), "/scan");
+    }
+
+    #[test]
+    fn what_is_no_name_is_refused_with_a_remedy() {
+        let said = |namespace: &str, mapping: &str| {
+            Names::new(namespace, &[mapping.to_owned()]).unwrap_err().to_string()
+        };
+        assert!(said("", "odom").contains("write odom:=/base/odom"));
+        assert!(said("", "odo:=x").contains("its own are odom"));
+        assert!(said("", "odom:=a b").contains("'a b' is no name"));
+        assert!(said("1st", "odom:=x").contains("'/1st' is no name"));
+    }
+}

@@ -1,0 +1,108 @@
+//! Which domain the node is in, and how far it reaches: what ROS 2's environment variables say.
+
+use std::net::{IpAddr, Ipv4Addr};
+
+use ros2_client::Context;
+use rustdds::DomainParticipantBuilder;
+
+/// The highest domain whose ports exist.
+const HIGHEST_DOMAIN: u16 = 232;
+
+/// The domain and its reach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Network {
+    /// `ROS_DOMAIN_ID`.
+    pub domain: u16,
+    /// Whether nothing leaves this machine: `ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`.
+    pub local: bool,
+}
+
+/// Why there is no network.
+#[derive(Debug, thiserror::Error)]
+pub enum NetworkError {
+    /// A variable, or an option for it, says something that it cannot mean.
+    #[error("{variable} is '{value}'; {help}")]
+    Variable {
+        /// Which.
+        variable: &'static str,
+        /// What it says.
+        value: String,
+        /// What it may say.
+        help: &'static str,
+    },
+    /// DDS does not start.
+    #[error("no DDS participant in domain {domain}: {why}")]
+    Participant {
+        /// The domain.
+        domain: u16,
+        /// What DDS says.
+        why: String,
+    },
+}
+
+impl Network {
+    /// What the environment says, as `variable` looks it up: `ROS_DOMAIN_ID` and `ROS_AUTOMATIC_DISCOVERY_RANGE`.
+    ///
+    /// # Errors
+    /// [`NetworkError::Variable`].
+    pub fn of_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Self, NetworkError> {
+        let wrong = |variable, value: &str, help| {
+            Err(NetworkError::Variable { variable, value: value.escape_debug().to_string(), help })
+        };
+        let domain = match variable("ROS_DOMAIN_ID").filter(|value| !value.is_empty()) {
+            None => 0,
+            Some(value) => match value.trim().parse() {
+                Ok(domain) if domain <= HIGHEST_DOMAIN => domain,
+                _ => return wrong("ROS_DOMAIN_ID", &value, "a domain is a number from 0 to 232"),
+            },
+        };
+        let range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE").unwrap_or_default();
+        let local = match range.trim().to_ascii_uppercase().as_str() {
+            "" | "SUBNET" | "SYSTEM_DEFAULT" => false,
+            "LOCALHOST" => true,
+            _ => {
+                let help = "this node knows SUBNET and LOCALHOST";
+                return wrong("ROS_AUTOMATIC_DISCOVERY_RANGE", &range, help);
+            }
+        };
+        Ok(Self { domain, local })
+    }
+
+    /// A participant of its own in this network.
+    ///
+    /// # Errors
+    /// [`NetworkError::Participant`].
+    pub fn join(self) -> Result<Context, NetworkError> {
+        let refused = |why: String| NetworkError::Participant { domain: self.domain, why };
+        let mut builder = DomainParticipantBuilder::new(self.domain).same_host_loopback(true);
+        if self.local {
+            builder = builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]);
+        }
+        let participant = builder.build().map_err(|error| refused(error.to_string()))?;
+        Context::from_domain_participant(participant).map_err(|error| refused(error.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn network(domain: &str, range: &str) -> Result<Network, String> {
+        let look_up = |name: &str| Some(if name == "ROS_DOMAIN_ID" { domain } else { range }.to_owned());
+        Network::of_environment(look_up).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_environment_is_understood_as_ros_does() {
+        assert_eq!(Network::of_environment(|_| None).unwrap(), Network { domain: 0, local: false });
+        assert_eq!(network("42", "LOCALHOST"), Ok(Network { domain: 42, local: true }));
+        assert_eq!(network("", "subnet"), Ok(Network { domain: 0, local: false }));
+    }
+
+    #[test]
+    fn what_it_cannot_mean_is_refused_with_the_value() {
+        assert!(network("233", "").unwrap_err().contains("ROS_DOMAIN_ID is '233'"));
+        assert!(network("one", "").unwrap_err().contains("0 to 232"));
+        assert!(network("0", "OFF").unwrap_err().contains("LOCALHOST"));
+    }
+}

@@ -1,0 +1,138 @@
+//! How the node is: what the supervisor says, what was refused and why, once a second.
+
+use std::collections::BTreeMap;
+
+use ros2_client::builtin_interfaces::Time;
+use surepose::{Health, Refusal, Stamp, Verdict};
+
+use crate::convert::Refused;
+use crate::message::{DiagnosticArray, DiagnosticStatus, Header, KeyValue};
+use crate::pilot::{Pilot, Report};
+
+/// The levels of `diagnostic_msgs/msg/DiagnosticStatus`.
+const OK: u8 = 0;
+const WARN: u8 = 1;
+const ERROR: u8 = 2;
+
+/// Odometry that comes so much slower than the loop's period is said.
+const TOO_SLOW: f64 = 1.25;
+
+/// What was noticed so far.
+#[derive(Debug, Default)]
+pub(super) struct Diagnosis {
+    warnings: Vec<String>,
+    refused: BTreeMap<(&'static str, &'static str), u64>,
+    last: Option<Stamp>,
+    /// Mean time between odometries \[s].
+    odometry_period: Option<f64>,
+    state: Option<(Health, Verdict)>,
+}
+
+impl Diagnosis {
+    pub(super) fn new(warnings: Vec<String>) -> Self {
+        Self { warnings, ..Self::default() }
+    }
+
+    /// Odometry came.
+    pub(super) fn rolled(&mut self, stamp: Stamp) {
+        if let Some(last) = self.last {
+            let dt = stamp.since(last).max(0.0);
+            self.odometry_period = Some(self.odometry_period.map_or(dt, |mean| mean + 0.05 * (dt - mean)));
+        }
+        self.last = Some(stamp);
+    }
+
+    /// The pilot ticked; what has changed since it last did, as a line.
+    pub(super) fn keep(&mut self, report: &Report) -> Option<String> {
+        let before = self.state.replace((report.health, report.verdict));
+        let (_, was) = before.unwrap_or((Health::Healthy, Verdict::Go));
+        (was != report.verdict).then(|| said(report.verdict))
+    }
+
+    /// Counts a message that was not used, and says whether it is the first such.
+    pub(super) fn refuse(&mut self, topic: &'static str, why: &Refused) -> bool {
+        self.count(topic, why.name()) == 1
+    }
+
+    /// Counts a message that could not be read.
+    pub(super) fn unreadable(&mut self, topic: &'static str) {
+        self.count(topic, "unreadable");
+    }
+
+    fn count(&mut self, topic: &'static str, why: &'static str) -> u64 {
+        let count = self.refused.entry((topic, why)).or_default();
+        *count = count.saturating_add(1);
+        *count
+    }
+
+    /// All of it, `age` \[s] after odometry last came.
+    pub(super) fn array(&self, pilot: &Pilot, age: f64) -> DiagnosticArray {
+        let (level, message) = self.judged(pilot, age);
+        let tally = pilot.tally();
+        let belief = pilot.belief();
+        let position = (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt();
+        let health = self.state.map_or("waiting for odometry", |(health, _)| match health {
+            Health::Healthy => "healthy",
+            Health::Doubtful => "doubtful",
+            Health::Lost => "lost",
+        });
+        let mut values = vec![
+            value("estimate", &health),
+            value("driving", &pilot.is_driving()),
+            value("position std [m]", &format!("{position:.4}")),
+            value("heading std [deg]", &format!("{:.3}", belief.covariance.std(2).to_degrees())),
+            value("odometry age [s]", &format!("{age:.2}")),
+            value("measurements accepted", &tally.accepted),
+        ];
+        values.extend(self.odometry_period.map(|dt| value("odometry period [s]", &format!("{dt:.3}"))));
+        values.extend(
+            Refusal::ALL
+                .map(|why| value(&format!("measurements refused, {}", why.name()), &tally.refused(why))),
+        );
+        values.push(value("signals dropped, no odometry to place them", &pilot.dropped()));
+        let refused = self.refused.iter();
+        values.extend(refused.map(|((topic, why), count)| value(&format!("{topic} refused, {why}"), count)));
+        let status = DiagnosticStatus {
+            level,
+            name: "surepose: pose stabilisation".to_owned(),
+            message,
+            hardware_id: String::new(),
+            values,
+        };
+        let header = Header { stamp: Time::now(), frame_id: String::new() };
+        DiagnosticArray { header, status: vec![status] }
+    }
+
+    fn judged(&self, pilot: &Pilot, age: f64) -> (u8, String) {
+        if pilot.is_silent(age) {
+            return (ERROR, format!("no odometry for {age:.1} s"));
+        }
+        match self.state {
+            None => return (WARN, "waiting for odometry".to_owned()),
+            Some((_, verdict @ Verdict::Stop(_))) => return (ERROR, said(verdict)),
+            Some((_, verdict @ Verdict::Slow(_))) => return (WARN, said(verdict)),
+            Some((_, Verdict::Go)) => {}
+        }
+        let period = pilot.controller().period;
+        if let Some(dt) = self.odometry_period.filter(|dt| *dt > TOO_SLOW * period) {
+            let what = format!("odometry comes every {dt:.3} s, and loop.period_s is {period}");
+            return (WARN, format!("{what}: what is certified does not hold"));
+        }
+        match self.warnings.first() {
+            Some(warning) => (WARN, warning.clone()),
+            None => (OK, "the estimate is trusted".to_owned()),
+        }
+    }
+}
+
+fn said(verdict: Verdict) -> String {
+    match verdict {
+        Verdict::Go => "the estimate is trusted".to_owned(),
+        Verdict::Slow(reason) => format!("slowed down: {}", reason.name()),
+        Verdict::Stop(reason) => format!("stopped: {}", reason.name()),
+    }
+}
+
+fn value(key: &str, value: &dyn std::fmt::Display) -> KeyValue {
+    KeyValue { key: key.to_owned(), value: value.to_string() }
+}

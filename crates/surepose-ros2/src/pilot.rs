@@ -1,0 +1,334 @@
+//! The robot's pilot: odometry, headings, scans and goals in, beliefs and velocity commands out. It knows no ROS, reads no
+//! clock, and says the same every time it hears the same.
+//!
+//! Time is that of the odometry's stamps: with each period of it that is over the pilot ticks, by
+//! [`surepose::closed_loop::tick`] while it has a goal, and else by the first half of that. So a bag that is played slowly,
+//! or a simulator with a clock of its own, gives what the robot gave.
+
+mod errand;
+mod inbox;
+mod odometer;
+
+use surepose::closed_loop::{Controller, Sensed};
+use surepose::{
+    Belief, Body, Goal, Health, Map, Navigation, Pose, Reason, Stamp, Stamped, Tally, Twist, Verdict,
+    Vigilance, Wall, Wheels,
+};
+use surepose_data::Config;
+use surepose_data::wall_map::WallMap;
+use surepose_lab::replay::walls_of;
+use surepose_lab::rig::{Localisation, Reading, Watch, localisation};
+use surepose_sim::{Arena, Segment};
+
+use crate::convert::Refused;
+
+use errand::Errand;
+use inbox::Inbox;
+use odometer::Odometer;
+
+pub use errand::Ended;
+pub use inbox::{Heard, LaserScan};
+pub use odometer::Odom;
+
+/// A goal that is nearer to a wall than this has no room for the robot's middle \[m].
+const LEAST_CLEARANCE: f64 = 0.05;
+
+/// How well a start that somebody named is known: standard deviations of x, y \[m] and heading \[rad].
+pub const START_STD: [f64; 3] = [0.1, 0.1, 0.1];
+
+/// So long \[s] the pilot goes on telling the wheels to rest after it had a goal.
+const REST: f64 = 0.5;
+
+/// What the pilot flies by.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The robot, its law and its filter.
+    pub config: Config,
+    /// The walls, where they are known; without them the map is what odometry starts in.
+    pub map: Option<WallMap>,
+    /// How scans are laid on them.
+    pub reading: Reading,
+    /// Where the robot starts and how well that is known; without it, and with walls, it looks for itself.
+    pub start: Option<Belief<f64>>,
+    /// Whether it hears a compass.
+    pub compass: bool,
+    /// Whether a pose that was reached is held, and taken up again after a push, until another goal or a cancel.
+    pub hold: bool,
+}
+
+/// What the pilot says after a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Report {
+    /// When.
+    pub stamp: Stamp,
+    /// Where it thinks it is; worth nothing while it is lost.
+    pub belief: Belief<f64>,
+    /// Where odometry's frame is on the map.
+    pub map_from_odom: Pose<Map, Odom, f64>,
+    /// How far the belief can be trusted.
+    pub health: Health,
+    /// What the supervisor lets the wheels do.
+    pub verdict: Verdict,
+    /// How the robot shall move; nothing where the wheels are nobody's, or somebody else's.
+    pub command: Option<Twist<f64>>,
+    /// The goal as it is seen from there, where there is one.
+    pub navigation: Option<Navigation<f64>>,
+    /// What became of the goal that was driven to.
+    pub ended: Option<Ended>,
+}
+
+/// The loop on a robot that speaks in messages.
+#[derive(Clone, Debug)]
+pub struct Pilot {
+    settings: Settings,
+    controller: Controller<f64>,
+    walls: Vec<Wall<f64>>,
+    arena: Option<Arena>,
+    localiser: Box<Localisation>,
+    watch: Watch,
+    inbox: Inbox,
+    odometer: Option<Odometer>,
+    errand: Option<Errand>,
+    /// What became of the last errand, until the next report.
+    ended: Option<Ended>,
+    /// Until when the wheels are told to rest.
+    rests_until: Option<Stamp>,
+}
+
+impl Pilot {
+    /// A pilot who has heard nothing yet.
+    pub fn new(settings: Settings) -> Self {
+        let map = settings.map.as_ref();
+        let walls = map.map(walls_of).unwrap_or_default();
+        let arena = map.map(|map| {
+            let ends = |[x, y]: [f64; 2]| (x, y);
+            let walls = map.walls.iter().map(|wall| Segment::between(ends(wall.from), ends(wall.to)));
+            Arena::of_walls("map", walls.collect())
+        });
+        let origin = Belief::new(Pose::identity(), [0.0; 3]);
+        let belief = settings.start.unwrap_or(origin);
+        Self {
+            controller: settings.config.controller(),
+            localiser: localisation(&settings.config, settings.reading, belief),
+            watch: watch(&settings, &walls, Stamp::default()),
+            walls,
+            arena,
+            inbox: Inbox::default(),
+            odometer: None,
+            errand: None,
+            ended: None,
+            rests_until: None,
+            settings,
+        }
+    }
+
+    /// Takes in where odometry says that the robot is, and ticks if a period is over.
+    ///
+    /// # Errors
+    /// [`Refused::OutOfOrder`] for a stamp that is not later than the last one, unless it is so much earlier that the clock
+    /// was set back: then everything starts anew, from where the robot is believed to be.
+    pub fn roll(&mut self, at: Stamped<Pose<Odom, Body, f64>>) -> Result<Option<Report>, Refused> {
+        let Some(odometer) = &mut self.odometer else {
+            self.begin(at);
+            return Ok(None);
+        };
+        if odometer.is_set_back(at.stamp) {
+            self.ended = self.end(Ended::Stopped("clock_set_back"));
+            self.begin(at);
+            return Ok(None);
+        }
+        let rims = odometer.roll(&self.controller, at)?;
+        Ok(rims.map(|rims| self.tick(at, rims)))
+    }
+
+    /// Takes in what a sensor measured.
+    pub fn hear(&mut self, heard: Stamped<Heard>) {
+        self.inbox.put(heard);
+    }
+
+    /// Takes somebody's word for where the robot is.
+    pub fn place(&mut self, belief: Belief<f64>) {
+        self.settings.start = Some(belief);
+        if let Some(odometer) = &self.odometer {
+            let now = odometer.stamp();
+            self.localiser.estimator.restart(now, belief);
+            self.watch = watch(&self.settings, &self.walls, now);
+            self.inbox = Inbox::default();
+        }
+        if let Some(errand) = &mut self.errand {
+            errand.forget();
+        }
+    }
+
+    /// Forgets where the robot is, so that it looks for itself.
+    ///
+    /// Without walls there is nothing to look at, and it stays where it is.
+    pub fn lose(&mut self) {
+        if self.arena.is_some() {
+            self.settings.start = None;
+            if let Some(odometer) = &self.odometer {
+                self.watch.lose(odometer.stamp());
+            }
+        }
+    }
+
+    /// Drives to `goal` from now on, and says what that makes of the goal before.
+    ///
+    /// # Errors
+    /// [`Refused::NoRoom`], where a wall of the map is too near; the goal before stays.
+    pub fn go(&mut self, goal: Pose<Map, Goal, f64>) -> Result<Option<Ended>, Refused> {
+        if let Some(arena) = &self.arena {
+            let (clearance, needed) = (arena.clearance(goal.origin()), LEAST_CLEARANCE);
+            if clearance < needed {
+                return Err(Refused::NoRoom { clearance, needed });
+            }
+        }
+        let ended = self.end(Ended::Preempted);
+        self.errand = Some(Errand::to(goal));
+        Ok(ended)
+    }
+
+    /// Gives the goal up, and rests.
+    pub fn cancel(&mut self) -> Option<Ended> {
+        self.end(Ended::Cancelled)
+    }
+
+    /// Odometry has not come for `age` \[s] by the clock on the wall: whether the wheels must rest for that, and what became
+    /// of the goal.
+    pub fn miss(&mut self, age: f64) -> (bool, Option<Ended>) {
+        let silent = self.errand.is_some() && self.is_silent(age);
+        let given_up = silent && age > errand::PATIENCE;
+        let stopped = Ended::Stopped(Reason::OdometrySilent.name());
+        (silent, if given_up { self.end(stopped) } else { None })
+    }
+
+    /// Whether odometry that last came `age` \[s] ago is silent.
+    pub fn is_silent(&self, age: f64) -> bool {
+        age > Vigilance::<f64>::default().odometry_age
+    }
+
+    /// Whether it has a goal.
+    pub fn is_driving(&self) -> bool {
+        self.errand.is_some()
+    }
+
+    /// A wall of the map on the straight way to `goal`: the law does not go round it.
+    pub fn wall_before(&self, goal: Pose<Map, Goal, f64>) -> Option<&Segment> {
+        let here = self.localiser.estimator.belief().pose;
+        self.arena.as_ref()?.met_between(here.origin(), goal.origin())
+    }
+
+    /// Where it thinks it is.
+    pub fn belief(&self) -> Belief<f64> {
+        self.localiser.estimator.belief()
+    }
+
+    /// What became of the measurements.
+    pub fn tally(&self) -> &Tally {
+        self.localiser.estimator.tally()
+    }
+
+    /// How many signals were dropped because odometry did not come to give them a place in time.
+    pub fn dropped(&self) -> u64 {
+        self.inbox.dropped()
+    }
+
+    /// When that was.
+    pub fn belief_stamp(&self) -> Stamp {
+        self.localiser.estimator.stamp()
+    }
+
+    /// Where it drives to, or holds.
+    pub fn goal(&self) -> Option<Pose<Map, Goal, f64>> {
+        self.errand.as_ref().map(Errand::goal)
+    }
+
+    /// The controller.
+    pub fn controller(&self) -> &Controller<f64> {
+        &self.controller
+    }
+
+    /// Everything starts, at the first odometry.
+    fn begin(&mut self, at: Stamped<Pose<Odom, Body, f64>>) {
+        let belief = match &self.odometer {
+            None => self.settings.start,
+            Some(before) => {
+                let belief = self.belief();
+                let is_lost = self.watch.health(before.stamp(), &belief) == Health::Lost;
+                (!is_lost).then_some(belief)
+            }
+        };
+        self.odometer = Some(Odometer::starting(at));
+        self.inbox = Inbox::default();
+        self.rests_until = None;
+        self.watch = watch(&self.settings, &self.walls, at.stamp);
+        // Without walls, the map is where the robot starts.
+        let unknown = Belief::new(Pose::identity(), [0.0; 3]);
+        self.localiser.estimator.restart(at.stamp, belief.unwrap_or(unknown));
+        if belief.is_none() && self.arena.is_some() {
+            self.watch.lose(at.stamp);
+        }
+    }
+
+    /// The errand is over, if there is one; of one that had arrived, and held the pose, that was said.
+    fn end(&mut self, ended: Ended) -> Option<Ended> {
+        let is_under_way = self.errand.as_ref().is_some_and(|errand| !errand.has_arrived());
+        self.rest();
+        is_under_way.then_some(ended)
+    }
+
+    /// There is no errand any more: for a while the wheels are told to rest.
+    fn rest(&mut self) {
+        if self.errand.take().is_some() {
+            self.rests_until = self.odometer.as_ref().map(|odometer| odometer.stamp().after(REST));
+        }
+    }
+
+    /// A period is over, in which the rims rolled so far \[m].
+    fn tick(&mut self, at: Stamped<Pose<Odom, Body, f64>>, rims: Wheels<f64>) -> Report {
+        let stamp = at.stamp;
+        let heard = self.inbox.until(stamp);
+        if let Some(scan) = heard.iter().rev().find_map(|heard| heard.value.scan()) {
+            let laser = &mut self.localiser.eye.laser;
+            (laser.nearest, laser.farthest) = (scan.nearest, scan.farthest);
+        }
+        let signals: Vec<_> = heard.iter().map(Heard::signal).collect();
+        let travel = self.localiser.estimator.ekf().travel(rims);
+        let sensed = Sensed { stamp, travel, signals: &signals };
+        let driven = self.errand.as_mut().map(|errand| {
+            let (controller, localiser, watch) = (&self.controller, &mut self.localiser, &mut self.watch);
+            errand.tick(controller, localiser, &self.walls, self.arena.as_ref(), &sensed, watch)
+        });
+        if driven.is_none() {
+            // Nobody told the wheels anything that they could have failed to do.
+            let _belief = self.localiser.sense(&sensed, rims, &self.walls, &mut self.watch);
+        }
+        if let Some(ended) = driven.and_then(|driven| driven.ended) {
+            self.ended = Some(ended);
+            if ended != Ended::Reached || !self.settings.hold {
+                self.rest();
+            }
+        }
+        let belief = self.belief();
+        let resting = self.rests_until.is_some_and(|until| stamp <= until).then(Twist::rest);
+        Report {
+            stamp,
+            belief,
+            map_from_odom: belief.pose * at.value.inverse(),
+            health: self.watch.health(stamp, &belief),
+            verdict: self.watch.verdict(stamp, &belief),
+            command: driven.map(|driven| driven.command).or(resting),
+            navigation: driven.map(|driven| driven.navigation),
+            ended: self.ended.take(),
+        }
+    }
+}
+
+/// The watch over a robot with these settings.
+fn watch(settings: &Settings, walls: &[Wall<f64>], stamp: Stamp) -> Watch {
+    let aided = settings.compass || !walls.is_empty();
+    Watch::new(&settings.config, aided, settings.reading, walls, stamp)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,233 @@
+//! The pilot in the simulated world, with odometry at its own rate, without ROS.
+
+use surepose::{Angle, Body, Compass, Integration, Measurement, Pose};
+use surepose_lab::rig::Scenario;
+use surepose_sim::{Seed, World};
+
+use super::*;
+
+/// A world whose robot takes the pilot's commands.
+struct Ride {
+    pilot: Pilot,
+    world: World,
+    odometry: Pose<Odom, Body, f64>,
+    told: Twist<f64>,
+    /// Stamps start here \[s].
+    origin: f64,
+    /// From one odometry to the next \[s].
+    dt: f64,
+    ended: Option<Ended>,
+}
+
+fn map_of(scenario: &Scenario) -> WallMap {
+    let walls = scenario.arena.walls().iter().map(|wall| surepose_data::wall_map::Wall {
+        name: None,
+        from: [wall.start.x, wall.start.y],
+        to: [wall.end.x, wall.end.y],
+        covariance: None,
+    });
+    WallMap { name: None, walls: walls.collect() }
+}
+
+impl Ride {
+    fn new(start_is_known: bool, dt: f64) -> Self {
+        let scenario = Scenario::default();
+        let start = Belief::new(scenario.start(), scenario.start_std);
+        let settings = Settings {
+            config: scenario.config.clone(),
+            map: Some(map_of(&scenario)),
+            reading: Reading::Lines,
+            start: start_is_known.then_some(start),
+            compass: true,
+            hold: false,
+        };
+        Self {
+            pilot: Pilot::new(settings),
+            world: World::new(scenario.world(), scenario.start(), Seed(1)),
+            // It counts from where nobody knows.
+            odometry: Pose::new(7.0, -3.0, Angle::from_degrees(100.0)),
+            told: Twist::rest(),
+            origin: 1.7e9,
+            dt,
+            ended: None,
+        }
+    }
+
+    fn stamp(&self, moment: Stamp) -> Stamp {
+        Stamp::from_seconds(self.origin).after(moment.seconds())
+    }
+
+    /// One odometry, with all that is sensed meanwhile.
+    fn step(&mut self) -> Option<Report> {
+        let drive = self.world.model().drive;
+        let sensed = self.world.step(drive.rates_from_twist(self.told), self.dt);
+        for heading in &sensed.headings {
+            let compass = Compass { heading: heading.value, std: 0.1_f64.to_radians() };
+            let heard = Heard::Measurement(Measurement::Compass(compass));
+            self.pilot.hear(Stamped::new(self.stamp(heading.stamp), heard));
+        }
+        for scan in &sensed.scans {
+            let heard = Heard::Scan(LaserScan {
+                first_bearing: scan.value.first_bearing,
+                bearing_step: scan.value.bearing_step,
+                ranges: scan.value.ranges.clone(),
+                nearest: 0.05,
+                farthest: 30.0,
+            });
+            self.pilot.hear(Stamped::new(self.stamp(scan.stamp), heard));
+        }
+        self.odometry = self.odometry.moved(drive.motion_from_travel(sensed.rims), Integration::Arc);
+        let report = self.pilot.roll(Stamped::new(self.stamp(sensed.stamp), self.odometry)).unwrap();
+        if let Some(report) = &report {
+            self.told = report.command.unwrap_or_else(Twist::rest);
+            self.ended = self.ended.or(report.ended);
+        }
+        report
+    }
+
+    /// Lives for so many seconds, or until the errand ends.
+    fn live(&mut self, seconds: f64) {
+        let until = self.world.now().after(seconds);
+        while self.world.now() < until && self.ended.is_none() {
+            self.step();
+        }
+    }
+
+    /// How far the robot truly is from `goal` \[m] and \[°].
+    fn error(&self, goal: Pose<Map, Goal, f64>) -> (f64, f64) {
+        let pose = self.world.pose();
+        let turn = (pose.heading - goal.heading).degrees().abs();
+        (pose.origin().distance(goal.origin()), turn)
+    }
+}
+
+fn goal() -> Pose<Map, Goal, f64> {
+    Pose::new(2.0, 2.0, Angle::from_degrees(30.0))
+}
+
+#[test]
+fn it_parks_by_odometry_of_any_rate_and_origin() {
+    for dt in [0.02, 0.05, 0.1] {
+        let mut ride = Ride::new(true, dt);
+        ride.live(0.5);
+        assert_eq!(ride.pilot.go(goal()), Ok(None));
+        ride.live(60.0);
+        assert_eq!(ride.ended, Some(Ended::Reached), "odometry every {dt} s");
+        let (position, heading) = ride.error(goal());
+        assert!(position < 0.01 && heading < 1.0, "odometry every {dt} s: {position} m, {heading}°");
+        assert_eq!(ride.pilot.tally().refused(surepose::Refusal::Future), 0);
+    }
+}
+
+#[test]
+fn where_odometry_is_on_the_map_is_said() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.pilot.go(goal()).unwrap();
+    let mut last = None;
+    while ride.ended.is_none() {
+        last = ride.step().or(last);
+    }
+    let body = last.unwrap().map_from_odom * ride.odometry;
+    let truth = ride.world.pose();
+    assert!(body.origin().distance(truth.origin()) < 0.01);
+    assert!((body.heading - truth.heading).degrees().abs() < 0.5);
+}
+
+#[test]
+fn a_robot_that_does_not_know_where_it_is_finds_out_and_parks() {
+    let mut ride = Ride::new(false, 0.05);
+    ride.live(0.5);
+    ride.pilot.go(goal()).unwrap();
+    let first = std::iter::repeat_with(|| ride.step()).flatten().next().unwrap();
+    assert_eq!(first.health, Health::Lost);
+    ride.live(90.0);
+    assert_eq!(ride.ended, Some(Ended::Reached));
+    let (position, heading) = ride.error(goal());
+    assert!(position < 0.01 && heading < 1.0, "{position} m, {heading}°");
+}
+
+#[test]
+fn goals_end_once_and_the_wheels_rest() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.live(0.2);
+    ride.pilot.go(goal()).unwrap();
+    ride.live(3.0);
+    assert_eq!(ride.pilot.go(Pose::new(1.0, 1.0, Angle::zero())), Ok(Some(Ended::Preempted)));
+    ride.live(1.0);
+    assert_eq!(ride.pilot.cancel(), Some(Ended::Cancelled));
+    assert_eq!(ride.pilot.cancel(), None);
+    let commands: Vec<_> =
+        std::iter::repeat_with(|| ride.step()).take(40).flatten().map(|r| r.command).collect();
+    assert_eq!(commands[0], Some(Twist::rest()), "the wheels are told to rest");
+    assert_eq!(commands.last(), Some(&None), "and then are nobody's");
+}
+
+#[test]
+fn a_goal_in_a_wall_is_refused() {
+    let mut ride = Ride::new(true, 0.05);
+    let inside_a_wall = ride.pilot.settings.map.as_ref().unwrap().walls[0].from;
+    let goal = Pose::new(inside_a_wall[0], inside_a_wall[1], Angle::zero());
+    assert!(matches!(ride.pilot.go(goal), Err(Refused::NoRoom { .. })));
+    assert!(!ride.pilot.is_driving());
+}
+
+#[test]
+fn silent_odometry_stops_the_wheels_and_then_the_errand() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.live(0.2);
+    assert_eq!(ride.pilot.miss(100.0), (false, None), "nobody drives");
+    ride.pilot.go(goal()).unwrap();
+    assert_eq!(ride.pilot.miss(0.1), (false, None));
+    assert_eq!(ride.pilot.miss(1.0), (true, None));
+    assert_eq!(ride.pilot.miss(11.0), (true, Some(Ended::Stopped("odometry_silent"))));
+}
+
+#[test]
+fn odometry_that_goes_back_or_jumps_changes_nothing() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.live(1.0);
+    let (before, stamp) = (ride.pilot.belief(), ride.stamp(ride.world.now()));
+    let early = Stamped::new(stamp.after(-0.3), ride.odometry);
+    assert_eq!(ride.pilot.roll(early).err(), Some(Refused::OutOfOrder));
+    assert_eq!(ride.pilot.belief(), before);
+    // Odometry was reset: that is no way of a hundred metres.
+    ride.odometry = Pose::new(100.0, 0.0, Angle::zero());
+    ride.live(0.5);
+    assert!(ride.pilot.tally().refused(surepose::Refusal::NotFinite) > 0);
+    assert!(ride.pilot.belief().pose.origin().distance(ride.world.pose().origin()) < 0.02);
+}
+
+#[test]
+fn a_clock_that_is_set_back_starts_the_loop_anew_where_the_robot_is() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.pilot.go(goal()).unwrap();
+    ride.live(5.0);
+    ride.origin -= 1e6;
+    ride.live(1.0);
+    assert_eq!(ride.ended, Some(Ended::Stopped("clock_set_back")));
+    ride.ended = None;
+    ride.pilot.go(goal()).unwrap();
+    ride.live(60.0);
+    assert_eq!(ride.ended, Some(Ended::Reached));
+    assert!(ride.error(goal()).0 < 0.01);
+}
+
+#[test]
+fn a_pose_that_is_held_is_taken_up_again_after_a_push() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.pilot.settings.hold = true;
+    ride.pilot.go(goal()).unwrap();
+    ride.live(60.0);
+    assert_eq!(ride.ended, Some(Ended::Reached));
+    // Somebody tells the wheels something else for a while.
+    for _ in 0..40 {
+        ride.step();
+        ride.told = Twist::new(-0.2, 0.0);
+    }
+    assert!(ride.error(goal()).0 > 0.05);
+    for _ in 0..600 {
+        ride.step();
+    }
+    assert!(ride.error(goal()).0 < 0.01 && ride.pilot.is_driving());
+    assert_eq!(ride.pilot.cancel(), None, "that it was reached was said");
+}

@@ -1,0 +1,219 @@
+//! A simulated robot with the topics of a real one: it takes velocity commands, and gives odometry, scans and headings.
+//!
+//! Its world is that of `surepose run`, in real time: motors with lag, slip, quantised encoders, noisy sensors.
+
+use std::time::{Duration, Instant};
+
+use futures::select;
+use futures::stream::StreamExt;
+use ros2_client::builtin_interfaces::Time;
+use ros2_client::{Node, NodeOptions, Publisher};
+use surepose::{Angle, Body, Integration, Pose, Stamp, Stamped, Twist};
+use surepose_lab::rig::Scenario;
+use surepose_sim::{Scan, Seed, World};
+
+use crate::convert::{header, pose_message, rotation_of, transform, twist_message};
+use crate::message::{
+    Imu, LaserScan, Odometry, PoseStamped, PoseWithCovariance, TfMessage, TransformStamped,
+    TwistWithCovariance, Vector3,
+};
+use crate::names::Names;
+use crate::network::Network;
+use crate::pilot::Odom;
+use crate::velocity::Commanded;
+use crate::wire::{self, NodeError, everywhere, reliable, say, sensor, sent, spinning};
+
+/// From one odometry to the next \[s].
+const PERIOD: f64 = 0.02;
+
+/// Wheels that were told nothing for so long rest.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// The nearest and the farthest that its laser sees \[m].
+const REACH: [f32; 2] = [0.05, 30.0];
+
+/// The frames of its odometry, its body, its laser and its compass.
+const ODOM: &str = "odom";
+const BASE: &str = "base_link";
+const LASER: &str = "laser";
+
+/// A simulated robot.
+#[derive(Clone, Debug)]
+pub struct RobotSettings {
+    /// The place, the robot, and where it starts.
+    pub scenario: Scenario,
+    /// What all noise is drawn from.
+    pub seed: u64,
+    /// What its topics are called.
+    pub names: Names,
+    /// Whether `cmd_vel` is a `TwistStamped` or a `Twist`.
+    pub stamped: bool,
+    /// The frame of its place, in which it says where it truly is.
+    pub map_frame: String,
+    /// The network.
+    pub network: Network,
+}
+
+/// Runs the robot in real time until `stops` says so.
+///
+/// # Errors
+/// [`NodeError`], before anything moves.
+pub fn run(settings: &RobotSettings, stops: impl Fn() -> bool) -> Result<(), NodeError> {
+    let context = settings.network.join()?;
+    let options = NodeOptions::new().enable_rosout(false);
+    let mut node = wire::node(&context, &settings.names, "simulated_robot", options)?;
+    let voice = Voice::new(&mut node, settings)?;
+    let commanded = Commanded::new(&mut node, &settings.names, settings.stamped)?;
+    let spinning = spinning(&mut node)?;
+    smol::block_on(async {
+        let mut twists = commanded.twists().fuse();
+        let mut beats = smol::Timer::interval(Duration::from_secs_f64(PERIOD)).fuse();
+        let mut robot = Robot::new(settings);
+        while !stops() {
+            select! {
+                twist = twists.select_next_some() => robot.obey(twist),
+                _ = beats.select_next_some() => robot.live(&voice),
+            }
+        }
+    });
+    drop((node, spinning));
+    Ok(())
+}
+
+/// The robot, and the clock on the wall.
+struct Robot {
+    world: World,
+    compass_std: f64,
+    odometry: Pose<Odom, Body, f64>,
+    told: Twist<f64>,
+    heard: Instant,
+    born: (Instant, Time),
+}
+
+impl Robot {
+    fn new(settings: &RobotSettings) -> Self {
+        let scenario = &settings.scenario;
+        Self {
+            world: World::new(scenario.world(), scenario.start(), Seed(settings.seed)),
+            compass_std: scenario.config.compass().std,
+            odometry: Pose::identity(),
+            told: Twist::rest(),
+            heard: Instant::now(),
+            born: (Instant::now(), Time::now()),
+        }
+    }
+
+    fn obey(&mut self, twist: Twist<f64>) {
+        (self.told, self.heard) = (twist, Instant::now());
+    }
+
+    /// Lives until now, period by period, and says what it sensed.
+    fn live(&mut self, voice: &Voice) {
+        while self.world.now().seconds() + PERIOD <= self.born.0.elapsed().as_secs_f64() {
+            if self.heard.elapsed() > PATIENCE {
+                self.told = Twist::rest();
+            }
+            let drive = self.world.model().drive;
+            let sensed = self.world.step(drive.rates_from_twist(self.told), PERIOD);
+            self.odometry = self.odometry.moved(drive.motion_from_travel(sensed.rims), Integration::Arc);
+            let twist = drive.twist_from_rims(sensed.rims.scaled(1.0 / PERIOD));
+            voice.odometry(self.stamp(sensed.stamp), self.odometry, twist);
+            voice.truth(self.stamp(sensed.stamp), &self.world);
+            for heading in &sensed.headings {
+                voice.heading(self.stamp(heading.stamp), heading.value, self.compass_std);
+            }
+            for scan in &sensed.scans {
+                voice.scan(Stamped::new(self.stamp(scan.stamp), &scan.value));
+            }
+        }
+    }
+
+    /// ROS's time of a moment of the world.
+    fn stamp(&self, moment: Stamp) -> Stamp {
+        Stamp::from_nanoseconds(self.born.1.to_nanos().saturating_add(moment.nanoseconds()))
+    }
+}
+
+/// Its publishers.
+struct Voice {
+    odometry: Publisher<Odometry>,
+    transforms: Publisher<TfMessage>,
+    scans: Publisher<LaserScan>,
+    headings: Publisher<Imu>,
+    truth: Publisher<PoseStamped>,
+    map_frame: String,
+    body_from_laser: Pose<Body, surepose::Laser, f64>,
+}
+
+impl Voice {
+    fn new(node: &mut Node, settings: &RobotSettings) -> Result<Self, NodeError> {
+        let names = &settings.names;
+        Ok(Self {
+            odometry: say(node, &names.of("odom")?, ("nav_msgs", "Odometry"), reliable(10))?,
+            transforms: say(node, &everywhere("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
+            scans: say(node, &names.of("scan")?, ("sensor_msgs", "LaserScan"), sensor(5))?,
+            headings: say(node, &names.of("imu")?, ("sensor_msgs", "Imu"), sensor(5))?,
+            truth: say(node, &names.of("truth")?, ("geometry_msgs", "PoseStamped"), reliable(10))?,
+            map_frame: settings.map_frame.clone(),
+            body_from_laser: settings.scenario.config.laser().body_from_laser,
+        })
+    }
+
+    fn odometry(&self, stamp: Stamp, pose: Pose<Odom, Body, f64>, twist: Twist<f64>) {
+        let unknown = [[0.0; 6]; 6];
+        sent(self.odometry.publish(Odometry {
+            header: header(stamp, ODOM),
+            child_frame_id: BASE.to_owned(),
+            pose: PoseWithCovariance { pose: pose_message(pose), covariance: unknown },
+            twist: TwistWithCovariance { twist: twist_message(twist), covariance: unknown },
+        }));
+        let joint = |parent: &str, child: &str, transform| TransformStamped {
+            header: header(stamp, parent),
+            child_frame_id: child.to_owned(),
+            transform,
+        };
+        let transforms =
+            vec![joint(ODOM, BASE, transform(pose)), joint(BASE, LASER, transform(self.body_from_laser))];
+        sent(self.transforms.publish(TfMessage { transforms }));
+    }
+
+    fn truth(&self, stamp: Stamp, world: &World) {
+        let pose = pose_message(world.pose());
+        sent(self.truth.publish(PoseStamped { header: header(stamp, &self.map_frame), pose }));
+    }
+
+    fn heading(&self, stamp: Stamp, heading: Angle<f64>, std: f64) {
+        // A compass in a housing for more: nothing but the heading is measured.
+        let mut orientation_covariance = [0.0; 9];
+        orientation_covariance[8] = std * std;
+        let mut unknown = [0.0; 9];
+        unknown[0] = -1.0;
+        sent(self.headings.publish(Imu {
+            header: header(stamp, BASE),
+            orientation: rotation_of(heading),
+            orientation_covariance,
+            angular_velocity: Vector3::along_z(0.0),
+            angular_velocity_covariance: unknown,
+            linear_acceleration: Vector3::along_z(0.0),
+            linear_acceleration_covariance: unknown,
+        }));
+    }
+
+    fn scan(&self, scan: Stamped<&Scan>) {
+        let Scan { first_bearing, bearing_step, ranges } = scan.value;
+        let last = first_bearing + bearing_step * ranges.len().saturating_sub(1) as f64;
+        let [range_min, range_max] = REACH;
+        sent(self.scans.publish(LaserScan {
+            header: header(scan.stamp, LASER),
+            angle_min: *first_bearing as f32,
+            angle_max: last as f32,
+            angle_increment: *bearing_step as f32,
+            time_increment: 0.0,
+            scan_time: 0.0,
+            range_min,
+            range_max,
+            ranges: ranges.iter().map(|range| *range as f32).collect(),
+            intensities: Vec::new(),
+        }));
+    }
+}

@@ -1,0 +1,196 @@
+//! Node and simulated robot over DDS, on this machine's loopback, as a client of the action and the topics sees them.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test stops where its footing is gone"
+)]
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use futures::future::{Either, select};
+use futures::{StreamExt, pin_mut};
+use ros2_client::action::{ActionClient, ActionClientQosPolicies};
+use ros2_client::action_msgs::GoalStatusEnum;
+use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
+use ros2_client::{
+    ActionTypeName, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, Subscription,
+};
+use surepose::{Angle, Belief, Goal, Map, Pose};
+use surepose_data::wall_map::{Wall, WallMap};
+use surepose_lab::rig::{Reading, Scenario};
+use surepose_ros2::convert::{header, pose_message, pose_of};
+use surepose_ros2::message::{
+    NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped, TwistStamped,
+};
+use surepose_ros2::network::Network;
+use surepose_ros2::node::{self, NodeSettings};
+use surepose_ros2::robot::{self, RobotSettings};
+use surepose_ros2::{Names, Settings};
+
+type Client = ActionClient<NavigateToPoseGoal, NavigateToPoseResult, NavigateToPoseFeedback>;
+
+static STOP: AtomicBool = AtomicBool::new(false);
+
+fn stops() -> bool {
+    STOP.load(Ordering::Relaxed)
+}
+
+/// A domain that another run of this test, at the same time, hardly has.
+fn network() -> Network {
+    Network { domain: 60 + (std::process::id() % 40) as u16, local: true }
+}
+
+fn reliable() -> QosProfile {
+    QosProfile {
+        reliability: Reliability::Reliable { when_full: WhenFull::DEFAULT },
+        durability: Durability::Volatile,
+        history: History::KeepLast { depth: 10 },
+        ..QosProfile::publisher_default()
+    }
+}
+
+fn settings() -> (RobotSettings, NodeSettings) {
+    let scenario = Scenario::default();
+    let walls = scenario.arena.walls().iter().map(|wall| Wall {
+        name: None,
+        from: [wall.start.x, wall.start.y],
+        to: [wall.end.x, wall.end.y],
+        covariance: None,
+    });
+    let pilot = Settings {
+        config: scenario.config.clone(),
+        map: Some(WallMap { name: None, walls: walls.collect() }),
+        reading: Reading::Lines,
+        start: Some(Belief::new(scenario.start(), scenario.start_std)),
+        compass: true,
+        hold: false,
+    };
+    let (names, map_frame, stamped) = (Names::new("robot1", &[]).unwrap(), "map".to_owned(), true);
+    let network = network();
+    let node = NodeSettings {
+        pilot,
+        names: names.clone(),
+        map_frame: map_frame.clone(),
+        stamped,
+        network,
+        warnings: vec![],
+    };
+    (RobotSettings { scenario, seed: 3, names, stamped, map_frame, network }, node)
+}
+
+fn hear<M: 'static>(node: &mut Node, name: &str, kind: &str) -> Subscription<M> {
+    let name = Name::new("/robot1", name).unwrap();
+    let topic = node.create_topic(&name, MessageTypeName::new("geometry_msgs", kind), &reliable()).unwrap();
+    node.create_subscription(&topic, Some(reliable())).unwrap()
+}
+
+fn request(x: f64, y: f64, degrees: f64, frame: &str) -> NavigateToPoseGoal {
+    let goal: Pose<Map, Goal, f64> = Pose::new(x, y, Angle::from_degrees(degrees));
+    let pose = PoseStamped { header: header(surepose::Stamp::default(), frame), pose: pose_message(goal) };
+    NavigateToPoseGoal { pose, behavior_tree: String::new() }
+}
+
+/// What comes of it, if it comes soon enough.
+async fn within<T>(seconds: u64, future: impl Future<Output = T>) -> Option<T> {
+    pin_mut!(future);
+    match select(future, smol::Timer::after(Duration::from_secs(seconds))).await {
+        Either::Left((value, _)) => Some(value),
+        Either::Right(_) => None,
+    }
+}
+
+/// Asks for a goal until the server answers: a request in the first moments of a connection can be lost.
+async fn ask(client: &Client, goal: NavigateToPoseGoal) -> (ros2_client::action::GoalId, bool) {
+    for _ in 0..20 {
+        if let Some(Ok((id, answer))) = within(2, client.async_send_goal(goal.clone())).await {
+            return (id, answer.accepted);
+        }
+    }
+    panic!("the node does not answer");
+}
+
+#[test]
+fn a_client_of_the_action_parks_the_simulated_robot() {
+    let (robot, node) = settings();
+    let robot = thread::spawn(move || robot::run(&robot, stops).unwrap());
+    let node = thread::spawn(move || {
+        let mut said = Vec::new();
+        node::run(node, stops, |line| said.push(line.to_owned())).unwrap();
+        said
+    });
+    let context = network().join().unwrap();
+    let mut tester = context
+        .new_node(NodeName::new("/", "tester").unwrap(), NodeOptions::new().enable_rosout(false))
+        .unwrap();
+    let client: Client = tester
+        .create_action_client(
+            ServiceMapping::Enhanced,
+            &Name::new("/robot1", "navigate_to_pose").unwrap(),
+            &ActionTypeName::new("nav2_msgs", "NavigateToPose"),
+            ActionClientQosPolicies {
+                goal_service: reliable(),
+                result_service: reliable(),
+                cancel_service: reliable(),
+                feedback_subscription: reliable(),
+                status_subscription: QosProfile { durability: Durability::TransientLocal, ..reliable() },
+            },
+        )
+        .unwrap();
+    let truth = hear::<PoseStamped>(&mut tester, "truth", "PoseStamped");
+    let commands = hear::<TwistStamped>(&mut tester, "cmd_vel", "TwistStamped");
+    let spinner = tester.spinner().unwrap();
+    let spinning = smol::spawn(async move { spinner.spin().await });
+
+    smol::block_on(async {
+        // What cannot be driven to is rejected.
+        assert!(!ask(&client, request(2.0, 2.0, 30.0, "odom")).await.1, "a goal in another frame");
+        assert!(!ask(&client, request(50.0, 0.0, 0.0, "map")).await.1, "a goal outside the walls");
+
+        // A goal that is called off ends so, and the wheels rest.
+        let (id, accepted) = ask(&client, request(2.0, 2.0, 30.0, "map")).await;
+        assert!(accepted);
+        smol::Timer::after(Duration::from_secs(2)).await;
+        within(5, client.async_cancel_goal(id, ros2_client::builtin_interfaces::Time::ZERO))
+            .await
+            .unwrap()
+            .unwrap();
+        let (status, _) = within(10, client.async_request_result(id)).await.unwrap().unwrap();
+        assert_eq!(status, GoalStatusEnum::Canceled);
+
+        // Another one is reached, with feedback on the way.
+        let (id, accepted) = ask(&client, request(2.0, 2.0, 60.0, "map")).await;
+        assert!(accepted);
+        let feedback = client.feedback_stream(id);
+        pin_mut!(feedback);
+        let first = within(5, feedback.next()).await.unwrap().unwrap().unwrap();
+        assert!(first.distance_remaining > 0.5 && first.distance_remaining < 4.0);
+        let (status, result) = within(60, client.async_request_result(id)).await.unwrap().unwrap();
+        assert_eq!((status, result.error_code), (GoalStatusEnum::Succeeded, 0), "{}", result.error_msg);
+    });
+
+    let mut last_truth = None;
+    while let Ok(Some((pose, _))) = truth.take() {
+        last_truth = Some(pose);
+    }
+    let parked: Pose<Map, Goal, f64> =
+        pose_of(&last_truth.expect("the robot says where it is").pose).unwrap();
+    let goal: Pose<Map, Goal, f64> = Pose::new(2.0, 2.0, Angle::from_degrees(60.0));
+    assert!(parked.origin().distance(goal.origin()) < 0.01, "{parked:?}");
+    assert!((parked.heading - goal.heading).degrees().abs() < 1.0, "{parked:?}");
+    let mut last_command = None;
+    while let Ok(Some((command, _))) = commands.take() {
+        last_command = Some(command.twist);
+    }
+    let twist = last_command.expect("the node commands");
+    assert_eq!((twist.linear.x, twist.angular.z), (0.0, 0.0), "the last command is to rest");
+
+    STOP.store(true, Ordering::Relaxed);
+    let said = node.join().unwrap();
+    robot.join().unwrap();
+    assert!(said.iter().any(|line| line.starts_with("rests ")), "{said:?}");
+    drop((tester, spinning));
+}

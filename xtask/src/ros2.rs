@@ -1,0 +1,82 @@
+//! Whether real ROS 2 understands the node: rclpy from PyPI's wheels talks to it.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The wheels are made for this Python.
+const PYTHON: &str = "python3.11";
+
+/// ROS 2 Kilted's middleware and messages, and what building an interface takes.
+const WHEELS: [&str; 12] = [
+    "ros-rclpy==9.1.2",
+    "ros-rmw-fastrtps-cpp==9.3.3",
+    "ros-rmw-implementation==3.0.4",
+    "ros-rcl-interfaces==2.3.0",
+    "ros-geometry-msgs==5.5.1",
+    "ros-nav-msgs==5.5.1",
+    "ros-sensor-msgs==5.5.1",
+    "ros-std-srvs==5.5.1",
+    "ros-diagnostic-msgs==5.5.1",
+    "ros-visualization-msgs==5.5.1",
+    "catkin_pkg==1.1.1",
+    "numpy==2.4.6",
+];
+
+/// What builds interfaces that have no wheel, where somebody has put it beside the project.
+const BUILDER: &str = "../shared/ros2/build_interface.py";
+
+/// Lets rclpy talk to the node with a simulated robot.
+pub(crate) fn check(root: &Path) -> Result<(), String> {
+    if Command::new(PYTHON).arg("--version").output().is_err() {
+        eprintln!("ros2: skipped, this needs {PYTHON}, for which ROS 2's wheels are made");
+        return Ok(());
+    }
+    let folder = root.join("target/ros2");
+    let venv = folder.join("venv");
+    run(Command::new(PYTHON).arg("-m").arg("venv").arg(&venv))?;
+    let python = venv.join("bin/python");
+    run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(WHEELS))?;
+    crate::run::cargo(root, &["build", "--release", "-p", "surepose-cli"], &[])?;
+
+    let tests = root.join("crates/surepose-ros2/tests/rclpy");
+    let mut libraries = vec![venv.join("lib")];
+    let mut modules = Vec::new();
+    if let Some(built) = interface(root, &python, &tests, &folder)? {
+        libraries.push(built.clone());
+        modules.push(built);
+    }
+    let program = target(root).join("release/surepose");
+    run(Command::new(&python)
+        .arg(tests.join("conversation.py"))
+        .arg(program)
+        .env("VIRTUAL_ENV", &venv)
+        .env("PYTHONPATH", joined(&modules)?)
+        .env("LD_LIBRARY_PATH", joined(&libraries)?))
+}
+
+/// The interface of Nav2's action for Python, where its builder is there.
+fn interface(root: &Path, python: &Path, tests: &Path, folder: &Path) -> Result<Option<PathBuf>, String> {
+    let builder = root.join(BUILDER);
+    if !builder.exists() {
+        eprintln!("ros2: {BUILDER} is not here, so rclpy does not try the action");
+        return Ok(None);
+    }
+    let out = folder.join("interfaces");
+    let action = tests.join("nav2_msgs/action/NavigateToPose.action");
+    run(Command::new(python).arg(builder).arg("nav2_msgs").arg(action).arg("--out").arg(&out))?;
+    Ok(Some(out))
+}
+
+fn target(root: &Path) -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
+}
+
+fn joined(paths: &[PathBuf]) -> Result<std::ffi::OsString, String> {
+    std::env::join_paths(paths).map_err(|error| error.to_string())
+}
+
+fn run(command: &mut Command) -> Result<(), String> {
+    let name = format!("{command:?}");
+    let status = command.status().map_err(|error| format!("{name} does not start: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{name} failed")) }
+}
