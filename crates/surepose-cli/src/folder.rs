@@ -67,8 +67,13 @@ impl Folder {
 
     /// Writes a text.
     pub(crate) fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        self.text_of(name, Ok(text.to_owned()))
+    }
+
+    /// Writes a text that something may have been wrong with.
+    pub(crate) fn text_of(&self, name: &str, text: std::io::Result<String>) -> Result<(), Failure> {
         let path = self.0.join(name);
-        std::fs::write(&path, text).map_err(|problem| failed(&path, problem.into()))
+        text.and_then(|text| std::fs::write(&path, text)).map_err(|problem| failed(&path, problem.into()))
     }
 }
 

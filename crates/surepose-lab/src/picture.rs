@@ -2,6 +2,7 @@
 
 mod drive;
 mod figures;
+mod film;
 mod hall;
 mod localisation;
 mod margin;
@@ -10,6 +11,7 @@ mod walls;
 
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
 pub use figures::{fig3, fig6, fig7};
+pub use film::film;
 pub use hall::hall;
 pub use localisation::{Localised, fig4, fig5};
 pub use margin::{margin, margin_over_distance};

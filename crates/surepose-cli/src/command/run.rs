@@ -23,7 +23,7 @@ use crate::{interrupt, progress};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose run                                          the paper's arena, to 2,2,30
-  surepose run --goal 2,2,90 --seed 7 --out out         another goal; pictures and data into out/
+  surepose run --goal 2,2,90 --seed 7 --out out         another goal; out/drive.html plays it, with pictures and data
   surepose run --law paper --json                       the paper's own law
   surepose run --scenario open --start 0,0,180 --set law.direction=reverse --json
 
@@ -43,7 +43,7 @@ pub(crate) struct RunCommand {
     /// What all noise is drawn from: the same seed gives the same drive
     #[arg(long, default_value_t = SEED, allow_negative_numbers = true)]
     seed: u64,
-    /// A folder for pictures, time series and summary
+    /// A folder for a page that plays the drive, pictures, time series and summary
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -96,9 +96,11 @@ impl RunCommand {
             rows(&summary, |name, value| {
                 table.add_row([name, value]);
             });
-            if let Some(path) = &self.out {
-                table.add_row(["written to".to_owned(), path.display().to_string()]);
-            }
+            let (name, value) = match &self.out {
+                Some(path) => ("to watch it", path.join("drive.html").display().to_string()),
+                None => ("to watch it", "give --out DIR, and open DIR/drive.html in a browser".to_owned()),
+            };
+            table.add_row([name.to_owned(), value]);
             table
         })?;
         Ok(match summary.outcome {
@@ -170,6 +172,8 @@ fn write(
     folder.picture("velocities", &picture::velocities(samples))?;
     folder.picture("heading_error", &picture::heading_error(scenario, samples))?;
     folder.picture("lyapunov", &picture::lyapunov(samples))?;
+    let film = picture::film(scenario, samples).map_err(std::io::Error::other);
+    folder.text_of("drive.html", film)?;
     folder.table("time_series.csv", samples)?;
     folder.text("config.toml", &toml_of(&scenario.config.fitted()))?;
     folder.summary(summary)

@@ -49,14 +49,19 @@ pub fn overview(scenario: &Scenario, samples: &[Sample]) -> Picture {
     beside_column(from_above(scenario, samples).compact().cell(), chart.cells())
 }
 
+/// How many times ellipses are enlarged on a map of the whole way: a laser knows the place to millimetres, and on a map of
+/// metres that is nothing to see.
+pub(super) fn enlargement(samples: &[Sample]) -> f64 {
+    let mut spreads: Vec<f64> = every(samples, ELLIPSE_EVERY).into_iter().map(spread).collect();
+    spreads.sort_by(f64::total_cmp);
+    let typical = spreads.get(spreads.len() / 2).copied().unwrap_or(VISIBLE);
+    [1.0, 10.0, 30.0].into_iter().find(|factor| typical * factor >= VISIBLE).unwrap_or(30.0)
+}
+
 fn from_above(scenario: &Scenario, samples: &[Sample]) -> Map {
     let (start, goal) = (scenario.start(), scenario.goal());
     let shown = every(samples, ELLIPSE_EVERY);
-    // A laser knows the place to millimetres: on a map of metres that is nothing to see.
-    let mut spreads: Vec<f64> = shown.iter().map(|sample| spread(sample)).collect();
-    spreads.sort_by(f64::total_cmp);
-    let typical = spreads.get(spreads.len() / 2).copied().unwrap_or(VISIBLE);
-    let factor = [1.0, 10.0, 30.0].into_iter().find(|factor| typical * factor >= VISIBLE).unwrap_or(30.0);
+    let factor = enlargement(samples);
     let label =
         if factor > 1.0 { format!("3σ × {factor}, each second") } else { "3σ, each second".to_owned() };
     let here = |sample: &Sample| (sample.estimated_x_m, sample.estimated_y_m);
