@@ -9,6 +9,7 @@ mod exit;
 mod failure;
 mod folder;
 mod interrupt;
+mod maps;
 mod output;
 mod progress;
 mod settings;

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use surepose::{Angle, Body, Map, Pose};
 use surepose_data::Config;
 use surepose_data::config::{Setting, Value};
 
@@ -68,6 +69,11 @@ pub(crate) struct PoseArg {
 }
 
 impl PoseArg {
+    /// The pose of the robot that it names.
+    pub(crate) fn pose(self) -> Pose<Map, Body, f64> {
+        Pose::new(self.x, self.y, Angle::from_degrees(self.heading_deg))
+    }
+
     /// Its parts, under the ends of their keys.
     pub(crate) fn keys(&self) -> [(&'static str, f64); 3] {
         [("x_m", self.x), ("y_m", self.y), ("heading_deg", self.heading_deg)]

@@ -155,3 +155,15 @@ fn a_run_through_the_hall_is_placed_and_drawn() {
         assert!(Path::new(out).join(picture).exists(), "{picture}");
     }
 }
+
+#[test]
+fn a_recording_in_mcap_that_is_none_is_named() {
+    let path = file(&folder("replay-mcap"), "drive.mcap", b"\x89MCAP0\r\n and nothing more");
+    let run = surepose(&["replay", "mcap", &path]);
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    assert!(run.stderr.contains("drive.mcap") && run.stderr.contains("cut short"), "{}", run.stderr);
+    let run = surepose(&["replay", "mcap", &path, "--remap", "odom"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    let run = surepose(&["replay", "ticks", &path, "--compass"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}

@@ -10,9 +10,11 @@
 //! | [`Pilot`] | the loop: no ROS, no clock |
 //! | [`network`] | which domain, and how far it reaches |
 //! | [`node`] | topics, the action, the service, parameters and diagnostics |
+//! | [`bag`] | recordings, heard as the node would have |
 //! | [`robot`] | a simulated robot to try it on |
 #![forbid(unsafe_code)]
 
+pub mod bag;
 pub mod convert;
 pub mod message;
 mod names;
@@ -20,6 +22,7 @@ pub mod network;
 pub mod node;
 mod pilot;
 pub mod robot;
+mod sense;
 mod velocity;
 mod wire;
 

@@ -83,6 +83,11 @@ impl Names {
         &self.namespace
     }
 
+    /// Whether `own` is called otherwise.
+    pub(crate) fn is_remapped(&self, own: &str) -> bool {
+        self.others.iter().any(|(from, _)| from == own)
+    }
+
     /// What the node calls `own`, from the root.
     pub(crate) fn of(&self, own: &str) -> Result<Name, NameProblem> {
         let other = self.others.iter().rev().find(|(from, _)| from == own);

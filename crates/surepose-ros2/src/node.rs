@@ -14,14 +14,15 @@ use futures::future::LocalBoxFuture;
 use futures::stream::{FuturesUnordered, StreamExt};
 use futures::{FutureExt, select};
 use ros2_client::RmwRequestId;
-use surepose::{Compass, Goal, Map, Measurement, Pose, Stamped, Twist};
+use surepose::{Goal, Map, Pose, Twist};
 use surepose_lab::optimal::fastest;
 
-use crate::convert::{Refused, belief_of, heading_of, pose_of, stamp_of};
+use crate::convert::{Refused, belief_of, pose_of};
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
 use crate::names::Names;
 use crate::network::Network;
-use crate::pilot::{self, Ended, Heard, Pilot, Report, START_STD, Settings};
+use crate::pilot::{Ended, Pilot, Report, START_STD, Settings};
+use crate::sense;
 use crate::wire::{self, NodeError, spinning};
 
 use action::{Action, Delivery};
@@ -48,9 +49,6 @@ pub struct NodeSettings {
 
 /// How often the node looks at the clock on the wall.
 const BEAT: Duration = Duration::from_millis(100);
-
-/// No laser sees farther \[m].
-const FARTHEST: f64 = 200.0;
 
 /// A diagnosis with every so many beats.
 const DIAGNOSIS: u32 = 10;
@@ -165,10 +163,9 @@ impl<Say: FnMut(&str)> Run<Say> {
 
     async fn rolled(&mut self, odometry: &Odometry) -> Result<(), (&'static str, Refused)> {
         let refused = |why| ("odom", why);
-        let pose = pose_of(&odometry.pose.pose).map_err(refused)?;
-        let stamp = stamp_of(odometry.header.stamp);
-        let report = self.pilot.roll(Stamped::new(stamp, pose)).map_err(refused)?;
-        self.diagnosis.rolled(stamp);
+        let at = sense::odometry(odometry).map_err(refused)?;
+        let report = self.pilot.roll(at).map_err(refused)?;
+        self.diagnosis.rolled(at.stamp);
         self.last_rolled = Some(Instant::now());
         if let Some(report) = report {
             self.voice.report(&report, odometry);
@@ -188,32 +185,13 @@ impl<Say: FnMut(&str)> Run<Say> {
     }
 
     fn seen(&mut self, scan: LaserScan) -> Result<(), (&'static str, Refused)> {
-        let heard = pilot::LaserScan {
-            first_bearing: f64::from(scan.angle_min),
-            bearing_step: f64::from(scan.angle_increment),
-            // A driver that says nothing of its reach says zero, infinite or NaN.
-            nearest: f64::from(scan.range_min).max(0.0),
-            farthest: f64::from(scan.range_max).clamp(0.0, FARTHEST),
-            ranges: scan.ranges.into_iter().map(f64::from).collect(),
-        };
-        if !heard.is_sound() {
-            return Err(("scan", Refused::NotFinite));
-        }
-        self.pilot.hear(Stamped::new(stamp_of(scan.header.stamp), Heard::Scan(heard)));
+        self.pilot.hear(sense::scan(scan).map_err(|why| ("scan", why))?);
         Ok(())
     }
 
     fn turned(&mut self, imu: &Imu) -> Result<(), (&'static str, Refused)> {
-        let refused = |why| ("imu", why);
-        let [unknown, .., variance] = imu.orientation_covariance;
-        if unknown < 0.0 {
-            return Err(refused(Refused::NotMeasured));
-        }
-        let mounting = self.settings.pilot.config.compass();
-        let std = if variance > 0.0 { variance.sqrt() } else { mounting.std };
-        let heading = heading_of(&imu.orientation).map_err(refused)? - mounting.offset;
-        let measurement = Measurement::Compass(Compass { heading, std });
-        self.pilot.hear(Stamped::new(stamp_of(imu.header.stamp), Heard::Measurement(measurement)));
+        let compass = self.settings.pilot.config.compass();
+        self.pilot.hear(sense::heading(imu, &compass).map_err(|why| ("imu", why))?);
         Ok(())
     }
 

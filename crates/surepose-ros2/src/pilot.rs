@@ -141,9 +141,11 @@ impl Pilot {
         Ok(rims.map(|rims| self.tick(at, rims)))
     }
 
-    /// Takes in what a sensor measured.
+    /// Takes in what a sensor measured; without walls, scans say nothing.
     pub fn hear(&mut self, heard: Stamped<Heard>) {
-        self.inbox.put(heard);
+        if self.arena.is_some() || heard.value.scan().is_none() {
+            self.inbox.put(heard);
+        }
     }
 
     /// Takes somebody's word for where the robot is.

@@ -2,6 +2,8 @@
 //!
 //! Its world is that of `surepose run`, in real time: motors with lag, slip, quantised encoders, noisy sensors.
 
+pub(crate) mod words;
+
 use std::time::{Duration, Instant};
 
 use futures::select;
@@ -12,11 +14,8 @@ use surepose::{Angle, Body, Integration, Pose, Stamp, Stamped, Twist};
 use surepose_lab::rig::Scenario;
 use surepose_sim::{Scan, Seed, World};
 
-use crate::convert::{header, pose_message, rotation_of, transform, twist_message};
-use crate::message::{
-    Imu, LaserScan, Odometry, PoseStamped, PoseWithCovariance, TfMessage, TransformStamped,
-    TwistWithCovariance, Vector3,
-};
+use crate::convert::{header, pose_message};
+use crate::message::{Imu, LaserScan, Odometry, PoseStamped, TfMessage};
 use crate::names::Names;
 use crate::network::Network;
 use crate::pilot::Odom;
@@ -28,14 +27,6 @@ const PERIOD: f64 = 0.02;
 
 /// Wheels that were told nothing for so long rest.
 const PATIENCE: Duration = Duration::from_millis(500);
-
-/// The nearest and the farthest that its laser sees \[m].
-const REACH: [f32; 2] = [0.05, 30.0];
-
-/// The frames of its odometry, its body, its laser and its compass.
-const ODOM: &str = "odom";
-const BASE: &str = "base_link";
-const LASER: &str = "laser";
 
 /// A simulated robot.
 #[derive(Clone, Debug)]
@@ -160,20 +151,8 @@ impl Voice {
     }
 
     fn odometry(&self, stamp: Stamp, pose: Pose<Odom, Body, f64>, twist: Twist<f64>) {
-        let unknown = [[0.0; 6]; 6];
-        sent(self.odometry.publish(Odometry {
-            header: header(stamp, ODOM),
-            child_frame_id: BASE.to_owned(),
-            pose: PoseWithCovariance { pose: pose_message(pose), covariance: unknown },
-            twist: TwistWithCovariance { twist: twist_message(twist), covariance: unknown },
-        }));
-        let joint = |parent: &str, child: &str, transform| TransformStamped {
-            header: header(stamp, parent),
-            child_frame_id: child.to_owned(),
-            transform,
-        };
-        let transforms =
-            vec![joint(ODOM, BASE, transform(pose)), joint(BASE, LASER, transform(self.body_from_laser))];
+        sent(self.odometry.publish(words::odometry(stamp, pose, twist)));
+        let transforms = words::transforms(stamp, pose, self.body_from_laser);
         sent(self.transforms.publish(TfMessage { transforms }));
     }
 
@@ -183,37 +162,10 @@ impl Voice {
     }
 
     fn heading(&self, stamp: Stamp, heading: Angle<f64>, std: f64) {
-        // A compass in a housing for more: nothing but the heading is measured.
-        let mut orientation_covariance = [0.0; 9];
-        orientation_covariance[8] = std * std;
-        let mut unknown = [0.0; 9];
-        unknown[0] = -1.0;
-        sent(self.headings.publish(Imu {
-            header: header(stamp, BASE),
-            orientation: rotation_of(heading),
-            orientation_covariance,
-            angular_velocity: Vector3::along_z(0.0),
-            angular_velocity_covariance: unknown,
-            linear_acceleration: Vector3::along_z(0.0),
-            linear_acceleration_covariance: unknown,
-        }));
+        sent(self.headings.publish(words::heading(stamp, heading, std)));
     }
 
     fn scan(&self, scan: Stamped<&Scan>) {
-        let Scan { first_bearing, bearing_step, ranges } = scan.value;
-        let last = first_bearing + bearing_step * ranges.len().saturating_sub(1) as f64;
-        let [range_min, range_max] = REACH;
-        sent(self.scans.publish(LaserScan {
-            header: header(scan.stamp, LASER),
-            angle_min: *first_bearing as f32,
-            angle_max: last as f32,
-            angle_increment: *bearing_step as f32,
-            time_increment: 0.0,
-            scan_time: 0.0,
-            range_min,
-            range_max,
-            ranges: ranges.iter().map(|range| *range as f32).collect(),
-            intensities: Vec::new(),
-        }));
+        sent(self.scans.publish(words::scan(scan.stamp, scan.value)));
     }
 }

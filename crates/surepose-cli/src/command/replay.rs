@@ -1,19 +1,20 @@
 //! `surepose replay`: the estimator on a recording, judged against its reference.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use surepose::{Angle, Pose};
-use surepose_data::grid::Grid;
-use surepose_data::wall_map::{self, WallMap};
-use surepose_data::{DataError, map_server};
-use surepose_lab::mapping::from_grid;
+use surepose::Belief;
+use surepose_data::Config;
+use surepose_data::wall_map::WallMap;
 use surepose_lab::picture;
 use surepose_lab::replay::{FollowerSettings, Hall, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
+use surepose_lab::rig::Reading;
+use surepose_ros2::{Names, START_STD, Settings, bag};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
+use crate::maps::{Known, known_in, walls_in, walls_to_read};
 use crate::output::{Output, object, table, warning, worded};
 use crate::settings::{ConfigArgs, PoseArg};
 
@@ -25,6 +26,7 @@ use crate::settings::{ConfigArgs, PoseArg};
   surepose replay wean robotdata1.log.gz --map wean.dat.gz --start 40,41.4,-96 --out pictures
   surepose replay wean robotdata1.log.gz --map wean.dat.gz
   surepose replay ticks exp1.dat.gz
+  surepose replay mcap rosbag2/drive_0.mcap --map building.toml --compass --remap truth:=/mocap/pose
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
 
 Exit codes: 0 done; 1 not found where it was to be looked for, no measurement accepted, or a position farther off than \
@@ -40,6 +42,12 @@ pub(crate) struct ReplayCommand {
     /// Where the robot starts, where the recording does not tell: metres, metres, degrees; without it, `wean` looks for the place, and exits with 1 while several explain the scans
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
+    /// Hear the absolute heading of imu in a mcap recording
+    #[arg(long)]
+    compass: bool,
+    /// What a topic of a mcap recording is called, where it is not odom, scan, imu or truth, or not the only one of its type: odom:=/base/odom. May be repeated
+    #[arg(long, value_name = "FROM:=TO")]
+    remap: Vec<String>,
     /// Which robot of a mrclam recording, which has several; the first unless given
     #[arg(long, allow_negative_numbers = true)]
     robot: Option<u32>,
@@ -60,6 +68,8 @@ enum Format {
     Ticks,
     /// CMU Wean Hall: odometry and laser on a given map
     Wean,
+    /// ROS 2 messages in MCAP, as rosbag2 writes them: odometry, and with --map a laser, with --compass a heading
+    Mcap,
 }
 
 impl ReplayCommand {
@@ -80,6 +90,7 @@ impl ReplayCommand {
                 ticks::replay(&self.path, &FollowerSettings::of(&config)).map(|explored| explored.report)
             }
             Format::Wean => Ok(self.wean()?),
+            Format::Mcap => Ok(self.mcap()?),
         };
         let report = report.map_err(|error| match error {
             ReplayError::Data(error) => Failure::Data(error),
@@ -111,7 +122,7 @@ impl ReplayCommand {
             None => Hall::of_map(&WallMap::default()),
         };
         let log = surepose_data::wean::read(&self.path)?;
-        let start = self.start.map(|at| Pose::new(at.x, at.y, Angle::from_degrees(at.heading_deg)));
+        let start = self.start.map(PoseArg::pose);
         let followed = wean::replay(&log, &hall, start, &wean::settings(&config));
         if let Some(out) = &self.out {
             Folder::at(out)?.picture("replay", &picture::hall(&hall, &log, &followed))?;
@@ -119,12 +130,32 @@ impl ReplayCommand {
         Ok(followed.report)
     }
 
+    /// Lets the node's pilot hear the recording.
+    fn mcap(&self) -> Result<ReplayReport, Failure> {
+        let names = Names::new("/", &self.remap).map_err(|error| Failure::Usage {
+            what: error.to_string(),
+            help: "for example --remap odom:=/base/odom".to_owned(),
+        })?;
+        let map = self.map.as_deref().map(walls_to_read).transpose()?;
+        let (map, reading) = map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
+        let settings = Settings {
+            config: self.config.over(Config::default())?,
+            map,
+            reading,
+            start: self.start.map(|start| Belief::new(start.pose(), START_STD)),
+            compass: self.compass,
+            hold: false,
+        };
+        bag::replay(&self.path, &settings, &names)
+            .map_err(|error| Failure::Recording { path: self.path.clone(), what: error.to_string() })
+    }
+
     /// Refuses options that the format has no use for, and asks for those that it needs.
     fn check(&self) -> Result<(), Failure> {
         let usage =
             |what: &str, help: &str| Err(Failure::Usage { what: what.to_owned(), help: help.to_owned() });
         match self.format {
-            Format::Carmen | Format::Ticks | Format::Wean if self.robot.is_some() => {
+            Format::Carmen | Format::Ticks | Format::Wean | Format::Mcap if self.robot.is_some() => {
                 usage("only recordings of mrclam have several robots", "leave out --robot")
             }
             Format::Mrclam if self.map.is_some() => {
@@ -136,11 +167,15 @@ impl ReplayCommand {
             Format::Wean if self.map.is_none() => {
                 usage("wean has no map of its own", "give --map wean.dat.gz, or a wall map made from it")
             }
-            Format::Mrclam | Format::Carmen | Format::Ticks if self.out.is_some() => {
+            Format::Mrclam | Format::Carmen | Format::Ticks | Format::Mcap if self.out.is_some() => {
                 usage("only wean's scans are drawn on a map", "leave out --out")
             }
             Format::Mrclam | Format::Carmen | Format::Ticks if self.start.is_some() => {
-                usage("only wean needs to be told where the robot starts", "leave out --start")
+                usage("only wean and mcap need to be told where the robot starts", "leave out --start")
+            }
+            Format::Mcap => Ok(()),
+            _ if self.compass || !self.remap.is_empty() => {
+                usage("only recordings in mcap have topics", "leave out --compass and --remap")
             }
             _ => Ok(()),
         }
@@ -183,28 +218,3 @@ const WORDS: [(&str, &str); 22] = [
     ("accepted", "measurements used"),
     ("rejected", "measurements refused"),
 ];
-
-/// What a map file holds.
-enum Known {
-    Walls(WallMap),
-    Grid(Grid),
-}
-
-fn known_in(path: &Path) -> Result<Known, DataError> {
-    let is = |extension: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
-    Ok(if is("toml") {
-        Known::Walls(wall_map::read(path)?)
-    } else if is("yaml") || is("yml") {
-        Known::Grid(map_server::read(path)?)
-    } else {
-        Known::Grid(surepose_data::wean::read_grid(path)?)
-    })
-}
-
-/// The walls of a map file: a wall map as it is, an occupancy grid turned into walls.
-fn walls_in(path: &Path) -> Result<WallMap, DataError> {
-    Ok(match known_in(path)? {
-        Known::Walls(map) => map,
-        Known::Grid(grid) => from_grid::walls_of(&grid).map,
-    })
-}

@@ -1,13 +1,12 @@
 //! `surepose ros2`: the node on a robot, or with a simulated robot beside it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::thread;
 
 use clap::{Args, ValueEnum};
-use surepose::{Angle, Belief, Pose};
-use surepose_data::wall_map::{self, Wall, WallMap};
-use surepose_data::{Config, map_server};
-use surepose_lab::mapping::from_grid;
+use surepose::Belief;
+use surepose_data::Config;
+use surepose_data::wall_map::{Wall, WallMap};
 use surepose_lab::rig::{Reading, Scenario};
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
@@ -18,6 +17,7 @@ use crate::certification;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::maps::walls_to_read;
 use crate::output::{Output, say, text, warning};
 use crate::settings::{LawArgs, PoseArg};
 
@@ -118,11 +118,8 @@ impl Ros2Command {
     ) -> Result<(Option<RobotSettings>, NodeSettings), Failure> {
         let stamped = self.cmd_vel == CommandType::Stamped;
         let warnings = certification::warnings(&config);
-        let mut map = self.map.as_deref().map(read).transpose()?;
-        let mut start = self.start.map(|start| {
-            let pose = Pose::new(start.x, start.y, Angle::from_degrees(start.heading_deg));
-            Belief::new(pose, START_STD)
-        });
+        let mut map = self.map.as_deref().map(walls_to_read).transpose()?;
+        let mut start = self.start.map(|start| Belief::new(start.pose(), START_STD));
         let simulated = if self.simulate {
             let scenario = Scenario::configured(config.clone());
             // The robot knows its arena, unless it is told otherwise.
@@ -145,15 +142,6 @@ impl Ros2Command {
         let map_frame = self.map_frame.clone();
         Ok((simulated, NodeSettings { pilot, names, map_frame, stamped, network, warnings }))
     }
-}
-
-/// A map, and how scans are laid on it: walls that a grid was traced for are short.
-fn read(path: &Path) -> Result<(WallMap, Reading), Failure> {
-    if path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml") {
-        let grid = map_server::read(path)?;
-        return Ok((from_grid::walls_of(&grid).map, Reading::Beams));
-    }
-    Ok((wall_map::read(path)?, Reading::Lines))
 }
 
 fn walls_of(scenario: &Scenario) -> WallMap {

@@ -29,14 +29,6 @@ pub struct LaserScan {
     pub farthest: f64,
 }
 
-impl LaserScan {
-    /// Whether its bearings and its reach are finite; what its ranges are worth is judged beam by beam.
-    pub fn is_sound(&self) -> bool {
-        let numbers = [self.first_bearing, self.bearing_step, self.nearest, self.farthest];
-        numbers.iter().all(|number| number.is_finite())
-    }
-}
-
 impl Heard {
     /// In the core's words.
     pub(super) fn signal(heard: &Stamped<Self>) -> Stamped<Signal<'_, f64>> {

@@ -1,0 +1,40 @@
+//! Maps that the user names: wall maps, and occupancy grids to trace the walls of.
+
+use std::path::Path;
+
+use surepose_data::grid::Grid;
+use surepose_data::wall_map::{self, WallMap};
+use surepose_data::{DataError, map_server};
+use surepose_lab::mapping::from_grid;
+use surepose_lab::rig::Reading;
+
+/// What a map file holds.
+pub(crate) enum Known {
+    Walls(WallMap),
+    Grid(Grid),
+}
+
+/// A map file, which its name tells the kind of: `.toml`, `.yaml`, or Wean Hall's own.
+pub(crate) fn known_in(path: &Path) -> Result<Known, DataError> {
+    let is = |extension: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    Ok(if is("toml") {
+        Known::Walls(wall_map::read(path)?)
+    } else if is("yaml") || is("yml") {
+        Known::Grid(map_server::read(path)?)
+    } else {
+        Known::Grid(surepose_data::wean::read_grid(path)?)
+    })
+}
+
+/// The walls of a map file: a wall map as it is, an occupancy grid turned into walls.
+pub(crate) fn walls_in(path: &Path) -> Result<WallMap, DataError> {
+    walls_to_read(path).map(|(map, _)| map)
+}
+
+/// The same, and how scans are laid on them: walls that a grid was traced for are short.
+pub(crate) fn walls_to_read(path: &Path) -> Result<(WallMap, Reading), DataError> {
+    Ok(match known_in(path)? {
+        Known::Walls(map) => (map, Reading::Lines),
+        Known::Grid(grid) => (from_grid::walls_of(&grid).map, Reading::Beams),
+    })
+}

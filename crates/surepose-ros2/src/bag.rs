@@ -1,0 +1,71 @@
+//! Recordings in MCAP, as rosbag2 writes them: the pilot hears them as the node would have.
+
+mod reader;
+mod replay;
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
+
+pub use replay::replay;
+
+/// Why a recording cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum BagError {
+    /// It cannot be read.
+    #[error("cannot be read: {problem}")]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        problem: std::io::Error,
+    },
+    /// It is a folder, and which file in it is meant is not plain.
+    #[error(
+        "the folder holds {count} .mcap files: name one; what is in another format becomes MCAP by `ros2 bag convert`"
+    )]
+    NotOneFile {
+        /// How many.
+        count: usize,
+    },
+    /// It is no MCAP, or a damaged one.
+    #[error(
+        "this is no MCAP recording, or a damaged one: {problem}; what was cut short can be mended by `mcap recover`"
+    )]
+    Damaged {
+        /// What is wrong with it.
+        problem: mcap::McapError,
+    },
+    /// The topic that is asked for is not there.
+    #[error("no topic {name} of type {kind}; there are: {present}")]
+    NoTopic {
+        /// What it should be called.
+        name: String,
+        /// What it should be.
+        kind: String,
+        /// What there is.
+        present: String,
+    },
+    /// Several topics could be meant.
+    #[error("which topic is {own}? There are {candidates}: say --remap {own}:={first}")]
+    Ambiguous {
+        /// What the node calls it.
+        own: &'static str,
+        /// What could be meant.
+        candidates: String,
+        /// The first of them.
+        first: String,
+    },
+    /// A message is not what its type says.
+    #[error("message {number} of {topic} is no {kind}: {problem}")]
+    Message {
+        /// Counted from 1.
+        number: u64,
+        /// Where.
+        topic: String,
+        /// What it should be.
+        kind: String,
+        /// What is wrong.
+        problem: String,
+    },
+}

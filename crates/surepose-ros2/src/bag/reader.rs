@@ -1,0 +1,228 @@
+//! From a recording in MCAP to its messages.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use byteorder::{BigEndian, LittleEndian};
+use cdr_encoding::from_bytes;
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use serde::de::DeserializeOwned;
+
+use super::BagError;
+use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
+use crate::names::Names;
+
+/// The types that are understood.
+const ODOMETRY: &str = "nav_msgs/msg/Odometry";
+const SCAN: &str = "sensor_msgs/msg/LaserScan";
+const IMU: &str = "sensor_msgs/msg/Imu";
+const POSE: &str = "geometry_msgs/msg/PoseStamped";
+const POSE_WITH_COVARIANCE: &str = "geometry_msgs/msg/PoseWithCovarianceStamped";
+
+/// What is longer, decompressed, is no record but a mistake [bytes].
+const LONGEST_RECORD: usize = 1 << 28;
+
+/// So much of the file is read at a time [bytes].
+const PIECE: usize = 1 << 16;
+
+/// A message that says something of the robot.
+pub(super) enum Said {
+    Odometry(Box<Odometry>),
+    Scan(LaserScan),
+    Imu(Box<Imu>),
+    Truth(Box<PoseStamped>),
+}
+
+/// What a channel is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    Odometry,
+    Scan,
+    Imu,
+    Truth,
+}
+
+/// A channel of the recording.
+#[derive(Clone, Debug)]
+struct Channel {
+    topic: String,
+    kind: String,
+    encoding: String,
+}
+
+/// A recording, and what is meant by its channels.
+pub(super) struct Bag {
+    path: PathBuf,
+    roles: BTreeMap<u16, (Role, Channel)>,
+}
+
+impl Bag {
+    /// The recording at `path`, with the topics of `names`; a topic that is the only one of its type may have any name.
+    ///
+    /// # Errors
+    /// [`BagError`].
+    pub(super) fn open(path: &Path, names: &Names) -> Result<Self, BagError> {
+        let channels = channels(path)?;
+        let odometry = topic(&channels, names, "odom", &[ODOMETRY], true)?;
+        let odometry = odometry.ok_or_else(|| BagError::NoTopic {
+            name: "odom".to_owned(),
+            kind: ODOMETRY.to_owned(),
+            present: present(&channels),
+        })?;
+        let roles = [
+            (Role::Odometry, Some(odometry)),
+            (Role::Scan, topic(&channels, names, "scan", &[SCAN], true)?),
+            (Role::Imu, topic(&channels, names, "imu", &[IMU], true)?),
+            (Role::Truth, topic(&channels, names, "truth", &[POSE, POSE_WITH_COVARIANCE, ODOMETRY], false)?),
+        ];
+        let role = |channel: &Channel| {
+            roles.iter().find(|(_, topic)| topic.as_ref() == Some(&channel.topic)).map(|(role, _)| *role)
+        };
+        let roles =
+            channels.into_iter().filter_map(|(id, channel)| Some((id, (role(&channel)?, channel)))).collect();
+        Ok(Self { path: path.to_owned(), roles })
+    }
+
+    /// Whether there is a truth to judge by.
+    pub(super) fn has_truth(&self) -> bool {
+        self.roles.values().any(|(role, _)| *role == Role::Truth)
+    }
+
+    /// Gives `hear` the messages that say something, in the order of the file.
+    ///
+    /// # Errors
+    /// Where the recording is damaged, or a message is not what its type says.
+    pub(super) fn messages(&self, mut hear: impl FnMut(Said)) -> Result<(), BagError> {
+        let mut numbers = BTreeMap::<u16, u64>::new();
+        records(&self.path, |record| {
+            let Record::Message { header, data } = record else { return Ok(()) };
+            let Some((role, channel)) = self.roles.get(&header.channel_id) else { return Ok(()) };
+            let number = numbers.entry(header.channel_id).or_default();
+            *number += 1;
+            let said = said(*role, &channel.kind, &data).map_err(|problem| BagError::Message {
+                number: *number,
+                topic: channel.topic.escape_debug().to_string(),
+                kind: channel.kind.clone(),
+                problem,
+            })?;
+            hear(said);
+            Ok(())
+        })
+    }
+}
+
+/// What a message says. The truth may be told in several ways.
+fn said(role: Role, kind: &str, data: &[u8]) -> Result<Said, String> {
+    Ok(match role {
+        Role::Odometry => Said::Odometry(decoded(data)?),
+        Role::Scan => Said::Scan(decoded(data)?),
+        Role::Imu => Said::Imu(decoded(data)?),
+        Role::Truth => Said::Truth(Box::new(match kind {
+            ODOMETRY => {
+                let told: Odometry = decoded(data)?;
+                PoseStamped { header: told.header, pose: told.pose.pose }
+            }
+            POSE_WITH_COVARIANCE => {
+                let told: PoseWithCovarianceStamped = decoded(data)?;
+                PoseStamped { header: told.header, pose: told.pose.pose }
+            }
+            _ => decoded(data)?,
+        })),
+    })
+}
+
+/// Every channel of a recording, by its number.
+fn channels(path: &Path) -> Result<BTreeMap<u16, Channel>, BagError> {
+    let (mut kinds, mut channels) = (BTreeMap::new(), BTreeMap::new());
+    records(path, |record| {
+        match record {
+            Record::Schema { header, .. } => {
+                kinds.insert(header.id, header.name);
+            }
+            Record::Channel(channel) => {
+                let kind = kinds.get(&channel.schema_id).cloned().unwrap_or_default();
+                let (topic, encoding) = (channel.topic, channel.message_encoding);
+                channels.entry(channel.id).or_insert(Channel { topic, kind, encoding });
+            }
+            _ => {}
+        }
+        Ok(())
+    })?;
+    Ok(channels)
+}
+
+/// Gives `on` the records of a recording, those in chunks as well.
+fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> Result<(), BagError> {
+    let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
+    let damaged = |problem| BagError::Damaged { problem };
+    let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
+    let options = LinearReaderOptions::default()
+        .with_validate_chunk_crcs(true)
+        .with_record_length_limit(LONGEST_RECORD);
+    let mut reader = LinearReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event.map_err(damaged)? {
+            LinearReadEvent::ReadRequest(need) => {
+                let read = file.read(reader.insert(need.min(PIECE))).map_err(unreadable)?;
+                reader.notify_read(read);
+            }
+            LinearReadEvent::Record { opcode, data } => {
+                on(mcap::parse_record(opcode, data).map_err(damaged)?)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The topic that the node calls `own`, of one of the types `kinds`; another name will do where it is the only one of that
+/// type and `any_name` is.
+fn topic(
+    channels: &BTreeMap<u16, Channel>,
+    names: &Names,
+    own: &'static str,
+    kinds: &[&str],
+    any_name: bool,
+) -> Result<Option<String>, BagError> {
+    let fits = |channel: &&Channel| channel.encoding == "cdr" && kinds.contains(&channel.kind.as_str());
+    let mut candidates: Vec<_> =
+        channels.values().filter(fits).map(|channel| channel.topic.clone()).collect();
+    candidates.sort();
+    candidates.dedup();
+    // Its own name was checked when it was written.
+    let name = names.of(own).map_or_else(|_| own.to_owned(), |name| name.to_string());
+    if candidates.contains(&name) {
+        return Ok(Some(name));
+    }
+    if names.is_remapped(own) {
+        return Err(BagError::NoTopic { name, kind: kinds.join(" or "), present: present(channels) });
+    }
+    match candidates.as_slice() {
+        [only] if any_name => Ok(Some(only.clone())),
+        [first, ..] if any_name => {
+            Err(BagError::Ambiguous { own, candidates: candidates.join(", "), first: first.clone() })
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The topics that there are.
+fn present(channels: &BTreeMap<u16, Channel>) -> String {
+    let described =
+        |channel: &Channel| format!("{} ({})", channel.topic.escape_debug(), channel.kind.escape_debug());
+    let listed = channels.values().map(described).collect::<Vec<_>>().join(", ");
+    if listed.is_empty() { "none".to_owned() } else { listed }
+}
+
+/// A message in CDR, behind the four bytes that say in which order its bytes are.
+fn decoded<M: DeserializeOwned>(data: &[u8]) -> Result<M, String> {
+    let (header, body) = data.split_at_checked(4).ok_or("it has no header")?;
+    let message = match header {
+        [0, 0, ..] => from_bytes::<M, BigEndian>(body),
+        [0, 1, ..] => from_bytes::<M, LittleEndian>(body),
+        _ => return Err(format!("its encoding {header:02x?} is not plain CDR")),
+    };
+    message.map(|(message, _)| message).map_err(|problem| problem.to_string())
+}

@@ -1,0 +1,161 @@
+//! The pilot on a recording, judged by its truth where it has one.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use surepose::{Belief, Body, Health, Map, Pose, Stamp};
+use surepose_data::recording::StampedPose;
+use surepose_lab::replay::{Reference, ReplayReport, Score, motion_between};
+
+use super::BagError;
+use super::reader::{Bag, Said};
+use crate::convert::{Refused, pose_of, stamp_of};
+use crate::names::Names;
+use crate::pilot::{Odom, Pilot, Report, Settings};
+use crate::sense;
+
+/// How well a reference tells the start: standard deviations of x, y \[m] and heading \[rad].
+const REFERENCE_STD: [f64; 3] = [0.01, 0.01, 0.01];
+
+/// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
+/// that of the reference; where there is none either, the robot looks for itself on the map.
+///
+/// # Errors
+/// [`BagError`], where it is no recording, or is damaged.
+pub fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayReport, BagError> {
+    let begun = Instant::now();
+    let bag = Bag::open(&file_of(path)?, names)?;
+    let mut report = ReplayReport::default();
+    let (poses, first) = truth(&bag, &mut report)?;
+    let mut settings = settings.clone();
+    if settings.start.is_none() {
+        let start = first.and_then(|first| Reference::new(&poses).at(first.seconds()));
+        settings.start = start.map(|start| Belief::new(start, REFERENCE_STD));
+    }
+    let compass = settings.config.compass();
+    let hears_compass = settings.compass;
+    let mut judge = Judge::new(&poses);
+    let mut pilot = Pilot::new(settings);
+    bag.messages(|said| {
+        let refused: Result<(), Refused> = match said {
+            Said::Odometry(odometry) => sense::odometry(&odometry).and_then(|at| {
+                judge.rolled(at.stamp, at.value, &mut report);
+                let ticked = pilot.roll(at)?;
+                if let Some(ticked) = &ticked {
+                    judge.ticked(ticked, &mut report);
+                }
+                Ok(())
+            }),
+            Said::Scan(scan) => sense::scan(scan).map(|heard| pilot.hear(heard)),
+            Said::Imu(imu) if hears_compass => sense::heading(&imu, &compass).map(|heard| pilot.hear(heard)),
+            Said::Imu(_) | Said::Truth(_) => Ok(()),
+        };
+        report.skip(refused.err().map(|why| why.name()));
+    })?;
+    judge.finish(&mut report);
+    report.count(pilot.tally());
+    report.wall_s = begun.elapsed().as_secs_f64();
+    Ok(report)
+}
+
+/// The recording that is meant by the folder which rosbag2 makes for it.
+fn file_of(path: &Path) -> Result<PathBuf, BagError> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
+    let mut found: Vec<PathBuf> = std::fs::read_dir(path)
+        .map_err(unreadable)?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "mcap"))
+        .collect();
+    found.sort();
+    match found.as_slice() {
+        [only] => Ok(only.clone()),
+        _ => Err(BagError::NotOneFile { count: found.len() }),
+    }
+}
+
+/// The reference poses in the order of time, and when the first odometry was; what is no pose is counted.
+fn truth(bag: &Bag, report: &mut ReplayReport) -> Result<(Vec<StampedPose>, Option<Stamp>), BagError> {
+    let (mut poses, mut first) = (Vec::new(), None);
+    if !bag.has_truth() {
+        return Ok((poses, first));
+    }
+    bag.messages(|said| match said {
+        Said::Truth(told) => match pose_of::<Map, Body>(&told.pose) {
+            Ok(Pose { x, y, heading, .. }) => {
+                let time = stamp_of(told.header.stamp).seconds();
+                poses.push(StampedPose { time, x, y, heading: heading.radians() });
+            }
+            Err(why) => report.skip(Some(why.name())),
+        },
+        Said::Odometry(odometry) => first = first.or(Some(stamp_of(odometry.header.stamp))),
+        Said::Scan(_) | Said::Imu(_) => {}
+    })?;
+    poses.sort_by(|a, b| a.time.total_cmp(&b.time));
+    Ok((poses, first))
+}
+
+/// What is known of the recording's truth, and how far the estimates were from it.
+struct Judge<'a> {
+    reference: Reference<'a>,
+    score: Score,
+    dead_reckoning: Score,
+    /// When odometry first came, where its frame was at the first known pose, and what it said last.
+    first: Option<Stamp>,
+    map_from_odom: Option<Pose<Map, Odom, f64>>,
+    last: Option<(Stamp, Pose<Odom, Body, f64>)>,
+    was_lost: bool,
+}
+
+impl<'a> Judge<'a> {
+    fn new(poses: &'a [StampedPose]) -> Self {
+        Self {
+            reference: Reference::new(poses),
+            score: Score::default(),
+            dead_reckoning: Score::default(),
+            first: None,
+            map_from_odom: None,
+            last: None,
+            was_lost: false,
+        }
+    }
+
+    fn rolled(&mut self, stamp: Stamp, odometry: Pose<Odom, Body, f64>, report: &mut ReplayReport) {
+        report.steps += 1;
+        if let Some((_, last)) = self.last {
+            report.distance_m += motion_between(last, odometry).length.abs();
+        }
+        self.first = self.first.or(Some(stamp));
+        self.last = Some((stamp, odometry));
+        let truth = self.reference.at(stamp.seconds());
+        if let Some(truth) = truth {
+            let map_from_odom = *self.map_from_odom.get_or_insert(truth * odometry.inverse());
+            let reckoned = Belief::new(map_from_odom * odometry, [0.0; 3]);
+            self.dead_reckoning.add(reckoned.error(truth));
+        }
+    }
+
+    fn ticked(&mut self, ticked: &Report, report: &mut ReplayReport) {
+        if ticked.health == Health::Lost {
+            (self.was_lost, report.found_s) = (true, None);
+            return;
+        }
+        if self.was_lost && report.found_s.is_none() {
+            report.found_s = self.first.map(|first| ticked.stamp.since(first));
+        }
+        if let Some(truth) = self.reference.at(ticked.stamp.seconds()) {
+            self.score.add(ticked.belief.error(truth));
+            self.score.add_nees(ticked.belief.nees(truth));
+        }
+    }
+
+    fn finish(self, report: &mut ReplayReport) {
+        if let (Some(first), Some((last, _))) = (self.first, self.last) {
+            report.duration_s = last.since(first);
+        }
+        report.judge(self.score.summary());
+        report.judge_dead_reckoning(self.dead_reckoning.summary());
+    }
+}

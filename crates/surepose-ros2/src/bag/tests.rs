@@ -1,0 +1,194 @@
+//! Recordings of the simulated robot, and of what is none.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::PathBuf;
+
+use byteorder::LittleEndian;
+use mcap::records::MessageHeader;
+use serde::Serialize;
+use surepose::{Body, Integration, Pose, Stamp, Twist};
+use surepose_data::wall_map::{Wall, WallMap};
+use surepose_lab::rig::{Reading, Scenario};
+use surepose_sim::{Seed, World};
+
+use super::*;
+use crate::convert::{header, pose_message};
+use crate::message::PoseStamped;
+use crate::names::Names;
+use crate::pilot::{Odom, Settings};
+use crate::robot::words;
+
+/// Writes a recording.
+struct Recorder {
+    writer: mcap::Writer<Cursor<Vec<u8>>>,
+    channels: BTreeMap<String, u16>,
+}
+
+impl Recorder {
+    fn new() -> Self {
+        Self { writer: mcap::Writer::new(Cursor::new(Vec::new())).unwrap(), channels: BTreeMap::new() }
+    }
+
+    fn write(&mut self, topic: &str, kind: &str, time: Stamp, message: &impl Serialize) {
+        let mut data = vec![0, 1, 0, 0];
+        data.extend(cdr_encoding::to_vec::<_, LittleEndian>(message).unwrap());
+        self.write_bytes(topic, kind, time, &data);
+    }
+
+    fn write_bytes(&mut self, topic: &str, kind: &str, time: Stamp, data: &[u8]) {
+        let channel_id = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
+            let schema = self.writer.add_schema(kind, "ros2msg", b"").unwrap();
+            self.writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).unwrap()
+        });
+        let time = time.nanoseconds() as u64;
+        let header = MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
+        self.writer.write_to_known_channel(&header, data).unwrap();
+    }
+
+    fn finished(mut self) -> Vec<u8> {
+        self.writer.finish().unwrap();
+        self.writer.into_inner().into_inner()
+    }
+}
+
+/// The simulated robot on a round, for so many seconds.
+fn round(seconds: f64, odometry_topic: &str) -> Recorder {
+    let scenario = Scenario::default();
+    let mut world = World::new(scenario.world(), scenario.start(), Seed(5));
+    let mut odometry: Pose<Odom, Body, f64> = Pose::identity();
+    let mut recorder = Recorder::new();
+    let origin = Stamp::from_seconds(1.7e9);
+    let at = |moment: Stamp| origin.after(moment.seconds());
+    while world.now().seconds() < seconds {
+        let drive = world.model().drive;
+        let sensed = world.step(drive.rates_from_twist(Twist::new(0.2, 0.2)), 0.05);
+        odometry = odometry.moved(drive.motion_from_travel(sensed.rims), Integration::Arc);
+        let now = at(sensed.stamp);
+        let rolled = words::odometry(now, odometry, Twist::rest());
+        recorder.write(odometry_topic, "nav_msgs/msg/Odometry", now, &rolled);
+        let truth = PoseStamped { header: header(now, "map"), pose: pose_message(world.pose()) };
+        recorder.write("/truth", "geometry_msgs/msg/PoseStamped", now, &truth);
+        for heading in &sensed.headings {
+            let imu = words::heading(at(heading.stamp), heading.value, 0.1_f64.to_radians());
+            recorder.write("/imu", "sensor_msgs/msg/Imu", now, &imu);
+        }
+        for scan in &sensed.scans {
+            let scan = words::scan(at(scan.stamp), &scan.value);
+            recorder.write("/scan", "sensor_msgs/msg/LaserScan", now, &scan);
+        }
+    }
+    recorder
+}
+
+fn settings() -> Settings {
+    let scenario = Scenario::default();
+    let walls = scenario.arena.walls().iter().map(|wall| Wall {
+        name: None,
+        from: [wall.start.x, wall.start.y],
+        to: [wall.end.x, wall.end.y],
+        covariance: None,
+    });
+    let map = Some(WallMap { name: None, walls: walls.collect() });
+    let config = scenario.config;
+    Settings { config, map, reading: Reading::Lines, start: None, compass: true, hold: false }
+}
+
+/// A file with these bytes, for as long as it is kept.
+struct File(PathBuf);
+
+impl File {
+    fn new(name: &str, bytes: &[u8]) -> Self {
+        let path = std::env::temp_dir().join(format!("surepose-{}-{name}.mcap", std::process::id()));
+        std::fs::write(&path, bytes).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for File {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+#[test]
+fn a_recording_is_judged_by_its_truth() {
+    let file = File::new("round", &round(30.0, "/base/odom").finished());
+    let names = Names::default();
+    let report = replay(&file.0, &settings(), &names).unwrap();
+    assert_eq!(report.steps, 600);
+    assert!((report.duration_s - 29.95).abs() < 1e-6 && report.distance_m > 5.0);
+    assert!(report.position_rmse_m.unwrap() < 0.005, "{report:?}");
+    assert!(report.heading_rmse_deg.unwrap() < 0.1, "{report:?}");
+    assert!((2.0..4.5).contains(&report.nees_mean.unwrap()), "{report:?}");
+    assert!(report.dead_reckoning_position_rmse_m.unwrap() > 0.01, "{report:?}");
+    assert!(report.accepted > 500 && report.skipped.is_empty(), "{report:?}");
+
+    assert_eq!(report.found_s, None, "it was never lost");
+
+    // Without a map and a compass there is nothing but odometry.
+    let blind = Settings { map: None, compass: false, ..settings() };
+    let report = replay(&file.0, &blind, &names).unwrap();
+    assert_eq!(report.accepted, 0);
+    let (estimated, reckoned) = (report.position_rmse_m, report.dead_reckoning_position_rmse_m);
+    assert!((estimated.unwrap() - reckoned.unwrap()).abs() < 0.01, "{report:?}");
+}
+
+#[test]
+fn which_topic_is_meant_is_asked_where_it_is_not_plain() {
+    let mut recorder = round(1.0, "/base/odom");
+    let now = Stamp::from_seconds(1.7e9 + 1.0);
+    let other = words::odometry(now, Pose::identity(), Twist::rest());
+    recorder.write("/visual/odom", "nav_msgs/msg/Odometry", now, &other);
+    let file = File::new("two", &recorder.finished());
+    let said = replay(&file.0, &settings(), &Names::default()).unwrap_err().to_string();
+    assert!(said.contains("/base/odom, /visual/odom") && said.contains("--remap odom:=/base/odom"), "{said}");
+    let names = Names::new("", &["odom:=/base/odom".to_owned()]).unwrap();
+    assert_eq!(replay(&file.0, &settings(), &names).unwrap().steps, 20);
+    let names = Names::new("", &["odom:=/nowhere".to_owned()]).unwrap();
+    let said = replay(&file.0, &settings(), &names).unwrap_err().to_string();
+    assert!(said.contains("no topic /nowhere") && said.contains("/visual/odom (nav_msgs"), "{said}");
+}
+
+#[test]
+fn what_is_no_recording_is_refused_and_nothing_panics() {
+    let bytes = round(1.0, "/odom").finished();
+    let mut broken = vec![Vec::new(), b"not a recording".to_vec()];
+    broken.extend([8, 100, bytes.len() / 2, bytes.len() - 1].map(|length| bytes[..length].to_vec()));
+    for (number, bytes) in broken.iter().enumerate() {
+        let file = File::new(&format!("broken-{number}"), bytes);
+        assert!(replay(&file.0, &settings(), &Names::default()).is_err(), "{} bytes", bytes.len());
+    }
+    // Every byte may be wrong: an error or another recording, and no panic.
+    for place in (0..bytes.len()).step_by(bytes.len() / 300) {
+        let mut bytes = bytes.clone();
+        bytes[place] ^= 0xff;
+        let file = File::new("flipped", &bytes);
+        let _judged = replay(&file.0, &settings(), &Names::default());
+    }
+    let absent = replay(std::path::Path::new("/nowhere.mcap"), &settings(), &Names::default());
+    assert!(matches!(absent, Err(BagError::Unreadable { .. })));
+}
+
+#[test]
+fn a_message_that_is_none_is_named() {
+    let mut recorder = round(1.0, "/odom");
+    let now = Stamp::from_seconds(1.7e9 + 1.0);
+    recorder.write_bytes("/odom", "nav_msgs/msg/Odometry", now, &[0, 1, 0, 0, 7]);
+    let file = File::new("short", &recorder.finished());
+    let said = replay(&file.0, &settings(), &Names::default()).unwrap_err().to_string();
+    assert!(said.starts_with("message 21 of /odom is no nav_msgs/msg/Odometry"), "{said}");
+}
+
+#[test]
+fn a_folder_stands_for_the_one_recording_in_it() {
+    let folder = std::env::temp_dir().join(format!("surepose-{}-folder", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let replayed = || replay(&folder, &settings(), &Names::default());
+    assert!(matches!(replayed(), Err(BagError::NotOneFile { count: 0 })));
+    std::fs::write(folder.join("drive_0.mcap"), round(1.0, "/odom").finished()).unwrap();
+    assert_eq!(replayed().unwrap().steps, 20);
+    std::fs::write(folder.join("drive_1.mcap"), b"").unwrap();
+    assert!(matches!(replayed(), Err(BagError::NotOneFile { count: 2 })));
+    std::fs::remove_dir_all(&folder).unwrap();
+}

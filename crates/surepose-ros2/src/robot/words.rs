@@ -1,0 +1,76 @@
+//! What the simulated robot senses, in messages.
+
+use surepose::{Angle, Body, Laser, Pose, Stamp, Twist};
+use surepose_sim::Scan;
+
+use crate::convert::{header, pose_message, rotation_of, transform, twist_message};
+use crate::message::{
+    Imu, LaserScan, Odometry, PoseWithCovariance, TransformStamped, TwistWithCovariance, Vector3,
+};
+use crate::pilot::Odom;
+
+/// The nearest and the farthest that its laser sees \[m].
+const REACH: [f32; 2] = [0.05, 30.0];
+
+/// The frames of its odometry, its body, its laser and its compass.
+const ODOM: &str = "odom";
+const BASE: &str = "base_link";
+const LASER: &str = "laser";
+
+pub(crate) fn odometry(stamp: Stamp, pose: Pose<Odom, Body, f64>, twist: Twist<f64>) -> Odometry {
+    let unknown = [[0.0; 6]; 6];
+    Odometry {
+        header: header(stamp, ODOM),
+        child_frame_id: BASE.to_owned(),
+        pose: PoseWithCovariance { pose: pose_message(pose), covariance: unknown },
+        twist: TwistWithCovariance { twist: twist_message(twist), covariance: unknown },
+    }
+}
+
+/// Where the body is by odometry, and where the laser is on it.
+pub(super) fn transforms(
+    stamp: Stamp,
+    pose: Pose<Odom, Body, f64>,
+    body_from_laser: Pose<Body, Laser, f64>,
+) -> Vec<TransformStamped> {
+    let joint = |parent: &str, child: &str, transform| TransformStamped {
+        header: header(stamp, parent),
+        child_frame_id: child.to_owned(),
+        transform,
+    };
+    vec![joint(ODOM, BASE, transform(pose)), joint(BASE, LASER, transform(body_from_laser))]
+}
+
+/// A compass in a housing for more: nothing but the heading is measured.
+pub(crate) fn heading(stamp: Stamp, heading: Angle<f64>, std: f64) -> Imu {
+    let (mut orientation_covariance, mut unknown) = ([0.0; 9], [0.0; 9]);
+    orientation_covariance[8] = std * std;
+    unknown[0] = -1.0;
+    Imu {
+        header: header(stamp, BASE),
+        orientation: rotation_of(heading),
+        orientation_covariance,
+        angular_velocity: Vector3::along_z(0.0),
+        angular_velocity_covariance: unknown,
+        linear_acceleration: Vector3::along_z(0.0),
+        linear_acceleration_covariance: unknown,
+    }
+}
+
+pub(crate) fn scan(stamp: Stamp, scan: &Scan) -> LaserScan {
+    let Scan { first_bearing, bearing_step, ranges } = scan;
+    let last = first_bearing + bearing_step * ranges.len().saturating_sub(1) as f64;
+    let [range_min, range_max] = REACH;
+    LaserScan {
+        header: header(stamp, LASER),
+        angle_min: *first_bearing as f32,
+        angle_max: last as f32,
+        angle_increment: *bearing_step as f32,
+        time_increment: 0.0,
+        scan_time: 0.0,
+        range_min,
+        range_max,
+        ranges: ranges.iter().map(|range| *range as f32).collect(),
+        intensities: Vec::new(),
+    }
+}
