@@ -12,7 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
     std::fs::write(&path, bytes).expect("a temporary file can be written");
     let config = Config::default();
     let reading = Reading::Lines;
-    let settings = Settings { config, map: None, reading, start: None, compass: true, hold: false };
+    let settings = Settings { config, map: None, reading, start: None, compass: true, room: 0.4, hold: false };
     if let Ok(report) = bag::replay(&path, &settings, &Names::default()) {
         assert!(report.distance_m.is_finite() && report.duration_s.is_finite());
     }

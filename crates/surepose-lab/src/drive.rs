@@ -17,7 +17,8 @@ use crate::optimal::fastest;
 use crate::replay::Score;
 use crate::rig::{Rig, Scenario};
 
-pub use guard::{Guard, PATIENCE};
+pub use guard::{Guard, PATIENCE, told};
+pub use lookout::way_to_rest;
 pub use sample::{Mode, Sample};
 pub use summary::{Outcome, Summary};
 

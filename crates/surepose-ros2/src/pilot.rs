@@ -7,31 +7,30 @@
 
 mod errand;
 mod inbox;
+mod lookout;
 mod odometer;
+mod surroundings;
 
 use surepose::closed_loop::{Controller, Sensed};
 use surepose::{
     Belief, Body, Goal, Health, Map, Navigation, Pose, Reason, Stamp, Stamped, Tally, Twist, Verdict,
-    Vigilance, Wall, Wheels,
+    Vigilance, Wheels,
 };
 use surepose_data::Config;
 use surepose_data::wall_map::WallMap;
-use surepose_lab::replay::walls_of;
 use surepose_lab::rig::{Localisation, Reading, Watch, localisation};
-use surepose_sim::{Arena, Segment};
+use surepose_sim::Segment;
 
 use crate::convert::Refused;
 
 use errand::Errand;
 use inbox::Inbox;
 use odometer::Odometer;
+use surroundings::Surroundings;
 
 pub use errand::Ended;
 pub use inbox::{Heard, LaserScan};
 pub use odometer::Odom;
-
-/// A goal that is nearer to a wall than this has no room for the robot's middle \[m].
-const LEAST_CLEARANCE: f64 = 0.05;
 
 /// How well a start that somebody named is known: standard deviations of x, y \[m] and heading \[rad].
 pub const START_STD: [f64; 3] = [0.1, 0.1, 0.1];
@@ -52,6 +51,8 @@ pub struct Settings {
     pub start: Option<Belief<f64>>,
     /// Whether it hears a compass.
     pub compass: bool,
+    /// The robot stops before what its laser sees, and no map knows, so near to the way of its middle \[m]; 0 for not at all.
+    pub room: f64,
     /// Whether a pose that was reached is held, and taken up again after a push, until another goal or a cancel.
     pub hold: bool,
 }
@@ -73,8 +74,19 @@ pub struct Report {
     pub command: Option<Twist<f64>>,
     /// The goal as it is seen from there, where there is one.
     pub navigation: Option<Navigation<f64>>,
+    /// Whether something stands in the robot's way that is on no map.
+    pub blocked: bool,
     /// What became of the goal that was driven to.
     pub ended: Option<Ended>,
+}
+
+/// The wheels come to rest.
+#[derive(Clone, Copy, Debug)]
+struct Resting {
+    /// What they were told last.
+    last: Twist<f64>,
+    /// Until when they are told so.
+    until: Stamp,
 }
 
 /// The loop on a robot that speaks in messages.
@@ -82,8 +94,7 @@ pub struct Report {
 pub struct Pilot {
     settings: Settings,
     controller: Controller<f64>,
-    walls: Vec<Wall<f64>>,
-    arena: Option<Arena>,
+    surroundings: Surroundings,
     localiser: Box<Localisation>,
     watch: Watch,
     inbox: Inbox,
@@ -91,33 +102,26 @@ pub struct Pilot {
     errand: Option<Errand>,
     /// What became of the last errand, until the next report.
     ended: Option<Ended>,
-    /// Until when the wheels are told to rest.
-    rests_until: Option<Stamp>,
+    /// How the wheels come to rest after an errand.
+    resting: Option<Resting>,
 }
 
 impl Pilot {
     /// A pilot who has heard nothing yet.
     pub fn new(settings: Settings) -> Self {
-        let map = settings.map.as_ref();
-        let walls = map.map(walls_of).unwrap_or_default();
-        let arena = map.map(|map| {
-            let ends = |[x, y]: [f64; 2]| (x, y);
-            let walls = map.walls.iter().map(|wall| Segment::between(ends(wall.from), ends(wall.to)));
-            Arena::of_walls("map", walls.collect())
-        });
+        let surroundings = Surroundings::of(settings.map.as_ref(), settings.room);
         let origin = Belief::new(Pose::identity(), [0.0; 3]);
         let belief = settings.start.unwrap_or(origin);
         Self {
             controller: settings.config.controller(),
             localiser: localisation(&settings.config, settings.reading, belief),
-            watch: watch(&settings, &walls, Stamp::default()),
-            walls,
-            arena,
+            watch: watch(&settings, &surroundings, Stamp::default()),
+            surroundings,
             inbox: Inbox::default(),
             odometer: None,
             errand: None,
             ended: None,
-            rests_until: None,
+            resting: None,
             settings,
         }
     }
@@ -143,7 +147,7 @@ impl Pilot {
 
     /// Takes in what a sensor measured; without walls, scans say nothing.
     pub fn hear(&mut self, heard: Stamped<Heard>) {
-        if self.arena.is_some() || heard.value.scan().is_none() {
+        if self.surroundings.are_known() || heard.value.scan().is_none() {
             self.inbox.put(heard);
         }
     }
@@ -154,7 +158,7 @@ impl Pilot {
         if let Some(odometer) = &self.odometer {
             let now = odometer.stamp();
             self.localiser.estimator.restart(now, belief);
-            self.watch = watch(&self.settings, &self.walls, now);
+            self.watch = watch(&self.settings, &self.surroundings, now);
             self.inbox = Inbox::default();
         }
         if let Some(errand) = &mut self.errand {
@@ -166,7 +170,7 @@ impl Pilot {
     ///
     /// Without walls there is nothing to look at, and it stays where it is.
     pub fn lose(&mut self) {
-        if self.arena.is_some() {
+        if self.surroundings.are_known() {
             self.settings.start = None;
             if let Some(odometer) = &self.odometer {
                 self.watch.lose(odometer.stamp());
@@ -179,14 +183,11 @@ impl Pilot {
     /// # Errors
     /// [`Refused::NoRoom`], where a wall of the map is too near; the goal before stays.
     pub fn go(&mut self, goal: Pose<Map, Goal, f64>) -> Result<Option<Ended>, Refused> {
-        if let Some(arena) = &self.arena {
-            let (clearance, needed) = (arena.clearance(goal.origin()), LEAST_CLEARANCE);
-            if clearance < needed {
-                return Err(Refused::NoRoom { clearance, needed });
-            }
-        }
+        self.surroundings.have_room(goal)?;
         let ended = self.end(Ended::Preempted);
-        self.errand = Some(Errand::to(goal));
+        // The wheels go on from what they were told last.
+        let last = self.resting.take().map_or_else(Twist::rest, |resting| resting.last);
+        self.errand = Some(Errand::to(goal, last));
         Ok(ended)
     }
 
@@ -216,8 +217,7 @@ impl Pilot {
 
     /// A wall of the map on the straight way to `goal`: the law does not go round it.
     pub fn wall_before(&self, goal: Pose<Map, Goal, f64>) -> Option<&Segment> {
-        let here = self.localiser.estimator.belief().pose;
-        self.arena.as_ref()?.met_between(here.origin(), goal.origin())
+        self.surroundings.wall_between(self.belief().pose, goal)
     }
 
     /// Where it thinks it is.
@@ -262,12 +262,12 @@ impl Pilot {
         };
         self.odometer = Some(Odometer::starting(at));
         self.inbox = Inbox::default();
-        self.rests_until = None;
-        self.watch = watch(&self.settings, &self.walls, at.stamp);
+        self.resting = None;
+        self.watch = watch(&self.settings, &self.surroundings, at.stamp);
         // Without walls, the map is where the robot starts.
         let unknown = Belief::new(Pose::identity(), [0.0; 3]);
         self.localiser.estimator.restart(at.stamp, belief.unwrap_or(unknown));
-        if belief.is_none() && self.arena.is_some() {
+        if belief.is_none() && self.surroundings.are_known() {
             self.watch.lose(at.stamp);
         }
     }
@@ -279,31 +279,48 @@ impl Pilot {
         is_under_way.then_some(ended)
     }
 
-    /// There is no errand any more: for a while the wheels are told to rest.
+    /// There is no errand any more: the wheels brake, and for a while are told to rest.
     fn rest(&mut self) {
-        if self.errand.take().is_some() {
-            self.rests_until = self.odometer.as_ref().map(|odometer| odometer.stamp().after(REST));
+        if let Some(errand) = self.errand.take() {
+            let until = self.belief_stamp().after(REST);
+            self.resting = Some(Resting { last: errand.granted(), until });
         }
+    }
+
+    /// How wheels are braked that have no errand any more; nothing where they are nobody's.
+    fn brake(&mut self, now: Stamp) -> Option<Twist<f64>> {
+        let Resting { last, until } = self.resting.filter(|resting| now <= resting.until)?;
+        let Controller { drive, limits, period, .. } = &self.controller;
+        let granted = limits.grant(drive, Twist::rest(), last, *period);
+        let until = if granted == Twist::rest() { until } else { now.after(REST) };
+        self.resting = Some(Resting { last: granted, until });
+        Some(granted)
     }
 
     /// A period is over, in which the rims rolled so far \[m].
     fn tick(&mut self, at: Stamped<Pose<Odom, Body, f64>>, rims: Wheels<f64>) -> Report {
         let stamp = at.stamp;
         let heard = self.inbox.until(stamp);
-        if let Some(scan) = heard.iter().rev().find_map(|heard| heard.value.scan()) {
+        let last_scan = heard.iter().rev().find_map(|heard| Some((heard.stamp, heard.value.scan()?)));
+        if let Some((taken, scan)) = last_scan {
             let laser = &mut self.localiser.eye.laser;
             (laser.nearest, laser.farthest) = (scan.nearest, scan.farthest);
+            let estimator = &self.localiser.estimator;
+            let map_from_body = estimator.belief_at(taken).unwrap_or_else(|| estimator.belief()).pose;
+            let map_from_laser = map_from_body * self.localiser.eye.laser.body_from_laser;
+            self.surroundings.look(taken, scan, map_from_laser);
         }
+        self.surroundings.lookout.forget(stamp);
         let signals: Vec<_> = heard.iter().map(Heard::signal).collect();
         let travel = self.localiser.estimator.ekf().travel(rims);
         let sensed = Sensed { stamp, travel, signals: &signals };
         let driven = self.errand.as_mut().map(|errand| {
             let (controller, localiser, watch) = (&self.controller, &mut self.localiser, &mut self.watch);
-            errand.tick(controller, localiser, &self.walls, self.arena.as_ref(), &sensed, watch)
+            errand.tick(controller, localiser, &self.surroundings, &sensed, watch)
         });
         if driven.is_none() {
             // Nobody told the wheels anything that they could have failed to do.
-            let _belief = self.localiser.sense(&sensed, rims, &self.walls, &mut self.watch);
+            let _belief = self.localiser.sense(&sensed, rims, &self.surroundings.walls, &mut self.watch);
         }
         if let Some(ended) = driven.and_then(|driven| driven.ended) {
             self.ended = Some(ended);
@@ -312,22 +329,24 @@ impl Pilot {
             }
         }
         let belief = self.belief();
-        let resting = self.rests_until.is_some_and(|until| stamp <= until).then(Twist::rest);
+        let braked = if self.errand.is_none() { self.brake(stamp) } else { None };
         Report {
             stamp,
             belief,
             map_from_odom: belief.pose * at.value.inverse(),
             health: self.watch.health(stamp, &belief),
             verdict: self.watch.verdict(stamp, &belief),
-            command: driven.map(|driven| driven.command).or(resting),
+            command: driven.map(|driven| driven.command).or(braked),
             navigation: driven.map(|driven| driven.navigation),
+            blocked: self.errand.as_ref().is_some_and(Errand::is_blocked),
             ended: self.ended.take(),
         }
     }
 }
 
 /// The watch over a robot with these settings.
-fn watch(settings: &Settings, walls: &[Wall<f64>], stamp: Stamp) -> Watch {
+fn watch(settings: &Settings, surroundings: &Surroundings, stamp: Stamp) -> Watch {
+    let walls = &surroundings.walls;
     let aided = settings.compass || !walls.is_empty();
     Watch::new(&settings.config, aided, settings.reading, walls, stamp)
 }

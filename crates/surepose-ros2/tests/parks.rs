@@ -67,6 +67,7 @@ fn settings() -> (RobotSettings, NodeSettings) {
         reading: Reading::Lines,
         start: Some(Belief::new(scenario.start(), scenario.start_std)),
         compass: true,
+        room: 0.4,
         hold: false,
     };
     let (names, map_frame, stamped) = (Names::new("robot1", &[]).unwrap(), "map".to_owned(), true);

@@ -144,6 +144,7 @@ impl ReplayCommand {
             reading,
             start: self.start.map(|start| Belief::new(start.pose(), START_STD)),
             compass: self.compass,
+            room: 0.0,
             hold: false,
         };
         bag::replay(&self.path, &settings, &names)

@@ -50,6 +50,9 @@ pub(crate) struct Ros2Command {
     /// Hold a pose that was reached, also after a push, until another goal or a cancel
     #[arg(long)]
     hold: bool,
+    /// Stop before what the laser sees and no map knows, so near to the way of the robot's middle; half the track and 10 cm unless given, 0 for not at all
+    #[arg(long, value_name = "M", value_parser = room)]
+    room: Option<f64>,
     /// The type of cmd_vel, of geometry_msgs
     #[arg(long, value_enum, default_value_t = CommandType::Stamped)]
     cmd_vel: CommandType,
@@ -71,6 +74,9 @@ pub(crate) struct Ros2Command {
     #[command(flatten)]
     config: LawArgs,
 }
+
+/// More room than half the track, unless somebody says otherwise \[m].
+const ROOM: f64 = 0.1;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum CommandType {
@@ -138,10 +144,16 @@ impl Ros2Command {
         }
         let (map, reading) = map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
         let compass = self.compass || self.simulate;
-        let pilot = Settings { config, map, reading, start, compass, hold: self.hold };
+        let room = self.room.unwrap_or(0.5 * config.drive().track + ROOM);
+        let pilot = Settings { config, map, reading, start, compass, room, hold: self.hold };
         let map_frame = self.map_frame.clone();
         Ok((simulated, NodeSettings { pilot, names, map_frame, stamped, network, warnings }))
     }
+}
+
+fn room(text: &str) -> Result<f64, String> {
+    let room = text.parse::<f64>().ok().filter(|room| (0.0..=5.0).contains(room));
+    room.ok_or_else(|| "write metres, from 0 to 5".to_owned())
 }
 
 fn walls_of(scenario: &Scenario) -> WallMap {

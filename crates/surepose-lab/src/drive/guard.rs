@@ -71,7 +71,12 @@ impl Guard {
 }
 
 /// `step` with what the wheels can do of `wanted`, having done `last`.
-fn told(wanted: Twist<f64>, controller: &Controller<f64>, step: Step<f64>, last: Twist<f64>) -> Step<f64> {
+pub fn told(
+    wanted: Twist<f64>,
+    controller: &Controller<f64>,
+    step: Step<f64>,
+    last: Twist<f64>,
+) -> Step<f64> {
     let granted = controller.limits.grant(&controller.drive, wanted, last, controller.period);
     let wheels = controller.drive.rates_from_twist(granted);
     Step { granted, wheels, progress: Progress { granted, ..step.progress }, ..step }

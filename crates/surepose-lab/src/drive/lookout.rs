@@ -1,10 +1,10 @@
 //! Whether a wall stands in the robot's way: the drive brakes before it, whatever law and supervisor want.
 //!
-//! It looks at the true pose, as the protective field of a safety scanner would: an estimate that is wrong must not
-//! excuse a collision.
+//! In simulation it is told the true pose, as the protective field of a safety scanner knows it: an estimate that is wrong
+//! must not excuse a collision. A robot has its estimate, and needs that scanner besides.
 
 use surepose::closed_loop::Controller;
-use surepose::{Body, Integration, Map, Motion, Pose, Twist};
+use surepose::{Body, Integration, Map, Motion, Point, Pose, Twist};
 use surepose_sim::{Arena, MotorModel};
 
 /// The nearest that the robot's middle comes to a wall in any way that it is let go \[m]: wheels slip.
@@ -24,21 +24,32 @@ pub(super) fn is_blocked(
     twist: Twist<f64>,
     controller: &Controller<f64>,
 ) -> bool {
-    // Braking from full speed to rest at a constant rate goes half as far as driving on for as long.
-    let rim = controller.drive.rims_from_twist(twist).largest();
-    let braking = 0.5 * rim / controller.limits.wheel_acceleration;
-    let way = twist.over(SLACK * (controller.period + MotorModel::default().lag + braking));
-    let steps = (way.length.abs() / STEP).ceil().clamp(1.0, MOST_STEPS);
     let mut here = pose.origin();
-    (1..=steps as usize).any(|k| {
-        let part = k as f64 / steps;
-        let motion = Motion { length: part * way.length, turn: part * way.turn };
-        let next = pose.moved(motion, Integration::Arc).origin();
+    way_to_rest(pose, twist, controller).any(|next| {
         // A robot that stands too near may drive away.
         let clearance = arena.clearance(next);
         let too_near = clearance < MARGIN && clearance < arena.clearance(here);
         let blocked = too_near || arena.met_between(here, next).is_some();
         here = next;
         blocked
+    })
+}
+
+/// Where the middle of a robot at `pose` comes that drives on with `twist` for a period, and then brakes: point by point, at
+/// the farthest.
+pub fn way_to_rest(
+    pose: Pose<Map, Body, f64>,
+    twist: Twist<f64>,
+    controller: &Controller<f64>,
+) -> impl Iterator<Item = Point<Map, f64>> {
+    // Braking from full speed to rest at a constant rate goes half as far as driving on for as long.
+    let rim = controller.drive.rims_from_twist(twist).largest();
+    let braking = 0.5 * rim / controller.limits.wheel_acceleration;
+    let way = twist.over(SLACK * (controller.period + MotorModel::default().lag + braking));
+    let steps = (way.length.abs() / STEP).ceil().clamp(1.0, MOST_STEPS);
+    (1..=steps as usize).map(move |k| {
+        let part = k as f64 / steps;
+        let motion = Motion { length: part * way.length, turn: part * way.turn };
+        pose.moved(motion, Integration::Arc).origin()
     })
 }

@@ -91,7 +91,7 @@ fn settings() -> Settings {
     });
     let map = Some(WallMap { name: None, walls: walls.collect() });
     let config = scenario.config;
-    Settings { config, map, reading: Reading::Lines, start: None, compass: true, hold: false }
+    Settings { config, map, reading: Reading::Lines, start: None, compass: true, room: 0.4, hold: false }
 }
 
 /// A file with these bytes, for as long as it is kept.

@@ -25,7 +25,26 @@ pub(super) struct Diagnosis {
     last: Option<Stamp>,
     /// Mean time between odometries \[s].
     odometry_period: Option<f64>,
-    state: Option<(Health, Verdict)>,
+    state: Option<State>,
+}
+
+/// What a tick said.
+#[derive(Clone, Copy, Debug)]
+struct State {
+    health: Health,
+    verdict: Verdict,
+    blocked: bool,
+}
+
+impl State {
+    fn said(self) -> String {
+        match self.verdict {
+            Verdict::Stop(reason) => format!("stopped: {}", reason.name()),
+            _ if self.blocked => "stopped: something that is on no map stands in the way".to_owned(),
+            Verdict::Slow(reason) => format!("slowed down: {}", reason.name()),
+            Verdict::Go => "the estimate is trusted".to_owned(),
+        }
+    }
 }
 
 impl Diagnosis {
@@ -44,9 +63,10 @@ impl Diagnosis {
 
     /// The pilot ticked; what has changed since it last did, as a line.
     pub(super) fn keep(&mut self, report: &Report) -> Option<String> {
-        let before = self.state.replace((report.health, report.verdict));
-        let (_, was) = before.unwrap_or((Health::Healthy, Verdict::Go));
-        (was != report.verdict).then(|| said(report.verdict))
+        let now = State { health: report.health, verdict: report.verdict, blocked: report.blocked };
+        let start = State { health: Health::Healthy, verdict: Verdict::Go, blocked: false };
+        let before = self.state.replace(now).unwrap_or(start);
+        ((before.verdict, before.blocked) != (now.verdict, now.blocked)).then(|| now.said())
     }
 
     /// Counts a message that was not used, and says whether it is the first such.
@@ -71,7 +91,7 @@ impl Diagnosis {
         let tally = pilot.tally();
         let belief = pilot.belief();
         let position = (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt();
-        let health = self.state.map_or("waiting for odometry", |(health, _)| match health {
+        let health = self.state.map_or("waiting for odometry", |state| match state.health {
             Health::Healthy => "healthy",
             Health::Doubtful => "doubtful",
             Health::Lost => "lost",
@@ -109,9 +129,11 @@ impl Diagnosis {
         }
         match self.state {
             None => return (WARN, "waiting for odometry".to_owned()),
-            Some((_, verdict @ Verdict::Stop(_))) => return (ERROR, said(verdict)),
-            Some((_, verdict @ Verdict::Slow(_))) => return (WARN, said(verdict)),
-            Some((_, Verdict::Go)) => {}
+            Some(state @ State { verdict: Verdict::Stop(_), .. }) => return (ERROR, state.said()),
+            Some(state @ (State { verdict: Verdict::Slow(_), .. } | State { blocked: true, .. })) => {
+                return (WARN, state.said());
+            }
+            Some(State { verdict: Verdict::Go, .. }) => {}
         }
         let period = pilot.controller().period;
         if let Some(dt) = self.odometry_period.filter(|dt| *dt > TOO_SLOW * period) {
@@ -122,14 +144,6 @@ impl Diagnosis {
             Some(warning) => (WARN, warning.clone()),
             None => (OK, "the estimate is trusted".to_owned()),
         }
-    }
-}
-
-fn said(verdict: Verdict) -> String {
-    match verdict {
-        Verdict::Go => "the estimate is trusted".to_owned(),
-        Verdict::Slow(reason) => format!("slowed down: {}", reason.name()),
-        Verdict::Stop(reason) => format!("stopped: {}", reason.name()),
     }
 }
 

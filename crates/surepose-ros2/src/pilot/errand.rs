@@ -2,10 +2,11 @@
 
 use surepose::closed_loop::Controller;
 use surepose::closed_loop::{Progress, Sensed, Tick, tick};
-use surepose::{Goal, Map, Navigation, Phase, Pose, Twist, Wall};
-use surepose_lab::drive::Guard;
+use surepose::{Goal, Map, Navigation, Phase, Pose, Twist};
+use surepose_lab::drive::{Guard, told};
 use surepose_lab::rig::{Localisation, Watch};
-use surepose_sim::Arena;
+
+use super::surroundings::Surroundings;
 
 pub(super) use surepose_lab::drive::PATIENCE;
 
@@ -28,6 +29,8 @@ pub(super) struct Errand {
     goal: Pose<Map, Goal, f64>,
     progress: Progress<f64>,
     guard: Guard,
+    /// Since when something stands in the way \[s].
+    blocked: Option<f64>,
     has_arrived: bool,
 }
 
@@ -42,14 +45,25 @@ pub(super) struct Driven {
 }
 
 impl Errand {
-    /// To `goal`, from rest.
-    pub(super) fn to(goal: Pose<Map, Goal, f64>) -> Self {
-        Self { goal, progress: Progress::fresh(), guard: Guard::default(), has_arrived: false }
+    /// To `goal`, with wheels that were told `last`.
+    pub(super) fn to(goal: Pose<Map, Goal, f64>, last: Twist<f64>) -> Self {
+        let progress = Progress { granted: last, ..Progress::fresh() };
+        Self { goal, progress, guard: Guard::default(), blocked: None, has_arrived: false }
+    }
+
+    /// What the wheels were told last.
+    pub(super) fn granted(&self) -> Twist<f64> {
+        self.progress.granted
     }
 
     /// The goal.
     pub(super) fn goal(&self) -> Pose<Map, Goal, f64> {
         self.goal
+    }
+
+    /// Whether something stands in its way.
+    pub(super) fn is_blocked(&self) -> bool {
+        self.blocked.is_some()
     }
 
     /// Whether it was at the goal already.
@@ -59,8 +73,7 @@ impl Errand {
 
     /// The pose was set anew: what is remembered of how the goal was seen is worth nothing.
     pub(super) fn forget(&mut self) {
-        self.progress = Progress { granted: self.progress.granted, ..Progress::fresh() };
-        self.guard = Guard::default();
+        *self = Self { has_arrived: self.has_arrived, ..Self::to(self.goal, self.granted()) };
     }
 
     /// One tick of the closed loop.
@@ -68,11 +81,11 @@ impl Errand {
         &mut self,
         controller: &Controller<f64>,
         localiser: &mut Localisation,
-        walls: &[Wall<f64>],
-        arena: Option<&Arena>,
+        surroundings: &Surroundings,
         sensed: &Sensed<'_, f64>,
         watch: &mut Watch,
     ) -> Driven {
+        let Surroundings { walls, arena, lookout } = surroundings;
         let last = self.progress.granted;
         let Tick { belief, step, .. } =
             tick(controller, localiser, walls, self.progress, sensed, self.goal, watch);
@@ -82,6 +95,12 @@ impl Errand {
         if let Some(arena) = arena {
             step = self.guard.keep_off_walls(arena, belief.pose, controller, step, last);
         }
+        if lookout.is_blocked(belief.pose, step.granted, controller) {
+            self.blocked.get_or_insert(now);
+            step = told(Twist::rest(), controller, step, last);
+        } else {
+            self.blocked = None;
+        }
         self.progress = step.progress;
         Driven { command: step.granted, navigation: step.navigation, ended: self.ended(controller, now) }
     }
@@ -89,6 +108,9 @@ impl Errand {
     fn ended(&mut self, controller: &Controller<f64>, now: f64) -> Option<Ended> {
         if let Some(reason) = self.guard.gave_up(now) {
             return Some(Ended::Stopped(reason.name()));
+        }
+        if self.blocked.is_some_and(|since| now - since >= PATIENCE) {
+            return Some(Ended::Stopped("obstacle"));
         }
         let rests = self.progress.granted == Twist::rest();
         if self.guard.is_walled() && rests {

@@ -17,6 +17,8 @@ struct Ride {
     /// From one odometry to the next \[s].
     dt: f64,
     ended: Option<Ended>,
+    /// Something that is on no map stands so far before the robot \[m].
+    obstacle: Option<f64>,
 }
 
 fn map_of(scenario: &Scenario) -> WallMap {
@@ -39,6 +41,7 @@ impl Ride {
             reading: Reading::Lines,
             start: start_is_known.then_some(start),
             compass: true,
+            room: 0.4,
             hold: false,
         };
         Self {
@@ -50,6 +53,7 @@ impl Ride {
             origin: 1.7e9,
             dt,
             ended: None,
+            obstacle: None,
         }
     }
 
@@ -67,10 +71,17 @@ impl Ride {
             self.pilot.hear(Stamped::new(self.stamp(heading.stamp), heard));
         }
         for scan in &sensed.scans {
+            let mut ranges = scan.value.ranges.clone();
+            let middle = ranges.len() / 2;
+            for (number, range) in ranges.iter_mut().enumerate() {
+                if let Some(obstacle) = self.obstacle.filter(|_| number.abs_diff(middle) < 8) {
+                    *range = range.min(obstacle);
+                }
+            }
             let heard = Heard::Scan(LaserScan {
                 first_bearing: scan.value.first_bearing,
                 bearing_step: scan.value.bearing_step,
-                ranges: scan.value.ranges.clone(),
+                ranges,
                 nearest: 0.05,
                 farthest: 30.0,
             });
@@ -91,6 +102,18 @@ impl Ride {
         while self.world.now() < until && self.ended.is_none() {
             self.step();
         }
+    }
+
+    /// Meets something that stands `ahead` \[m], for so many seconds or until the errand ends, and says how far it got.
+    fn meet(&mut self, ahead: f64, seconds: f64) -> f64 {
+        let (before, until) = (self.world.pose().origin(), self.world.now().after(seconds));
+        let mut gone = 0.0;
+        while self.world.now() < until && self.ended.is_none() {
+            self.obstacle = Some(ahead - gone);
+            self.step();
+            gone = self.world.pose().origin().distance(before);
+        }
+        gone
     }
 
     /// How far the robot truly is from `goal` \[m] and \[°].
@@ -157,8 +180,14 @@ fn goals_end_once_and_the_wheels_rest() {
     assert_eq!(ride.pilot.cancel(), Some(Ended::Cancelled));
     assert_eq!(ride.pilot.cancel(), None);
     let commands: Vec<_> =
-        std::iter::repeat_with(|| ride.step()).take(40).flatten().map(|r| r.command).collect();
-    assert_eq!(commands[0], Some(Twist::rest()), "the wheels are told to rest");
+        std::iter::repeat_with(|| ride.step()).take(60).flatten().map(|report| report.command).collect();
+    let speeds: Vec<_> = commands.iter().map_while(|command| command.map(|twist| twist.v.abs())).collect();
+    let (limits, period) = (ride.pilot.controller().limits, ride.pilot.controller().period);
+    assert!(speeds[0] > 0.0, "wheels brake no harder than they can: {speeds:?}");
+    for pair in speeds.windows(2) {
+        assert!(pair[1] <= pair[0] && pair[0] - pair[1] <= limits.wheel_acceleration * period * 1.001);
+    }
+    assert_eq!(speeds.last(), Some(&0.0), "and are told to rest");
     assert_eq!(commands.last(), Some(&None), "and then are nobody's");
 }
 
@@ -230,4 +259,34 @@ fn a_pose_that_is_held_is_taken_up_again_after_a_push() {
     }
     assert!(ride.error(goal()).0 < 0.01 && ride.pilot.is_driving());
     assert_eq!(ride.pilot.cancel(), None, "that it was reached was said");
+}
+
+#[test]
+fn it_stops_before_what_no_map_knows_and_goes_on_when_that_is_gone() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.pilot.go(goal()).unwrap();
+    ride.live(4.0);
+    assert!(ride.told.v > 0.2, "it is under way");
+    let gone = ride.meet(0.8, 4.0);
+    assert!(ride.told == Twist::rest() && gone < 0.42 && gone > 0.1, "{gone} m on");
+    assert!(ride.pilot.errand.as_ref().unwrap().is_blocked());
+    ride.obstacle = None;
+    ride.live(60.0);
+    assert_eq!(ride.ended, Some(Ended::Reached));
+    assert!(ride.error(goal()).0 < 0.01);
+}
+
+#[test]
+fn what_stays_in_the_way_ends_the_errand_if_it_is_looked_out_for() {
+    for (room, end, least, most) in
+        [(0.4, Some(Ended::Stopped("obstacle")), 0.1, 0.42), (0.0, Some(Ended::Reached), 1.0, 3.0)]
+    {
+        let mut ride = Ride::new(true, 0.05);
+        ride.pilot.surroundings = Surroundings::of(ride.pilot.settings.map.as_ref(), room);
+        ride.pilot.go(goal()).unwrap();
+        ride.live(2.0);
+        let gone = ride.meet(0.8, 30.0);
+        assert_eq!(ride.ended, end);
+        assert!(gone > least && gone < most, "{gone} m on");
+    }
 }

@@ -1,0 +1,87 @@
+//! What stands in the robot's way that is on no map: people, boxes, doors. The robot brakes before it, whatever the law wants.
+//!
+//! It sees what the laser sees, in the plane of the laser and on its side, and is no substitute for a protective field.
+
+use surepose::closed_loop::Controller;
+use surepose::{Angle, Body, Laser, Map, Point, Pose, Stamp, Twist};
+use surepose_lab::drive::way_to_rest;
+use surepose_sim::Arena;
+
+use super::inbox::LaserScan;
+
+/// What is so near to a wall of the map \[m] may be that wall.
+const OF_THE_WALL: f64 = 0.15;
+
+/// Things farther than this from the laser \[m] are not in the way yet.
+const FAR: f64 = 3.0;
+
+/// So many beams must end on something in the way: one may end on dust.
+const FEWEST: usize = 2;
+
+/// Things that no scan has shown again for so long \[s] are gone.
+const KEPT: f64 = 0.5;
+
+/// What the last scan showed that is on no map.
+#[derive(Clone, Debug)]
+pub(super) struct Lookout {
+    room: f64,
+    things: Vec<Point<Map, f64>>,
+    seen: Stamp,
+}
+
+impl Lookout {
+    /// A lookout for a robot whose middle needs so much room \[m]; 0 for none that looks out.
+    pub(super) fn with_room(room: f64) -> Self {
+        Self { room, things: Vec::new(), seen: Stamp::default() }
+    }
+
+    /// Takes in a scan, taken from where the laser is believed to have been.
+    pub(super) fn look(
+        &mut self,
+        taken: Stamp,
+        scan: &LaserScan,
+        map_from_laser: Pose<Map, Laser, f64>,
+        arena: &Arena,
+    ) {
+        self.seen = taken;
+        self.things.clear();
+        if self.room <= 0.0 {
+            return;
+        }
+        let reach = scan.nearest..scan.farthest.min(FAR);
+        for (number, range) in scan.ranges.iter().enumerate().filter(|(_, range)| reach.contains(range)) {
+            let bearing = Angle::wrapped(scan.first_bearing + scan.bearing_step * number as f64);
+            let (sin, cos) = bearing.sin_cos();
+            let end = map_from_laser * Point::new(range * cos, range * sin);
+            let to_wall = arena.nearest_wall(end).map_or(f64::INFINITY, |wall| wall.distance_to(end));
+            if to_wall > OF_THE_WALL {
+                self.things.push(end);
+            }
+        }
+    }
+
+    /// Forgets what was seen too long before `now`.
+    pub(super) fn forget(&mut self, now: Stamp) {
+        if now.since(self.seen) > KEPT {
+            self.things.clear();
+        }
+    }
+
+    /// Whether a robot at `pose` that drives on with `twist` comes too near to something before it can stand.
+    pub(super) fn is_blocked(
+        &self,
+        pose: Pose<Map, Body, f64>,
+        twist: Twist<f64>,
+        controller: &Controller<f64>,
+    ) -> bool {
+        let here = pose.origin();
+        way_to_rest(pose, twist, controller).any(|there| {
+            // A robot that something stands too near to may drive away.
+            let is_hit = |thing: &&Point<Map, f64>| {
+                let distance = thing.distance(there);
+                distance < self.room && distance < thing.distance(here)
+            };
+            self.things.iter().filter(is_hit).count() >= FEWEST
+        })
+    }
+}
