@@ -21,9 +21,7 @@ pub enum BagError {
         problem: std::io::Error,
     },
     /// It is a folder, and which file in it is meant is not plain.
-    #[error(
-        "the folder holds {count} .mcap files: name one; what is in another format becomes MCAP by `ros2 bag convert`"
-    )]
+    #[error("{}", not_one(*.count))]
     NotOneFile {
         /// How many.
         count: usize,
@@ -68,4 +66,12 @@ pub enum BagError {
         /// What is wrong.
         problem: String,
     },
+}
+
+fn not_one(count: usize) -> String {
+    if count == 0 {
+        return "there is no .mcap file in the folder; other formats become MCAP by `ros2 bag convert`"
+            .to_owned();
+    }
+    format!("there are {count} .mcap files in the folder: name one of them")
 }

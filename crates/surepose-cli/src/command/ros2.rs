@@ -51,7 +51,7 @@ pub(crate) struct Ros2Command {
     #[arg(long)]
     hold: bool,
     /// Stop before what the laser sees and no map knows, so near to the way of the robot's middle; half the track and 10 cm unless given, 0 for not at all
-    #[arg(long, value_name = "M", value_parser = room)]
+    #[arg(long, value_name = "M", value_parser = room, allow_negative_numbers = true)]
     room: Option<f64>,
     /// The type of cmd_vel, of geometry_msgs
     #[arg(long, value_enum, default_value_t = CommandType::Stamped)]
