@@ -9,7 +9,8 @@ mod watch;
 use surepose::closed_loop::{Controller, Progress, Sensed, Tick, tick};
 use surepose::{Belief, Body, Goal, Health, Hypothesis, Map, Pose, Stamp, Tally, Verdict, Wall, Wheels};
 use surepose_data::config::CompassMounting;
-use surepose_sim::{Seed, Segment, World};
+use surepose_data::wall_map::WallMap;
+use surepose_sim::{Arena, Seed, Segment, World};
 
 pub use scenario::{NoRoom, Reading, Scenario, Sensors};
 pub use senses::{HISTORY, Localisation, localisation, scan_of, translated};
@@ -113,6 +114,17 @@ impl Rig {
     pub fn tally(&self) -> &Tally {
         self.localiser.estimator.tally()
     }
+}
+
+/// The wall map of an arena.
+pub fn map_of(arena: &Arena) -> WallMap {
+    let walls = arena.walls().iter().map(|Segment { start, end }| surepose_data::wall_map::Wall {
+        name: None,
+        from: [start.x, start.y],
+        to: [end.x, end.y],
+        covariance: None,
+    });
+    WallMap { name: Some(arena.name().to_owned()), walls: walls.collect() }
 }
 
 /// The walls of a map; one without length is left out.

@@ -18,7 +18,7 @@ use surepose::{
 };
 use surepose_data::Config;
 use surepose_data::wall_map::WallMap;
-use surepose_lab::rig::{Localisation, Reading, Watch, localisation};
+use surepose_lab::rig::{Localisation, Reading, Scenario, Watch, localisation, map_of};
 use surepose_sim::Segment;
 
 use crate::convert::Refused;
@@ -55,6 +55,29 @@ pub struct Settings {
     pub room: f64,
     /// Whether a pose that was reached is held, and taken up again after a push, until another goal or a cancel.
     pub hold: bool,
+}
+
+/// More room than half the track \[m].
+const ROOM: f64 = 0.1;
+
+impl Settings {
+    /// For the robot of `scenario`: it knows the arena and the start, and has all senses.
+    pub fn in_scenario(scenario: &Scenario) -> Self {
+        Self {
+            config: scenario.config.clone(),
+            map: Some(map_of(&scenario.arena)),
+            reading: scenario.reading,
+            start: Some(Belief::new(scenario.start(), scenario.start_std)),
+            compass: true,
+            room: Self::usual_room(&scenario.config),
+            hold: false,
+        }
+    }
+
+    /// The room that a robot's middle needs unless somebody says otherwise: half the track, and 10 cm \[m].
+    pub fn usual_room(config: &Config) -> f64 {
+        0.5 * config.drive().track + ROOM
+    }
 }
 
 /// What the pilot says after a tick.

@@ -19,9 +19,8 @@ use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
 use ros2_client::{
     ActionTypeName, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, Subscription,
 };
-use surepose::{Angle, Belief, Goal, Map, Pose};
-use surepose_data::wall_map::{Wall, WallMap};
-use surepose_lab::rig::{Reading, Scenario};
+use surepose::{Angle, Goal, Map, Pose};
+use surepose_lab::rig::Scenario;
 use surepose_ros2::convert::{header, pose_message, pose_of};
 use surepose_ros2::message::{
     NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped, TwistStamped,
@@ -55,21 +54,7 @@ fn reliable() -> QosProfile {
 
 fn settings() -> (RobotSettings, NodeSettings) {
     let scenario = Scenario::default();
-    let walls = scenario.arena.walls().iter().map(|wall| Wall {
-        name: None,
-        from: [wall.start.x, wall.start.y],
-        to: [wall.end.x, wall.end.y],
-        covariance: None,
-    });
-    let pilot = Settings {
-        config: scenario.config.clone(),
-        map: Some(WallMap { name: None, walls: walls.collect() }),
-        reading: Reading::Lines,
-        start: Some(Belief::new(scenario.start(), scenario.start_std)),
-        compass: true,
-        room: 0.4,
-        hold: false,
-    };
+    let pilot = Settings::in_scenario(&scenario);
     let (names, map_frame, stamped) = (Names::new("robot1", &[]).unwrap(), "map".to_owned(), true);
     let network = network();
     let node = NodeSettings {

@@ -6,7 +6,6 @@ use std::thread;
 use clap::{Args, ValueEnum};
 use surepose::Belief;
 use surepose_data::Config;
-use surepose_data::wall_map::{Wall, WallMap};
 use surepose_lab::rig::{Reading, Scenario};
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
@@ -75,9 +74,6 @@ pub(crate) struct Ros2Command {
     config: LawArgs,
 }
 
-/// More room than half the track, unless somebody says otherwise \[m].
-const ROOM: f64 = 0.1;
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum CommandType {
     /// TwistStamped, as robots take it since Jazzy
@@ -124,28 +120,30 @@ impl Ros2Command {
     ) -> Result<(Option<RobotSettings>, NodeSettings), Failure> {
         let stamped = self.cmd_vel == CommandType::Stamped;
         let warnings = certification::warnings(&config);
-        let mut map = self.map.as_deref().map(walls_to_read).transpose()?;
-        let mut start = self.start.map(|start| Belief::new(start.pose(), START_STD));
-        let simulated = if self.simulate {
-            let scenario = Scenario::configured(config.clone());
-            // The robot knows its arena, unless it is told otherwise.
-            if map.is_none() {
-                map = Some((walls_of(&scenario), Reading::Lines));
-                start = start.or_else(|| Some(Belief::new(scenario.start(), scenario.start_std)));
-            }
-            let (names, map_frame) = (names.clone(), self.map_frame.clone());
-            Some(RobotSettings { scenario, seed: self.seed, names, stamped, map_frame, network })
-        } else {
-            None
-        };
-        if map.is_none() && self.start.is_some() {
+        let map = self.map.as_deref().map(walls_to_read).transpose()?;
+        if map.is_none() && self.start.is_some() && !self.simulate {
             let help = "give --map, or leave out --start: without a map the robot starts at 0,0,0".to_owned();
             return Err(Failure::Usage { what: "there is no map to start on".to_owned(), help });
         }
-        let (map, reading) = map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
-        let compass = self.compass || self.simulate;
-        let room = self.room.unwrap_or(0.5 * config.drive().track + ROOM);
-        let pilot = Settings { config, map, reading, start, compass, room, hold: self.hold };
+        let scenario = self.simulate.then(|| Scenario::configured(config.clone()));
+        let mut pilot = match &scenario {
+            // The robot knows its arena, unless it is told otherwise.
+            Some(scenario) if map.is_none() => Settings::in_scenario(scenario),
+            _ => {
+                let (map, reading) =
+                    map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
+                let compass = self.compass || self.simulate;
+                let room = Settings::usual_room(&config);
+                Settings { config, map, reading, start: None, compass, room, hold: false }
+            }
+        };
+        pilot.hold = self.hold;
+        pilot.room = self.room.unwrap_or(pilot.room);
+        pilot.start = self.start.map(|start| Belief::new(start.pose(), START_STD)).or(pilot.start);
+        let simulated = scenario.map(|scenario| {
+            let (names, map_frame) = (names.clone(), self.map_frame.clone());
+            RobotSettings { scenario, seed: self.seed, names, stamped, map_frame, network }
+        });
         let map_frame = self.map_frame.clone();
         Ok((simulated, NodeSettings { pilot, names, map_frame, stamped, network, warnings }))
     }
@@ -154,14 +152,6 @@ impl Ros2Command {
 fn room(text: &str) -> Result<f64, String> {
     let room = text.parse::<f64>().ok().filter(|room| (0.0..=5.0).contains(room));
     room.ok_or_else(|| "write metres, from 0 to 5".to_owned())
-}
-
-fn walls_of(scenario: &Scenario) -> WallMap {
-    let walls = scenario.arena.walls().iter().map(|wall| {
-        let (from, to) = ([wall.start.x, wall.start.y], [wall.end.x, wall.end.y]);
-        Wall { name: None, from, to, covariance: None }
-    });
-    WallMap { name: Some(scenario.arena.name().to_owned()), walls: walls.collect() }
 }
 
 fn usage(error: &dyn std::fmt::Display, help: &str) -> Failure {

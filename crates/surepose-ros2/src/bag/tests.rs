@@ -8,8 +8,7 @@ use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
 use serde::Serialize;
 use surepose::{Body, Integration, Pose, Stamp, Twist};
-use surepose_data::wall_map::{Wall, WallMap};
-use surepose_lab::rig::{Reading, Scenario};
+use surepose_lab::rig::Scenario;
 use surepose_sim::{Seed, World};
 
 use super::*;
@@ -81,17 +80,9 @@ fn round(seconds: f64, odometry_topic: &str) -> Recorder {
     recorder
 }
 
+/// Those of a robot that is told nothing of its start but by the truth.
 fn settings() -> Settings {
-    let scenario = Scenario::default();
-    let walls = scenario.arena.walls().iter().map(|wall| Wall {
-        name: None,
-        from: [wall.start.x, wall.start.y],
-        to: [wall.end.x, wall.end.y],
-        covariance: None,
-    });
-    let map = Some(WallMap { name: None, walls: walls.collect() });
-    let config = scenario.config;
-    Settings { config, map, reading: Reading::Lines, start: None, compass: true, room: 0.4, hold: false }
+    Settings { start: None, ..Settings::in_scenario(&Scenario::default()) }
 }
 
 /// A file with these bytes, for as long as it is kept.

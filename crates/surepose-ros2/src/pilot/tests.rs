@@ -21,29 +21,13 @@ struct Ride {
     obstacle: Option<f64>,
 }
 
-fn map_of(scenario: &Scenario) -> WallMap {
-    let walls = scenario.arena.walls().iter().map(|wall| surepose_data::wall_map::Wall {
-        name: None,
-        from: [wall.start.x, wall.start.y],
-        to: [wall.end.x, wall.end.y],
-        covariance: None,
-    });
-    WallMap { name: None, walls: walls.collect() }
-}
-
 impl Ride {
     fn new(start_is_known: bool, dt: f64) -> Self {
         let scenario = Scenario::default();
-        let start = Belief::new(scenario.start(), scenario.start_std);
-        let settings = Settings {
-            config: scenario.config.clone(),
-            map: Some(map_of(&scenario)),
-            reading: Reading::Lines,
-            start: start_is_known.then_some(start),
-            compass: true,
-            room: 0.4,
-            hold: false,
-        };
+        let mut settings = Settings::in_scenario(&scenario);
+        if !start_is_known {
+            settings.start = None;
+        }
         Self {
             pilot: Pilot::new(settings),
             world: World::new(scenario.world(), scenario.start(), Seed(1)),

@@ -13,6 +13,9 @@ const UNIT: f64 = 0.004;
 const FAR: u8 = 0x7f;
 const CLOSED: u8 = 0x80;
 
+/// Farther than so many cells nothing is told apart: sums of a few are cells still.
+const MOST_STEPS: f64 = 1e8;
+
 /// Cells over a map, row by row from the lower left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent<S> {
@@ -35,7 +38,9 @@ impl<S: Float> Extent<S> {
         }
         let [low, high] = corners.unwrap_or_default();
         let margin = S::of(REACH);
-        let count = |from: S, to: S| ((to - from + margin + margin).to_f64() / side.to_f64()) as i32 + 1;
+        let count = |from: S, to: S| {
+            ((to - from + margin + margin).to_f64() / side.to_f64()).min(MOST_STEPS) as i32 + 1
+        };
         let any = i32::from(corners.is_some());
         Self {
             low: Point::new(low.x - margin, low.y - margin),
@@ -82,9 +87,9 @@ impl<S: Float> Extent<S> {
         )
     }
 
-    /// A length in cells.
+    /// A length in cells, of which there are never so many.
     fn steps(&self, length: S) -> i32 {
-        let steps = length.to_f64() / self.side.to_f64();
+        let steps = (length.to_f64() / self.side.to_f64()).clamp(-MOST_STEPS, MOST_STEPS);
         // Towards −∞, as a cast alone does not.
         steps as i32 - i32::from(steps < 0.0)
     }

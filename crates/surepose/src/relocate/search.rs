@@ -227,4 +227,21 @@ mod tests {
         fan.search(&chart, &Hint::none(), 0.3, |pose| assert!(pose.x < 2.6, "{pose:?}"));
         assert!(Chart::of(extent, &cells[1..]).is_none());
     }
+
+    /// A beam may be as long as a number can be.
+    #[test]
+    fn beams_without_end_explain_nothing_and_break_nothing() {
+        let (walls, mut seen) = room(Pose::new(3.33, 1.27, crate::Angle::from_degrees(-133.0)));
+        for (point, x) in seen.iter_mut().zip([1e300, -1e300, 1e9, -1e9, 3e38, f64::MAX, f64::MIN]) {
+            *point = Point::new(x, -x);
+        }
+        let extent = Extent::around(&walls, 0.1);
+        let mut cells = std::vec![0; extent.cells()];
+        extent.draw(&walls, &mut cells, |_| true);
+        let chart = Chart::of(extent, &cells).unwrap();
+        let (left, up) = chart.steps_of(-1e300, 1e300);
+        assert!(left < 0 && up > 0, "{left}, {up}");
+        let fan = Fan::of(seen.iter().copied(), seen.len());
+        fan.search(&chart, &Hint::none(), 0.3, |pose| assert!(pose.x.is_finite(), "{pose:?}"));
+    }
 }
