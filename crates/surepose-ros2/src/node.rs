@@ -55,7 +55,7 @@ const DIAGNOSIS: u32 = 10;
 
 /// Runs the node until `stops` says so, which is asked with every beat; `say` is told what happens, in a line each.
 ///
-/// The last thing that it says is a command to rest, if it had a goal.
+/// The last command is to rest, if the wheels were told anything.
 ///
 /// # Errors
 /// [`NodeError`], before anything is driven.
@@ -108,17 +108,17 @@ impl<Say: FnMut(&str)> Run<Say> {
                 () = self.deliveries.select_next_some() => {}
             }
         }
-        if self.pilot.is_driving() {
-            let ended = self.pilot.cancel();
+        if self.pilot.has_wheels() {
             self.voice.command(self.pilot.belief_stamp(), Twist::rest());
-            self.finish(ended);
-            // Whoever waits for the result hears of it.
-            let mut patience = FutureExt::fuse(smol::Timer::after(5 * BEAT));
-            while !self.deliveries.is_empty() {
-                select! {
-                    () = self.deliveries.select_next_some() => {}
-                    _ = patience => break,
-                }
+        }
+        let ended = self.pilot.cancel();
+        self.finish(ended);
+        // Whoever waits for the result hears of it.
+        let mut patience = FutureExt::fuse(smol::Timer::after(5 * BEAT));
+        while !self.deliveries.is_empty() {
+            select! {
+                () = self.deliveries.select_next_some() => {}
+                _ = patience => break,
             }
         }
     }

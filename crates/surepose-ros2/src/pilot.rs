@@ -161,7 +161,10 @@ impl Pilot {
         };
         if odometer.is_set_back(at.stamp) {
             self.ended = self.end(Ended::Stopped("clock_set_back"));
+            let resting = self.resting.take();
             self.begin(at);
+            // The wheels still brake, by the new clock.
+            self.resting = resting.map(|resting| Resting { until: at.stamp.after(REST), ..resting });
             return Ok(None);
         }
         let rims = odometer.roll(&self.controller, at)?;
@@ -219,13 +222,22 @@ impl Pilot {
         self.end(Ended::Cancelled)
     }
 
-    /// Odometry has not come for `age` \[s] by the clock on the wall: whether the wheels must rest for that, and what became
-    /// of the goal.
+    /// Odometry has not come for `age` \[s] by the clock on the wall: whether the wheels must be told to rest for that, and
+    /// what became of the goal. They start from rest when odometry is back.
     pub fn miss(&mut self, age: f64) -> (bool, Option<Ended>) {
-        let silent = self.errand.is_some() && self.is_silent(age);
-        let given_up = silent && age > errand::PATIENCE;
-        let stopped = Ended::Stopped(Reason::OdometrySilent.name());
-        (silent, if given_up { self.end(stopped) } else { None })
+        if !self.is_silent(age) {
+            return (false, None);
+        }
+        let was_braking = self.resting.take().is_some();
+        let Some(errand) = &mut self.errand else { return (was_braking, None) };
+        errand.stand();
+        let given_up = age > errand::PATIENCE;
+        (true, if given_up { self.end(Ended::Stopped(Reason::OdometrySilent.name())) } else { None })
+    }
+
+    /// Whether the wheels are told anything: where there is a goal, and until they rest after one.
+    pub fn has_wheels(&self) -> bool {
+        self.errand.is_some() || self.resting.is_some_and(|resting| self.belief_stamp() <= resting.until)
     }
 
     /// Whether odometry that last came `age` \[s] ago is silent.

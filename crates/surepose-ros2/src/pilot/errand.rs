@@ -76,6 +76,11 @@ impl Errand {
         *self = Self { has_arrived: self.has_arrived, ..Self::to(self.goal, self.granted()) };
     }
 
+    /// The wheels were told to rest meanwhile.
+    pub(super) fn stand(&mut self) {
+        *self = Self { has_arrived: self.has_arrived, ..Self::to(self.goal, Twist::rest()) };
+    }
+
     /// One tick of the closed loop.
     pub(super) fn tick(
         &mut self,

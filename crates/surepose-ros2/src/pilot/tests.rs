@@ -74,7 +74,8 @@ impl Ride {
         self.odometry = self.odometry.moved(drive.motion_from_travel(sensed.rims), Integration::Arc);
         let report = self.pilot.roll(Stamped::new(self.stamp(sensed.stamp), self.odometry)).unwrap();
         if let Some(report) = &report {
-            self.told = report.command.unwrap_or_else(Twist::rest);
+            // As a base that has no time-out of its own.
+            self.told = report.command.unwrap_or(self.told);
             self.ended = self.ended.or(report.ended);
         }
         report
@@ -193,6 +194,28 @@ fn silent_odometry_stops_the_wheels_and_then_the_errand() {
     assert_eq!(ride.pilot.miss(0.1), (false, None));
     assert_eq!(ride.pilot.miss(1.0), (true, None));
     assert_eq!(ride.pilot.miss(11.0), (true, Some(Ended::Stopped("odometry_silent"))));
+    assert!(ride.step().is_none_or(|report| report.command.is_none_or(|twist| twist == Twist::rest())));
+}
+
+#[test]
+fn wheels_start_from_rest_after_a_silence() {
+    let mut ride = Ride::new(true, 0.1);
+    ride.live(0.2);
+    ride.pilot.go(goal()).unwrap();
+    ride.live(4.0);
+    assert!(ride.told.v > 0.2, "it is under way");
+    assert_eq!(ride.pilot.miss(1.0), (true, None));
+    let Controller { drive, limits, period, .. } = *ride.pilot.controller();
+    let command = ride.step().and_then(|report| report.command).unwrap();
+    let rims = drive.rims_from_twist(command);
+    assert!(rims.largest() <= limits.wheel_acceleration * period * 1.001, "{command:?}");
+    // One that brakes after a goal is told to rest as well, once: then the wheels are nobody's.
+    ride.live(2.0);
+    ride.pilot.cancel();
+    assert!(ride.pilot.has_wheels());
+    assert_eq!(ride.pilot.miss(1.0), (true, None));
+    assert_eq!(ride.pilot.miss(1.1), (false, None));
+    assert!(!ride.pilot.has_wheels());
 }
 
 #[test]
@@ -218,6 +241,10 @@ fn a_clock_that_is_set_back_starts_the_loop_anew_where_the_robot_is() {
     ride.origin -= 1e6;
     ride.live(1.0);
     assert_eq!(ride.ended, Some(Ended::Stopped("clock_set_back")));
+    for _ in 0..30 {
+        ride.step();
+    }
+    assert!(ride.world.twist().v.abs() < 1e-3 && !ride.pilot.has_wheels(), "it braked by the new clock");
     ride.ended = None;
     ride.pilot.go(goal()).unwrap();
     ride.live(60.0);
