@@ -190,3 +190,10 @@ fn a_wrong_command_line_exits_with_2() {
         assert_eq!(run.stdout, "", "{arguments:?}");
     }
 }
+
+#[test]
+fn a_sweep_in_which_nothing_arrives_says_so() {
+    let run = surepose(&["sweep", "--runs", "20", "--set", "law.k_v=0.001"]);
+    assert!(run.stderr.contains("success") && run.stderr.contains("0.000 %"), "{}", run.stderr);
+    assert!(!run.stderr.contains("reversals"), "{}", run.stderr);
+}

@@ -121,8 +121,10 @@ fn shown(report: &SweepReport) -> comfy_table::Table {
         let number = |value: f64| format!("{:.digits$}", value * factor);
         table.add_row([name.to_owned(), number(p50), number(p95), number(max)]);
     }
-    if let (Some(success), Some(cusps)) = (report.success_rate, report.cusps_mean) {
+    if let Some(success) = report.success_rate {
         table.add_row(["success", &format!("{:.3} %", 1e2 * success), "of", &report.runs.to_string()]);
+    }
+    if let Some(cusps) = report.cusps_mean {
         table.add_row(["reversals, mean".to_owned(), format!("{cusps:.2}")]);
     }
     let beliefs = [
