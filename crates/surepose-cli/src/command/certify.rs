@@ -202,7 +202,7 @@ const WORDS: [(&str, &str); 11] = [
     ("decrease_rate_per_s", "W falls at least by [1/s]"),
     ("time_bound_s", "comes there in at most [s]"),
     ("max_period_s", "shown for periods up to [s]"),
-    ("final_heading_bound_deg", "heading, then within [°]"),
+    ("final_heading_bound_deg", "heading, while the local law is in charge [°]"),
     ("final_position_bound_m", "position, then within [m]"),
     ("switch_keeps_its_mind", "the switch keeps its mind"),
     ("switch_dwell_ticks", "for at least so many ticks"),
