@@ -95,7 +95,11 @@ impl Ros2Command {
         }
         interrupt::listen();
         let simulation = simulated.map(|robot| {
-            thread::spawn(move || robot::run(&robot, interrupt::asked).map_err(|error| failure(&error)))
+            thread::spawn(move || {
+                let ran = robot::run(&robot, interrupt::asked);
+                // The node goes on without it, and whoever waits for the robot shall know.
+                ran.inspect_err(|error| warning(&format!("there is no simulated robot: {error}")))
+            })
         });
         say(&format_args!("in ROS domain {}; Ctrl-C ends it", network.domain));
         let ran = node::run(settings, interrupt::asked, |line| say(&line)).map_err(|error| failure(&error));
@@ -104,7 +108,9 @@ impl Ros2Command {
             return ran.map(|()| Exit::Done);
         }
         // A thread that panicked has said so.
-        simulation.map_or(Ok(Ok(())), thread::JoinHandle::join).unwrap_or(Ok(()))?;
+        if let Some(Ok(simulated)) = simulation.map(thread::JoinHandle::join) {
+            simulated.map_err(|error| failure(&error))?;
+        }
         if output.json {
             text("{\"outcome\":\"stopped\"}\n")?;
         }
