@@ -9,6 +9,7 @@ use crate::interval::Interval;
 use crate::mind::Mind;
 use crate::noise::Noise;
 use crate::region::{Region, half_turns};
+use crate::search::first_shown;
 use crate::subject::Subject;
 use crate::weight::{Truth, Weight, window};
 
@@ -163,38 +164,53 @@ impl<L: Subject> Descent<'_, L> {
         reachable
     }
 
-    /// Bounds what W does in `region`; stops where it is above −`wanted` anyway.
-    pub(crate) fn fall(&self, region: &Region, wanted: f64) -> Fall {
-        let nothing = Fall { rate: f64::INFINITY, jump: f64::INFINITY };
+    /// Bounds what W does in `region` for a law that was of one of `minds`; stops where it is above −`wanted` anyway, and
+    /// brings the mind where it is to the front.
+    pub(crate) fn fall(&self, region: &Region, wanted: f64, minds: &mut [Mind]) -> Fall {
         let mut fall = Fall { rate: f64::NEG_INFINITY, jump: f64::NEG_INFINITY };
-        let mut known: Vec<Outcome> = Vec::new();
-        let mut from_here = Vec::new();
         let turn = region.turn(&self.noise);
-        for &before in &self.minds {
-            from_here.clear();
-            if !self.outcomes(region, before, &mut from_here) {
-                return nothing;
+        first_shown(minds, |mind, known| {
+            let complete = self.fall_from(region, mind, (turn, wanted), known, &mut fall);
+            if !complete {
+                fall = Fall { rate: f64::INFINITY, jump: f64::INFINITY };
             }
-            for outcome in &from_here {
-                if outcome.mind.side == 0 && !self.stays_undecided() {
-                    return nothing;
+            fall.jump <= 0.0 && fall.rate <= -wanted
+        });
+        fall
+    }
+
+    /// The same for one mind, added to `fall`, as far as its outcomes are not `known`; false where nothing is known of one.
+    fn fall_from(
+        &self,
+        region: &Region,
+        before: Mind,
+        (turn, wanted): (f64, f64),
+        known: &mut Vec<Outcome>,
+        fall: &mut Fall,
+    ) -> bool {
+        let mut from_here = Vec::new();
+        if !self.outcomes(region, before, &mut from_here) {
+            return false;
+        }
+        for outcome in from_here {
+            if outcome.mind.side == 0 && !self.stays_undecided() {
+                return false;
+            }
+            if (before != Mind::FRESH || self.stays_undecided()) && !before.weighs_as(outcome.mind) {
+                fall.jump = fall.jump.max(self.jump(region, before, outcome.mind, turn));
+            }
+            if !known.contains(&outcome) {
+                if self.limited && self.too_fast(&outcome) {
+                    return false;
                 }
-                if (before != Mind::FRESH || self.stays_undecided()) && !before.weighs_as(outcome.mind) {
-                    fall.jump = fall.jump.max(self.jump(region, before, outcome.mind, turn));
-                }
-                if !known.contains(outcome) {
-                    if self.limited && self.too_fast(outcome) {
-                        return nothing;
-                    }
-                    fall.rate = fall.rate.max(self.rate(region, outcome, turn, wanted));
-                    known.push(*outcome);
-                }
-                if fall.jump > 0.0 || fall.rate > -wanted {
-                    return fall;
-                }
+                fall.rate = fall.rate.max(self.rate(region, &outcome, turn, wanted));
+                known.push(outcome);
+            }
+            if fall.jump > 0.0 || fall.rate > -wanted {
+                break;
             }
         }
-        fall
+        true
     }
 
     /// Whether the law never decides on a side. Else the fresh mind is that of the first tick only, and W, which

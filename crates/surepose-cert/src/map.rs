@@ -128,10 +128,11 @@ pub fn margin_map<L: Subject>(
 /// A lower bound of −Ẇ in `region`, where it is at least `known`, by `boxes` halvings of the worst part.
 fn least_fall<L: Subject>(descent: &Descent<'_, L>, region: Region, boxes: usize, known: f64) -> f64 {
     // What is known of the whole is known of its parts.
-    let bounded = |region: Region, known: f64| {
+    let mut minds = descent.minds.clone();
+    let mut bounded = |region: Region, known: f64| {
         // The more is wanted, the finer is what is looked at; and a bound is one only where the wish came true.
         let shown = [WISH, 0.0].into_iter().find_map(|wanted| {
-            let fall = descent.fall(&region, wanted);
+            let fall = descent.fall(&region, wanted, &mut minds);
             (fall.rate <= -wanted && fall.jump <= 0.0).then_some(-fall.rate)
         });
         Ranked { badness: -known.max(shown.unwrap_or(known)), region }

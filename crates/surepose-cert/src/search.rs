@@ -2,6 +2,7 @@
 
 use crate::descent::Descent;
 use crate::interval::Interval;
+use crate::mind::Mind;
 use crate::region::Region;
 use crate::subject::Subject;
 
@@ -29,9 +30,10 @@ pub(crate) fn search<L: Subject>(
     let mut open: Vec<Region> = Region::around(rho, &descent.noise).collect();
     let mut boxes = 0;
     let mut rate = f64::NEG_INFINITY;
+    let mut minds = descent.minds.clone();
     while let Some(region) = open.pop() {
         boxes += 1;
-        let fall = descent.fall(&region, wanted);
+        let fall = descent.fall(&region, wanted, &mut minds);
         if fall.rate <= -wanted && fall.jump <= 0.0 {
             rate = rate.max(fall.rate);
         } else if boxes >= most || region.size() < NARROWEST {
@@ -43,4 +45,17 @@ pub(crate) fn search<L: Subject>(
         }
     }
     Search { rate: Some(rate), boxes, stuck: None }
+}
+
+/// Whether `shown` holds for all of `minds`, of which one for which it does not moves to the front: in the halves of
+/// the same region it most likely is the one again, and the others need not be looked at.
+///
+/// `shown` is given a place to note what it has seen for the minds before.
+pub(crate) fn first_shown<K>(minds: &mut [Mind], mut shown: impl FnMut(Mind, &mut Vec<K>) -> bool) -> bool {
+    let mut known = Vec::new();
+    let failed = minds.iter().position(|mind| !shown(*mind, &mut known));
+    if let Some(failed) = failed {
+        minds[..=failed].rotate_right(1);
+    }
+    failed.is_none()
 }

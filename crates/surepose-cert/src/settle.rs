@@ -9,6 +9,7 @@ use crate::descent::{Descent, Outcome};
 use crate::interval::Interval;
 use crate::mind::Mind;
 use crate::region::Region;
+use crate::search::first_shown;
 use crate::situation::Situation;
 use crate::subject::Subject;
 
@@ -44,6 +45,8 @@ const ON_THE_GOAL: fn() -> Interval = || Interval::new(0.0, 1e-6);
 const MOST: usize = 100_000;
 /// Regions narrower than this \[rad] are not cut again.
 const NARROWEST: f64 = 4e-3;
+/// Into how many pieces the noise along the robot is cut, the second number where the first does not do.
+const PIECES: [usize; 2] = [1, 13];
 
 pub(crate) fn settling<L: Subject>(
     descent: &mut Descent<'_, L>,
@@ -139,10 +142,11 @@ fn heading_falls<L: Subject>(
 ) -> bool {
     let mut open: Vec<Region> = Region::around_seen(near).collect();
     let mut looked = 0;
+    let mut minds = descent.minds.clone();
     while let Some(region) = open.pop() {
         looked += 1;
         *boxes += 1;
-        if shown_in(descent, &region, bound, length) {
+        if first_shown(&mut minds, |mind, known| shown_for(descent, &region, mind, known, (bound, length))) {
             continue;
         }
         if looked > MOST || region.size() < NARROWEST {
@@ -154,45 +158,52 @@ fn heading_falls<L: Subject>(
     true
 }
 
-fn shown_in<L: Subject>(descent: &Descent<'_, L>, region: &Region, bound: f64, length: f64) -> bool {
+/// The same in `region` for a law that was of `mind`, as far as its outcomes are not known to be harmless.
+fn shown_for<L: Subject>(
+    descent: &Descent<'_, L>,
+    region: &Region,
+    mind: Mind,
+    harmless: &mut Vec<Outcome>,
+    (bound, length): (f64, f64),
+) -> bool {
     let mut outcomes = Vec::new();
-    for &mind in &descent.minds {
-        if descent.local_possible_from(region, mind) && !descent.outcomes(region, mind, &mut outcomes) {
-            return false;
-        }
+    if !descent.outcomes(region, mind, &mut outcomes) {
+        return !descent.local_possible_from(region, mind);
     }
-    outcomes.iter().filter(|outcome| outcome.mind.near).all(|outcome| {
-        let error = region.heading_error(outcome.mind);
-        let truth = error + Interval::symmetric(descent.noise.heading);
+    outcomes.retain(|outcome| outcome.mind.near && !harmless.contains(outcome));
+    let shown = outcomes.iter().all(|outcome| {
+        let truth = region.heading_error(outcome.mind) + Interval::symmetric(descent.noise.heading);
         let parts = [Interval::new(bound, TAU), Interval::new(-TAU, -bound)];
-        parts.into_iter().filter_map(|part| truth.intersection(part)).all(|error| {
-            (1..=2).any(|k| rate(descent, region, outcome, error, length, 4_usize.pow(k) - 3) < 0.0)
-        })
-    })
+        let mut errors = parts.into_iter().filter_map(|part| truth.intersection(part));
+        errors.all(|error| falls(descent, region, outcome, error, length))
+    });
+    harmless.append(&mut outcomes);
+    shown
 }
 
-/// Upper bound of V̇ during a tick that begins with the heading error `error`, cutting the noise along the robot.
-fn rate<L: Subject>(
+/// Whether V̇ < 0 during a tick that begins with the heading error `error`, cutting the noise along the robot.
+fn falls<L: Subject>(
     descent: &Descent<'_, L>,
     region: &Region,
     outcome: &Outcome,
     error: Interval,
     length: f64,
-    pieces: usize,
-) -> f64 {
+) -> bool {
     let twist = descent.noise.driven(&descent.drive.cast(), outcome.twist);
     let noise = Interval::symmetric(descent.noise.position);
     let (seen_ahead, aside) = region.true_place(descent.noise.heading);
     let aside = aside + noise;
     let time = Interval::new(0.0, descent.period);
     let per_square = Interval::point(1.0) / Interval::point(length).squared();
-    let mut worst = f64::NEG_INFINITY;
-    for piece in 0..pieces {
-        let (ahead, ahead_rate) = seen_moving(seen_ahead + noise.piece(piece, pieces), aside, twist, time);
-        let turned = error + time * twist.omega;
-        worst = worst.max((turned * twist.omega + ahead * ahead_rate * per_square).hi());
-    }
-    worst
+    let turning = (error + time * twist.omega) * twist.omega;
+    PIECES.into_iter().any(|pieces| {
+        // What the noise does is at its worst at an end: these come first.
+        let mut ends_first = (0..pieces).map(|k| if k % 2 == 0 { k / 2 } else { pieces - 1 - k / 2 });
+        ends_first.all(|piece| {
+            let (ahead, rate) = seen_moving(seen_ahead + noise.piece(piece, pieces), aside, twist, time);
+            (turning + ahead * rate * per_square).hi() < 0.0
+        })
+    })
 }
 
 /// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.

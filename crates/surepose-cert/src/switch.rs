@@ -105,10 +105,10 @@ fn growth<L: Subject>(descent: &Descent<'_, L>, reach: f64, boxes: &mut usize) -
 /// The same in `region`; infinite where nothing is known.
 fn growth_in<L: Subject>(descent: &Descent<'_, L>, minds: &[Mind], region: &Region) -> f64 {
     let mut outcomes = Vec::new();
-    let known = minds
-        .iter()
-        .filter(|mind| descent.local_possible_from(region, **mind))
-        .all(|mind| descent.outcomes_of(region, *mind, MOST_WAYS, &mut outcomes));
+    let known = minds.iter().all(|mind| {
+        descent.outcomes_of(region, *mind, MOST_WAYS, &mut outcomes)
+            || !descent.local_possible_from(region, *mind)
+    });
     if !known {
         return f64::INFINITY;
     }

@@ -8,7 +8,7 @@
 
 use core::f64::consts::{FRAC_2_PI, PI, TAU};
 
-use super::Interval;
+use super::{Interval, at_least_ulps};
 
 /// Twice the error of `libm`'s sine and cosine \[ulp].
 const SIN_COS_ULPS: f64 = 2.0;
@@ -118,11 +118,10 @@ impl Interval {
     }
 }
 
-/// Bounds moved outwards by `ulps`: x·2⁻⁵² is at least one ulp of x.
+/// Bounds moved outwards by `ulps`.
 #[inline]
 fn padded(lo: f64, hi: f64, ulps: f64) -> Interval {
-    let pad = |x: f64| x.abs() * (ulps * f64::EPSILON) + f64::MIN_POSITIVE;
-    Interval::outward(lo - pad(lo), hi + pad(hi))
+    Interval::outward(lo - at_least_ulps(lo, ulps), hi + at_least_ulps(hi, ulps))
 }
 
 #[inline]
