@@ -1,5 +1,7 @@
 //! The world: one robot in an arena, and the clock.
 
+use core::ops::Range;
+
 use surepose::{Angle, Body, Drive, Integration, Map, Pose, Stamp, Stamped, Twist, Wheels};
 
 use crate::arena::Arena;
@@ -10,16 +12,15 @@ use crate::motor::{MotorModel, Wheel};
 use crate::random::{Seed, Stream};
 use crate::slip::Slip;
 
-/// How often the wheels' controllers run and the world moves on.
-const SUBSTEP: f64 = 0.01;
-const SUBSTEP_NANOSECONDS: i64 = 10_000_000;
+/// How often the wheels' controllers run and the world moves on at the least \[ns].
+const LONGEST_SUBSTEP: i64 = 10_000_000;
 
 /// When a sensor measures, and how long its message is under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// From one measurement to the next \[s], rounded to 10 ms.
+    /// From one measurement to the next \[s]; each is taken when the world next moves on, within 10 ms.
     pub period: f64,
-    /// From a measurement to its arrival \[s], rounded to 10 ms.
+    /// From a measurement to its arrival \[s].
     pub latency: f64,
 }
 
@@ -140,16 +141,19 @@ impl World {
         self.model.drive.rims_from_turns(rates)
     }
 
-    /// Lets the wheels' controllers hold the turn rates `wanted` \[rad/s] for `period` \[s], rounded to 10 ms.
+    /// Lets the wheels' controllers hold the turn rates `wanted` \[rad/s] for `period` \[s]: they run every 10 ms, or oftener
+    /// so that the period is a whole number of theirs.
     ///
     /// One step is one odometry period: one slip factor for each wheel holds throughout.
     pub fn step(&mut self, wanted: Wheels<f64>, period: f64) -> Sensed {
         let slip = self.model.slip.factors(&mut self.slip);
-        let substeps = (period / SUBSTEP).round().max(1.0) as i64;
-        for _ in 0..substeps {
-            self.push();
-            self.roll(wanted, slip);
-            self.measure();
+        let (start, period) = (self.now.nanoseconds(), nanoseconds(period));
+        let substeps = (period + LONGEST_SUBSTEP - 1) / LONGEST_SUBSTEP;
+        for substep in 1..=substeps {
+            let (before, now) = (self.now, Stamp::from_nanoseconds(start + period * substep / substeps));
+            self.push(before..now);
+            self.roll(wanted, slip, now);
+            self.measure(before);
         }
         Sensed {
             stamp: self.now,
@@ -159,28 +163,29 @@ impl World {
         }
     }
 
-    /// Moves everything on by one substep.
-    fn roll(&mut self, wanted: Wheels<f64>, slip: Wheels<f64>) {
+    /// Moves everything on until `end`.
+    fn roll(&mut self, wanted: Wheels<f64>, slip: Wheels<f64>, end: Stamp) {
         let motor = &self.model.motor;
-        let right = self.wheels.right.turn(motor, wanted.right, SUBSTEP) * slip.right;
-        let left = self.wheels.left.turn(motor, wanted.left, SUBSTEP) * slip.left;
+        let time = (end.nanoseconds() - self.now.nanoseconds()) as f64 / 1e9;
+        let right = self.wheels.right.turn(motor, wanted.right, time) * slip.right;
+        let left = self.wheels.left.turn(motor, wanted.left, time) * slip.left;
         let motion =
             self.model.drive.motion_from_travel(self.model.drive.rims_from_turns(Wheels::new(right, left)));
         self.pose = self.pose.moved(motion, Integration::Arc);
-        self.twist = Twist::new(motion.length / SUBSTEP, motion.turn / SUBSTEP);
-        self.now = Stamp::from_nanoseconds(self.now.nanoseconds() + SUBSTEP_NANOSECONDS);
+        self.twist = Twist::new(motion.length / time, motion.turn / time);
+        self.now = end;
     }
 
-    /// Lets the sensors measure whose time it is.
-    fn measure(&mut self) {
+    /// Lets the sensors measure whose time has come since `before`.
+    fn measure(&mut self, before: Stamp) {
         if let Some((compass, timing)) = &self.model.compass
-            && let Some(disturbance) = self.due(Sensor::Compass, timing)
+            && let Some(disturbance) = self.due(Sensor::Compass, timing, before)
         {
             let read = compass.read(self.pose.heading, &mut self.compass).turned(disturbance.offset);
             send(&mut self.headings, read, self.now, timing, &disturbance);
         }
         if let Some((laser, timing)) = &self.model.laser
-            && let Some(disturbance) = self.due(Sensor::Laser, timing)
+            && let Some(disturbance) = self.due(Sensor::Laser, timing, before)
         {
             let mut scan = laser.scan(self.model.arena.walls(), self.pose, &mut self.laser);
             for range in &mut scan.ranges {
@@ -190,10 +195,10 @@ impl World {
         }
     }
 
-    /// Whether `sensor` measures now, and what disturbs it.
-    fn due(&self, sensor: Sensor, timing: &Timing) -> Option<Disturbance> {
-        let every = substeps(timing.period).max(1) * SUBSTEP_NANOSECONDS;
-        (self.now.nanoseconds() % every == 0)
+    /// Whether `sensor` measures now, having last been asked `before`, and what disturbs it.
+    fn due(&self, sensor: Sensor, timing: &Timing, before: Stamp) -> Option<Disturbance> {
+        let count = |at: Stamp| at.nanoseconds() / nanoseconds(timing.period);
+        (count(self.now) > count(before))
             .then(|| disturbance(&self.model.faults, sensor, self.now))
             .filter(|disturbance| !disturbance.silent)
     }
@@ -209,11 +214,11 @@ impl World {
         self.model.drive.rims_from_turns(turned).scaled(factor)
     }
 
-    /// Puts the robot elsewhere where somebody does so now.
-    fn push(&mut self) {
+    /// Puts the robot elsewhere where somebody does so in this time.
+    fn push(&mut self, time: Range<Stamp>) {
         for fault in &self.model.faults {
             if let Kind::Pushed([x, y, turn]) = fault.kind
-                && fault.during.start == self.now
+                && time.contains(&fault.during.start)
             {
                 let heading = self.pose.heading.turned(turn);
                 self.pose = Pose::new(self.pose.x + x, self.pose.y + y, heading);
@@ -222,13 +227,13 @@ impl World {
     }
 }
 
-fn substeps(seconds: f64) -> i64 {
-    (seconds / SUBSTEP).round() as i64
+/// At least one.
+fn nanoseconds(seconds: f64) -> i64 {
+    Stamp::from_seconds(seconds).nanoseconds().max(1)
 }
 
 fn send<T>(under_way: &mut UnderWay<T>, value: T, now: Stamp, timing: &Timing, disturbance: &Disturbance) {
-    let latency = substeps(timing.latency).max(0) * SUBSTEP_NANOSECONDS;
-    let arrival = Stamp::from_nanoseconds(now.nanoseconds() + latency);
+    let arrival = now.after(timing.latency.max(0.0));
     under_way.push((arrival, Stamped::new(now.after(-disturbance.backdated), value)));
 }
 

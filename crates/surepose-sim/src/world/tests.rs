@@ -115,3 +115,23 @@ fn push_moves_the_robot_once_and_encoders_do_not_see_it() {
     assert!((pose.x - 2.4).abs() < 1e-12 && (pose.y - 0.8).abs() < 1e-12, "{pose:?}");
     assert!((pose.heading.radians() - 0.1).abs() < 1e-12);
 }
+
+#[test]
+fn time_passes_as_fast_whatever_the_period() {
+    // 333 of 3 ms are 0.999 s; a third of a tenth is no whole number of nanoseconds.
+    for (period, steps) in
+        [(0.001, 1000), (0.003, 333), (0.007, 143), (0.025, 40), (0.1 / 3.0, 30), (0.1, 10)]
+    {
+        let mut world = world(WorldModel { slip: Slip { delta: 0.0 }, ..paper() }, 1);
+        let rates = world.model().drive.rates_from_twist(Twist::new(0.15, 0.25));
+        let sensed: Vec<Sensed> = (0..steps).map(|_| world.step(rates, period)).collect();
+        let time = period * f64::from(steps);
+        assert!((world.now().seconds() - time).abs() < 1e-6, "{period}: {}", world.now().seconds());
+        // The wheels have had a second for what they reach in a fraction of one.
+        let speed = world.twist().v;
+        assert!((speed / 0.15 - 1.0).abs() < 0.1, "{period}: {speed}");
+        // Every 100 ms, from 100 ms on; the last arrives 10 ms after that, where there still is time.
+        let headings: usize = sensed.iter().map(|sensed| sensed.headings.len()).sum();
+        assert_eq!(headings, 9, "{period}");
+    }
+}
