@@ -7,7 +7,7 @@ use core::fmt::{Display, Formatter};
 
 use surepose::closed_loop::{Controller, Localiser, Progress, Sensed, Signal, tick};
 use surepose::{
-    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, HybridLaw, Integration, Law,
+    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, Integration,
     Limits, Line, Map, Measurement, Phase, Pose, Stamp, Stamped, Tolerance, WallSighting, Wheels,
 };
 
@@ -51,13 +51,8 @@ pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
     let drive = Drive::new(0.05, 0.6);
     let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
     let period = f32::from(PERIOD) * 1e-3;
-    let controller = Controller {
-        drive,
-        law: Law::Hybrid(HybridLaw::fitted(&drive, &limits, period, Direction::Auto)),
-        limits,
-        tolerance: Tolerance { position: 0.01, heading: 0.0175, hold: 0.5, release: 1.5 },
-        period,
-    };
+    let tolerance = Tolerance { position: 0.01, heading: 0.0175, hold: 0.5, release: 1.5 };
+    let controller = Controller::fitted(drive, limits, period, Direction::Auto, tolerance);
     let ekf = Ekf { drive, delta: 0.0025, integration: Integration::Arc };
     let mut truth = Pose::new(1.0, 1.0, Angle::wrapped(0.0));
     let goal = Pose::new(4.0, 2.5, Angle::from_degrees(90.0));

@@ -1,6 +1,6 @@
 //! What the certificate judges: one control step, evaluated with any scalar.
 
-use surepose::{Decision, Drive, Law, Limits, Memory, Navigation, Scalar, Twist};
+use surepose::{Braking, Decision, Drive, Law, Limits, Memory, Navigation, Scalar, Twist};
 
 /// A control step: from the goal as seen to the twist that the wheels are told to drive.
 ///
@@ -22,6 +22,8 @@ pub struct Shipped {
     pub law: Law<f64>,
     /// The wheels' geometry.
     pub drive: Drive<f64>,
+    /// How it slows down in time.
+    pub braking: Option<Braking<f64>>,
     /// The wheels' limits.
     pub limits: Limits<f64>,
 }
@@ -29,7 +31,8 @@ pub struct Shipped {
 impl Subject for Shipped {
     #[inline]
     fn decide<S: Scalar>(&self, seen: &Navigation<S>, before: Memory<S>) -> Decision<S> {
-        self.law.cast::<S>().decide(seen, before)
+        let braking = self.braking.map(|braking| braking.cast());
+        self.law.cast::<S>().decide_in_time(braking.as_ref(), seen, before)
     }
     #[inline]
     fn grant<S: Scalar>(&self, wanted: Twist<S>) -> Twist<S> {

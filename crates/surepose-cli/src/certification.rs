@@ -127,7 +127,8 @@ fn asked<T>(
 /// All that the certificate is about: law and limits, the period, and the seen distance within which the robot may have
 /// arrived and rest.
 fn loop_of(config: &Config) -> (Shipped, f64, f64) {
-    let subject = Shipped { law: config.law(), drive: config.drive(), limits: config.limits() };
+    let (law, drive, braking, limits) = (config.law(), config.drive(), config.braking(), config.limits());
+    let subject = Shipped { law, drive, braking, limits };
     let tolerance = config.controller().tolerance;
     (subject, config.number(&param::PERIOD), tolerance.position * tolerance.release)
 }

@@ -52,6 +52,23 @@ impl Default for MotorModel {
     }
 }
 
+impl MotorModel {
+    /// The default motor, geared for a robot whose wheels turn at `fastest` \[rad/s] at the most, as the default one is for 6.
+    #[must_use]
+    pub fn geared_for(fastest: f64) -> Self {
+        let Self { full_rate, friction, pid, .. } = Self::default();
+        let gear = fastest / 6.0;
+        let pid = Pid {
+            feed_forward: pid.feed_forward / gear,
+            proportional: pid.proportional / gear,
+            integral: pid.integral / gear,
+            derivative: pid.derivative / gear,
+            ..pid
+        };
+        Self { full_rate: full_rate * gear, friction: friction * gear, pid, ..Self::default() }
+    }
+}
+
 /// One wheel as it is now.
 #[derive(Clone, Debug)]
 pub(crate) struct Wheel {

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 
 use surepose::closed_loop::{Controller, Progress};
 use surepose::{
-    Angle, Belief, Compass, Direction, Drive, Ekf, Gate, Goal, HybridLaw, Integration, Law, Limits, Line,
-    Map, Memory, Navigation, Pose, Tolerance, WallSighting, Wheels,
+    Angle, Belief, Compass, Direction, Drive, Ekf, Gate, Goal, Integration, Limits, Line, Map, Memory,
+    Navigation, Pose, Tolerance, WallSighting, Wheels,
 };
 
 fn main() -> ExitCode {
@@ -52,17 +52,12 @@ impl Bench {
     fn new() -> Self {
         let drive = Drive::new(0.05, 0.6);
         let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
+        let tolerance = Tolerance { position: 0.01, heading: 0.017, hold: 1.0, release: 1.5 };
         let quarter = |k: f64| Angle::from_degrees(90.0 * k);
         Self {
             ekf: Ekf { drive, delta: 0.0025, integration: Integration::Arc },
             gate: Gate::new(0.99),
-            controller: Controller {
-                drive,
-                law: Law::Hybrid(HybridLaw::fitted(&drive, &limits, PERIOD, Direction::Auto)),
-                limits,
-                tolerance: Tolerance { position: 0.01, heading: 0.017, hold: 1.0, release: 1.5 },
-                period: PERIOD,
-            },
+            controller: Controller::fitted(drive, limits, PERIOD, Direction::Auto, tolerance),
             belief: Belief::new(Pose::new(1.5, 1.0, Angle::from_degrees(20.0)), [0.01, 0.01, 0.01]),
             walls: [
                 Line::new(6.0, quarter(0.0)),

@@ -16,7 +16,7 @@ use crate::drive::{Drive, Twist, Wheels};
 use crate::estimate::{Belief, Measurement, Stamp, Stamped, Travel};
 use crate::frame::{Body, Goal, Map};
 use crate::laser::{Scan, Wall};
-use crate::law::{Arrival, Law, Memory, Phase, Tolerance};
+use crate::law::{Arrival, Braking, Direction, HybridLaw, Law, Memory, Phase, Tolerance};
 use crate::limit::Limits;
 use crate::navigation::Navigation;
 use crate::pose::Pose;
@@ -29,6 +29,8 @@ pub struct Controller<S> {
     pub drive: Drive<S>,
     /// The control law.
     pub law: Law<S>,
+    /// How the robot slows down in time; by the law's gains alone if that is all the wheels need.
+    pub braking: Option<Braking<S>>,
     /// What the wheels can do.
     pub limits: Limits<S>,
     /// What counts as being there.
@@ -74,6 +76,19 @@ pub struct Step<S: Scalar> {
 const FASTEST: f64 = 1e6;
 
 impl<S: Scalar> Controller<S> {
+    /// The default law for a robot, a period \[s] and an end that goes first.
+    pub fn fitted(
+        drive: Drive<S>,
+        limits: Limits<S>,
+        period: S,
+        direction: Direction,
+        tolerance: Tolerance<S>,
+    ) -> Self {
+        let law = HybridLaw::fitted(&drive, &limits, period, direction);
+        let braking = Some(Braking::of(&drive, &limits));
+        Self { drive, law: Law::Hybrid(law), braking, limits, tolerance, period }
+    }
+
     /// From where the robot is to how its wheels turn, for one period.
     #[inline]
     pub fn step(
@@ -86,8 +101,8 @@ impl<S: Scalar> Controller<S> {
         let navigation = Navigation::of(map_from_body, map_from_goal);
         let arrival = progress.arrival.after(&navigation, &self.tolerance, self.period);
 
-        // How should I move? The law asks; the limits grant what the wheels can reach.
-        let decision = self.law.decide(&navigation, progress.memory);
+        // How should I move? The law asks, and slows down in time; the limits grant what the wheels can reach.
+        let decision = self.law.decide_in_time(self.braking.as_ref(), &navigation, progress.memory);
         let wanted = Twist::select(arrival.reached(&self.tolerance), Twist::rest(), decision.twist);
         let granted = self.limits.grant(&self.drive, wanted, progress.granted, self.period);
 

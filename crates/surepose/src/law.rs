@@ -1,6 +1,7 @@
 //! How should I move? The control laws of [Tran2012] Sec. 4, each with its Lyapunov function beside it.
 
 mod arrival;
+mod braking;
 mod commitment;
 mod engaged;
 mod facing;
@@ -16,6 +17,7 @@ use crate::navigation::Navigation;
 use crate::scalar::Scalar;
 
 pub use arrival::{Arrival, Phase, Tolerance};
+pub use braking::Braking;
 pub use commitment::{Direction, Memory};
 pub use engaged::Engaged;
 pub use facing::Facing;
@@ -53,8 +55,20 @@ impl<S: Scalar> Law<S> {
     /// Finite for every input: a goal whose place is not a number is answered with rest, and so is one beyond 10⁹ m.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
+        self.decide_in_time(None, navigation, memory)
+    }
+
+    /// The same for wheels that need time to slow down, if they do.
+    #[inline(always)]
+    pub fn decide_in_time(
+        &self,
+        braking: Option<&Braking<S>>,
+        navigation: &Navigation<S>,
+        memory: Memory<S>,
+    ) -> Decision<S> {
         let facing = self.face(navigation, &memory);
-        self.steer(&facing, self.engage(&facing, memory))
+        let engaged = self.engage(&facing, memory);
+        self.steer(braking, &facing, engaged)
     }
 
     /// The first step of [`Law::decide`]: which end goes first, and what it sees.
@@ -75,12 +89,18 @@ impl<S: Scalar> Law<S> {
         }
     }
 
-    /// The third: its twist.
+    /// The third: its twist, slowed down in time where the law knows how.
     #[inline(always)]
-    pub fn steer(&self, facing: &Facing<S>, engaged: Engaged<S>) -> Decision<S> {
-        let Decision { twist, memory } = match self {
-            Self::Hybrid(law) => law.steer(facing, engaged),
-            Self::Paper(law) => law.steer(facing, engaged),
+    pub fn steer(
+        &self,
+        braking: Option<&Braking<S>>,
+        facing: &Facing<S>,
+        engaged: Engaged<S>,
+    ) -> Decision<S> {
+        let Decision { twist, memory } = match (self, braking) {
+            (Self::Hybrid(law), Some(braking)) => law.steer_in_time(braking, facing, engaged),
+            (Self::Hybrid(law), None) => law.steer(facing, engaged),
+            (Self::Paper(law), _) => law.steer(facing, engaged),
         };
         // One sum for two comparisons: small where both are, and not a number where one of them is not. A goal that is nowhere
         // makes v so.

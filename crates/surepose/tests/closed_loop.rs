@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 use surepose::closed_loop::{Controller, Localiser, Progress, Sensed, Signal, tick};
 use surepose::{
-    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, Goal, HybridLaw, Integration,
-    Law, Limits, Map, Matcher, Measurement, Point, Pose, RangeFinder, Recognition, Refusal, Scan, Stamp,
-    Stamped, Tolerance, Travel, Wall, Wheels,
+    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, Goal, Integration, Limits,
+    Map, Matcher, Measurement, Point, Pose, RangeFinder, Recognition, Refusal, Scan, Stamp, Stamped,
+    Tolerance, Travel, Wall, Wheels,
 };
 
 const PERIOD: f64 = 0.1;
@@ -13,13 +13,8 @@ const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
 const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
 
 fn controller() -> Controller<f64> {
-    Controller {
-        drive: DRIVE,
-        law: Law::Hybrid(HybridLaw::fitted(&DRIVE, &LIMITS, PERIOD, Direction::Auto)),
-        limits: LIMITS,
-        tolerance: Tolerance { position: 0.01, heading: 0.017, hold: 1.0, release: 1.5 },
-        period: PERIOD,
-    }
+    let tolerance = Tolerance { position: 0.01, heading: 0.017, hold: 1.0, release: 1.5 };
+    Controller::fitted(DRIVE, LIMITS, PERIOD, Direction::Auto, tolerance)
 }
 
 fn localiser() -> Localiser<f64, 64, 61> {

@@ -1,20 +1,13 @@
 //! The closed loop comes to rest at the goal.
 
 use surepose::closed_loop::{Controller, Progress};
-use surepose::{
-    Angle, Body, Direction, Drive, Goal, HybridLaw, Integration, Law, Limits, Map, Pose, Tolerance,
-};
+use surepose::{Angle, Body, Direction, Drive, Goal, Integration, Limits, Map, Pose, Tolerance};
 
 fn controller(direction: Direction) -> Controller<f64> {
     let (drive, period) = (Drive::new(0.05, 0.6), 0.02);
     let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
-    Controller {
-        drive,
-        law: Law::Hybrid(HybridLaw::fitted(&drive, &limits, period, direction)),
-        limits,
-        tolerance: Tolerance { position: 0.01, heading: 1f64.to_radians(), hold: 1.0, release: 1.5 },
-        period,
-    }
+    let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), hold: 1.0, release: 1.5 };
+    Controller::fitted(drive, limits, period, direction, tolerance)
 }
 
 #[test]

@@ -15,7 +15,7 @@ pub fn hybrid(period: f64) -> HybridLaw<f64> {
 }
 
 pub fn shipped(law: HybridLaw<f64>) -> Shipped {
-    Shipped { law: Law::Hybrid(law), drive: DRIVE, limits: LIMITS }
+    Shipped { law: Law::Hybrid(law), drive: DRIVE, braking: None, limits: LIMITS }
 }
 
 /// The default law with the gains that the paper prints.

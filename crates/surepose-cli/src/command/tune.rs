@@ -99,8 +99,8 @@ impl TuneCommand {
         output.result(&json, || shown(&tuned, [had, has]))?;
         if tuned.best.is_some_and(|best| best != tuned.start) {
             warning(
-                "the trials have no limit of acceleration: for a robot that has one, these gains may be too fast; try them \
-                 with `surepose run --config`",
+                "the trials have no limit of acceleration: on a robot that has one, other gains may be faster; compare with \
+                 `surepose run --config`",
             );
         }
         Ok(match tuned.best {
@@ -154,6 +154,11 @@ fn values(candidate: &Candidate) -> [(&'static Parameter, f64); 5] {
 /// Writes what the user gave, what was tuned and the period that it was tuned for. The bench's robot stays out: whoever
 /// drives another one by this file keeps that robot's limits.
 fn write(path: &Path, config: &Config, noise: Noise) -> Result<(), Failure> {
+    // Gains that are set are taken as they are; these are meant for every robot, as its wheels allow.
+    let config = match config.origin(&param::BRAKING) {
+        Origin::Default => &config.clone().with_option("law.braking=even")?,
+        _ => config,
+    };
     let toml = toml_of_those(config, |setting| match setting.origin {
         Origin::File { .. } | Origin::CommandLine => true,
         Origin::Preset(name) => name == TUNED || setting.parameter == &param::PERIOD,
@@ -177,8 +182,8 @@ const TUNED: &str = "tuned";
 
 /// What stands above a configuration that was found.
 const HEADER: &str = "\
-# Found by `surepose tune`, on the bench's robot: its wheels follow at once. For a robot whose acceleration is limited
-# these gains may be too fast: try them with `surepose run --config` first. What is not here keeps its default.
+# Found by `surepose tune`, on the bench's robot: its wheels follow at once. On a robot whose acceleration is limited
+# other gains may be faster: compare with `surepose run --config`. What is not here keeps its default.
 
 ";
 

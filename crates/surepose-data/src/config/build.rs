@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use surepose::closed_loop::Controller;
 use surepose::param;
 use surepose::{
-    Actuation, Angle, Belief, Body, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw,
+    Actuation, Angle, Belief, Body, Braking, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw,
     Integration, Laser, Law, Limits, Map, PaperLaw, Pose, Rest, Stamp, Tolerance, Wheels,
 };
 
@@ -119,6 +119,17 @@ impl Config {
         }
     }
 
+    /// How these gains shrink for the wheels to follow, unless they are meant as they are.
+    pub fn braking(&self) -> Option<Braking<f64>> {
+        let is_set = |gain| matches!(self.origin(gain), Origin::File { .. } | Origin::CommandLine);
+        let evenly = match self.choice(&param::BRAKING) {
+            "even" => true,
+            "gains" => false,
+            _ => self.choice(&param::LAW_NAME) != "paper" && !is_set(&param::K_V) && !is_set(&param::K_ALPHA),
+        };
+        if evenly { Braking::needed(&self.drive(), &self.limits(), &self.gains()) } else { None }
+    }
+
     /// What the wheels can do.
     pub fn limits(&self) -> Limits<f64> {
         Limits {
@@ -132,6 +143,7 @@ impl Config {
         Controller {
             drive: self.drive(),
             law: self.law(),
+            braking: self.braking(),
             limits: self.limits(),
             tolerance: Tolerance {
                 position: self.number(&param::POSITION_TOLERANCE),

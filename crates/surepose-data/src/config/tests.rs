@@ -92,7 +92,7 @@ fn slips_are_recognised() {
             "robot.toml:3: unknown key `k_alfa` in [law] | did you mean `k_alpha`?",
             "robot.toml:4: unknown key `track_m` in [law] | `track_m` belongs under [robot]",
             "robot.toml:5: `name` cannot be \"papper\" | did you mean \"paper\"? The choice is \"surepose\", \"paper\"",
-            "robot.toml:6: unknown key `xyz` in [law] | [law] has name, k_v, k_alpha, h, k_theta, \
+            "robot.toml:6: unknown key `xyz` in [law] | [law] has name, k_v, k_alpha, h, k_theta, braking, \
              capture_radius_m, position_noise_m, direction",
             "robot.toml:8: `period_s` is a number, and this is text; leave out the quotes | write a number in \
              [0.001, 1] s",

@@ -1,6 +1,6 @@
 //! What is driven: where, from where to where, and with which senses.
 
-use surepose::{Body, Goal, Map, Point, Pose, param};
+use surepose::{Body, Goal, Map, Point, Pose, Wheels, param};
 use surepose_data::Config;
 use surepose_data::config::Origin;
 use surepose_sim::{
@@ -167,6 +167,7 @@ impl Scenario {
     /// The world of this scenario.
     pub fn world(&self) -> WorldModel {
         let (compass, laser) = (self.config.compass(), self.config.laser());
+        let (drive, limit) = (self.config.drive(), self.config.limits().wheel_speed);
         let compass_model = CompassModel { std: compass.std, offset: compass.offset.radians() };
         let laser_model = LaserModel {
             body_from_laser: laser.body_from_laser,
@@ -178,8 +179,8 @@ impl Scenario {
         let timing = |latency| Timing { period: SENSOR_PERIOD, latency };
         WorldModel {
             arena: self.arena.clone(),
-            drive: self.config.drive(),
-            motor: MotorModel::default(),
+            drive,
+            motor: MotorModel::geared_for(drive.turns_from_rims(Wheels::new(limit, limit)).largest()),
             slip: Slip { delta: self.config.ekf().delta },
             compass: self.sensors.compass.then(|| (compass_model, timing(compass.latency))),
             laser: self.sensors.laser.then(|| (laser_model, timing(laser.latency))),

@@ -219,7 +219,7 @@ impl Step for Steer {
     #[inline(always)]
     fn robot<T: Element>(fleet: &mut Fleet<T>, law: &Law<Robot<T>>, k: usize) {
         let engaged = Engaged { error: fleet.error.get(k), memory: fleet.memory(k) };
-        let decision = law.steer(&fleet.facing(k), engaged);
+        let decision = law.steer(None, &fleet.facing(k), engaged);
         fleet.travel.set(k, decision.memory.travel);
         fleet.v.set(k, decision.twist.v);
         fleet.omega.set(k, decision.twist.omega);

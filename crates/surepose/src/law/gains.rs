@@ -4,6 +4,8 @@ use crate::drive::Drive;
 use crate::limit::Limits;
 use crate::scalar::Scalar;
 
+use super::braking::SHARE;
+
 /// The gains of both laws of [Tran2012].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gains<S> {
@@ -26,6 +28,8 @@ const QUIET_ALPHA_PER_PERIOD: f64 = 0.096;
 const QUIET_THETA_PER_PERIOD: f64 = 0.12;
 /// The largest k_v \[1/s]: a third of a second for the last of the way is short enough, and the rest would follow noise.
 const K_V_MOST: f64 = 9.0;
+/// How far the rims have to go where braking evenly turns into settling exponentially \[m].
+const SETTLING_WAY: f64 = 0.09;
 /// Weight of the direction of approach: the robot drives nearly straight and turns at the goal, as the time-optimal
 /// paths of [BalkcomMason2002] do.
 const H: f64 = 0.3;
@@ -41,17 +45,17 @@ impl<S: Scalar> Gains<S> {
     /// Gains for a loop of `period` \[s] whose wheels obey `limits`.
     ///
     /// A gain takes a fixed part of its error away in each period: 0.2 of the distance, 0.24 of the bearing, all of the
-    /// heading error at the first tick of trimming. k_v is 9/s at the most. An error that shrinks at rate k from full speed V
-    /// needs the deceleration k·V: for the distance and the heading that is at most 0.7 of what the wheels can do, and for the
-    /// bearing, which the robot may overshoot on its way, at most twice that limit.
+    /// heading error at the first tick of trimming. k_v is 9/s at the most. And a gain is no larger than that the wheels brake
+    /// evenly, see [`Braking`](super::Braking), until the rims have 9 cm to go: √(2a/9 cm); twice that for the bearing, which the robot may
+    /// overshoot on its way.
     pub fn for_loop(period: S, limits: &Limits<S>) -> Self {
-        let followed = limits.wheel_acceleration / limits.wheel_speed;
-        let gain = |part: f64, share: f64| (S::of(part) / period).min(followed * S::of(share));
+        let even = (limits.wheel_acceleration * S::of(2.0 * SHARE / SETTLING_WAY)).sqrt();
+        let gain = |part: f64, most: S| (S::of(part) / period).min(most);
         Self {
-            k_v: gain(K_V_PER_PERIOD, 0.7).min(S::of(K_V_MOST)),
-            k_alpha: gain(K_ALPHA_PER_PERIOD, 2.0),
+            k_v: gain(K_V_PER_PERIOD, even.min(S::of(K_V_MOST))),
+            k_alpha: gain(K_ALPHA_PER_PERIOD, even * S::of(2.0)),
             h: S::of(H),
-            k_theta: gain(K_THETA_PER_PERIOD, 0.7),
+            k_theta: gain(K_THETA_PER_PERIOD, even),
         }
     }
 }

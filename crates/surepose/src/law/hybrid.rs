@@ -6,6 +6,7 @@ use crate::navigation::Navigation;
 use crate::scalar::Scalar;
 
 use super::Decision;
+use super::braking::Braking;
 use super::commitment::{self, Direction, Memory};
 use super::engaged::Engaged;
 use super::facing::Facing;
@@ -42,6 +43,7 @@ use super::rest::Rest;
 /// - k_α shrinks with its error, and k_θ/n, down to a floor, is the gain of a recursive mean: noise of the estimate is
 ///   averaged, and large errors are still taken away at once. V̇ ≤ 0 holds for every positive gain.
 /// - Told of noise, the robot rests rather than follow it to and fro: see [`Rest`].
+/// - Where the wheels need time to slow down, gains shrink with the way that is left: see [`Braking`].
 /// - h grows with ρ: Ẇ with h(ρ) has the further term −½h′(ρ)·v·cos α·φ² ≤ 0.
 /// - The paper's Ω_l has no memory and lets the global law spin on noise at ρ < ε_P with a large heading error.
 /// - The turning side and the direction of approach have hysteresis: see [`Memory`].
@@ -135,6 +137,26 @@ impl<S: Scalar> HybridLaw<S> {
             None => (onward(v), memory.travel),
         };
         Decision { twist: Twist::new(v, omega), memory: Memory { travel, ..memory } }
+    }
+
+    /// The same for wheels that need time to slow down.
+    ///
+    /// Far away the drive waits where the turn needs time: both are slowed down alike, and the path stays the same. At the
+    /// goal there is no drive left to slow down.
+    #[inline(always)]
+    pub fn steer_in_time(
+        &self,
+        braking: &Braking<S>,
+        facing: &Facing<S>,
+        engaged: Engaged<S>,
+    ) -> Decision<S> {
+        let (near, one) = (engaged.memory.near, S::of(1.0));
+        let Gains { k_v, k_alpha, h, k_theta } = self.gains;
+        let turn = braking.part_of_turn(S::select(near, k_theta, k_alpha), engaged.error);
+        let drive = S::select(near, one, braking.part_of_drive(k_v, facing.goal.rho));
+        let gains = Gains { k_v: k_v * drive, k_alpha, h, k_theta: k_theta * turn };
+        let decision = Self { gains, ..*self }.steer(facing, engaged);
+        Decision { twist: decision.twist.scaled(S::select(near, one, turn)), ..decision }
     }
 
     /// ρ² in capture radii squared.

@@ -62,13 +62,16 @@ parameters! {
     /// The control law: this program's own, or the paper's without its additions.
     LAW_NAME = "law" "name", One, one_of(&["surepose", "paper"]);
     /// Gain of the distance to the goal. Unless set, it fits the law, the period and the wheels' acceleration.
-    K_V = "law" "k_v", PerSecond, positive(1000.0, 7.0 / 6.0, GAIN);
+    K_V = "law" "k_v", PerSecond, positive(1000.0, 2.0, GAIN);
     /// Gain of the goal's bearing; times the period it must stay well under 1. Unless set, it fits like k_v.
     K_ALPHA = "law" "k_alpha", PerSecond, positive(1000.0, 2.4, GAIN);
     /// Weight of the direction of approach against the bearing in the global Lyapunov function.
     H = "law" "h", One, positive(100.0, 0.3, GAIN);
     /// Gain of the heading error near the goal. Unless set, it fits like k_v.
-    K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 7.0 / 6.0, GAIN);
+    K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 2.788_866_755_113_585, GAIN);
+    /// How the robot slows down for its goal: `even`, as its wheels' acceleration allows, or by the `gains` alone, the harder
+    /// the faster it runs. `auto` is even unless k_v or k_alpha is set, who sets them means them, or the law is the paper's.
+    BRAKING = "law" "braking", One, one_of(&["auto", "even", "gains"]);
     /// Distance from the goal at which steering fades; the local law takes over at a quarter of it. The law `paper` switches
     /// at once, at 0.01 m unless this is set.
     CAPTURE_RADIUS = "law" "capture_radius_m", Metre,

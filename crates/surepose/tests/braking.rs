@@ -1,0 +1,97 @@
+//! The law slows down as the wheels can: they follow it to the goal, however fast they may run.
+
+use surepose::closed_loop::{Controller, Progress};
+use surepose::{
+    Angle, Body, Braking, Direction, Drive, Gains, Goal, Integration, Limits, Map, Pose, Tolerance,
+};
+
+const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
+/// What braking takes of the wheels' acceleration.
+const SHARE: f64 = 0.7;
+
+fn controller(speed: f64, acceleration: f64, period: f64) -> Controller<f64> {
+    let limits = Limits { wheel_speed: speed, wheel_acceleration: acceleration };
+    let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), hold: 1.0, release: 1.5 };
+    Controller::fitted(DRIVE, limits, period, Direction::Auto, tolerance)
+}
+
+/// Parks from `start`: the time that it takes \[s], and how long the wheels could not follow the law as they slowed down \[s].
+///
+/// Infinite where it does not arrive.
+fn park(controller: &Controller<f64>, start: [f64; 3]) -> (f64, f64) {
+    let goal: Pose<Map, Goal, f64> = Pose::new(0.0, 0.0, Angle::zero());
+    let mut pose: Pose<Map, Body, f64> = Pose::new(start[0], start[1], Angle::wrapped(start[2]));
+    let (mut progress, mut late) = (Progress::fresh(), 0.0);
+    for tick in 1..100_000 {
+        let step = controller.step(progress, pose, goal);
+        pose = pose.moved(step.granted.over(controller.period), Integration::Arc);
+        let faster = controller.drive.rims_from_twist(step.granted).largest()
+            - controller.drive.rims_from_twist(step.wanted).largest();
+        if faster > 1e-9 {
+            late += controller.period;
+        }
+        progress = step.progress;
+        if progress.arrival.reached(&controller.tolerance) {
+            return (f64::from(tick) * controller.period, late);
+        }
+    }
+    (f64::INFINITY, late)
+}
+
+#[test]
+fn braking_is_never_harder_than_the_wheels_can() {
+    for acceleration in [0.05, 0.5, 5.0] {
+        let limits = Limits { wheel_speed: 1.0, wheel_acceleration: acceleration };
+        let braking = Braking::of(&DRIVE, &limits);
+        let allowed = SHARE * acceleration;
+        for gain in [0.5, 2.0, 9.0] {
+            let speed = |way: f64| gain * braking.part_of_drive(gain, way) * way;
+            for k in 1..2000 {
+                let (way, step) = (0.005 * f64::from(k), 1e-6);
+                let deceleration = speed(way) * (speed(way + step) - speed(way - step)) / (2.0 * step);
+                assert!(deceleration < allowed, "{acceleration} m/s², {gain}/s, {way} m: {deceleration}");
+                // The way of braking evenly, and the exponential end.
+                let solved = speed(way).powi(2) / (2.0 * allowed) + speed(way) / gain;
+                assert!((solved / way - 1.0).abs() < 1e-9, "{way} m: {solved}");
+            }
+            assert!((braking.part_of_drive(gain, 0.0) - 1.0).abs() < 1e-12, "at the goal the gain is whole");
+            let (turn, way) = (braking.part_of_turn(gain, -1.0), 0.5 * DRIVE.track);
+            assert!((turn - braking.part_of_drive(gain, way)).abs() < 1e-12, "a turn is a way of the rims");
+        }
+    }
+}
+
+#[test]
+fn what_the_wheels_follow_is_not_slowed_down() {
+    let gains = |k: f64| Gains { k_v: k, k_alpha: k, h: 0.3, k_theta: k };
+    let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
+    assert!(
+        Braking::needed(&DRIVE, &limits, &gains(1.1)).is_none()
+            && Braking::needed(&DRIVE, &limits, &gains(1.2)).is_some()
+    );
+}
+
+/// Straight ahead nothing but the distance asks for anything.
+#[test]
+fn the_wheels_follow_to_the_goal() {
+    for (speed, acceleration) in [(0.3, 0.5), (1.0, 0.5), (3.0, 0.5), (1.0, 0.1), (0.3, 5.0)] {
+        let (_, late) = park(&controller(speed, acceleration, 0.02), [-4.0, 0.0, 0.0]);
+        assert!(late < 0.03, "{speed} m/s, {acceleration} m/s²: {late} s");
+    }
+}
+
+/// A robot that may drive faster, or accelerate harder, is not later: but for what a tick and a hysteresis decide.
+#[test]
+fn a_better_robot_is_not_later() {
+    const SLACK: f64 = 1.06;
+    let starts = [[-2.0, -2.0, 0.0], [-4.0, 0.0, 0.0], [-1.0, 0.5, 2.0], [0.0, 1.0, -0.5], [3.0, -1.0, 1.0]];
+    for (start, period) in starts.iter().flat_map(|start| [(*start, 0.02), (*start, 0.1)]) {
+        let time = |speed, acceleration| park(&controller(speed, acceleration, period), start).0;
+        let speeds = [0.1, 0.2, 0.3, 0.5, 1.0, 2.0].map(|speed| time(speed, 0.5));
+        let accelerations = [0.02, 0.05, 0.1, 0.5, 2.0, 10.0].map(|acceleration| time(0.5, acceleration));
+        for times in [speeds, accelerations] {
+            let better = times.windows(2).all(|pair| pair[1] < SLACK * pair[0]);
+            assert!(better && times[0].is_finite(), "{start:?}: {times:.1?} s");
+        }
+    }
+}
