@@ -40,6 +40,19 @@ fn the_walls_of_a_room_are_found_written_and_read_again() {
     assert!(shown["residual_rms_m"].is_null(), "a map alone has no residual: {shown}");
 }
 
+/// A map of nothing helps nobody: it is an answer, and a negative one.
+#[test]
+fn a_grid_without_walls_exits_with_1_and_says_so() {
+    let folder = folder("map-empty");
+    let image = [b"P5\n20 20\n255\n".to_vec(), vec![254; 400]].concat();
+    let grid = room(&folder);
+    file(&folder, "room.pgm", &image);
+    let out = folder.join("walls.toml");
+    let run = surepose(&["map", "from-grid", &grid, "--out", out.to_str().expect("UTF-8")]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("no wall was found") && !run.stderr.contains("-0.0"), "{}", run.stderr);
+}
+
 /// The help fits what was asked for: here a file.
 #[test]
 fn a_map_is_not_written_over_a_folder() {

@@ -180,6 +180,7 @@ fn a_wrong_command_line_exits_with_2() {
         &["sweep", "--period", "0"],
         &["sweep", "--period", "nan"],
         &["sweep", "--threads", "0"],
+        &["sweep", "--threads", "65535"],
         &["sweep", "--runs", "-1"],
         &["sweep", "--runs", "0"],
         &["sweep", "--precision", "f16"],

@@ -40,7 +40,8 @@ pub struct MapReport {
 impl MapReport {
     /// The figures of a map of which nothing but the walls is known.
     pub fn of(map: &WallMap) -> Self {
-        let length_m = map.walls.iter().map(surepose_data::wall_map::Wall::length).sum();
+        let length_m =
+            map.walls.iter().map(surepose_data::wall_map::Wall::length).fold(0.0, core::ops::Add::add);
         Self { walls: map.walls.len(), length_m, residual_rms_m: None, explained: None }
     }
 

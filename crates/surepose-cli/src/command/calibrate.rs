@@ -36,6 +36,7 @@ enum Format {
 impl CalibrateCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let Format::Ticks = self.format;
+        let folder = self.out.as_deref().map(Folder::at).transpose()?;
         let log = ticks::read(&self.path)?;
         let recording = Recording {
             ticks_per_turn: ROVER.ticks_per_turn,
@@ -45,8 +46,8 @@ impl CalibrateCommand {
         };
         let found = calibrate(&recording, &Options::rover())
             .map_err(|why| Failure::Recording { path: self.path, what: why.to_string() })?;
-        if let Some(folder) = &self.out {
-            Folder::at(folder)?.text("calibration.toml", &found.configuration())?;
+        if let Some(folder) = &folder {
+            folder.text("calibration.toml", &found.configuration())?;
         }
         let parameters = found.parameters();
         output.result(&object(&parameters), || {

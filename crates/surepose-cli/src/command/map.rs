@@ -11,7 +11,7 @@ use surepose_lab::replay::carmen::{map_of, views};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::{Folder, no_folder_at, write_file};
-use crate::output::{Output, object, table};
+use crate::output::{Output, object, table, warning};
 
 /// Make a wall map, or show one.
 #[derive(Debug, Args)]
@@ -112,6 +112,10 @@ impl MapCommand {
             }
             table
         })?;
+        if report.walls == 0 {
+            warning("no wall was found: are the cells of walls occupied, and several in a row?");
+            return Ok(Exit::Negative);
+        }
         Ok(Exit::Done)
     }
 }

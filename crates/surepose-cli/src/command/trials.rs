@@ -21,7 +21,7 @@ pub(super) struct TrialArgs {
     #[arg(long, value_enum)]
     noise: Option<NoiseName>,
     /// How many threads; all cores unless given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
     threads: Option<u16>,
     /// What all noise, all random starts and a search are drawn from
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]

@@ -17,6 +17,17 @@ impl Config {
                  under 1"
             ));
         }
+        let history = self.number(&param::HISTORY);
+        for latency in [&param::COMPASS_LATENCY, &param::LASER_LATENCY] {
+            let late = self.number(latency);
+            if late > history {
+                warnings.push(format!(
+                    "{}.{} is {late} s, and filter.history_s {history} s: each measurement will be refused as stale; \
+                     let the history reach back farther",
+                    latency.section, latency.key
+                ));
+            }
+        }
         warnings
     }
 }

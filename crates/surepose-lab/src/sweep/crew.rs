@@ -15,6 +15,9 @@ use crate::Watch;
 /// How many lanes are looked at together for one whose trial ends.
 const GROUP: usize = 16;
 
+/// For how many results there is room before the first one comes: Ctrl-C may end a sweep that asks for far more.
+const MOST_AT_ONCE: usize = 1 << 20;
+
 /// When a trial ends, in periods.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ends {
@@ -58,7 +61,7 @@ pub(super) fn drive<T: Element>(sweep: &Sweep, ends: Ends, next: &AtomicUsize, w
     for lane in 0..LANES {
         crew.take(lane);
     }
-    let mut done = Vec::with_capacity(sweep.starts.len() / sweep.threads.max(1) + LANES);
+    let mut done = Vec::with_capacity((sweep.starts.len() / sweep.threads.max(1) + LANES).min(MOST_AT_ONCE));
     while crew.active > 0 && !watch.stopped() {
         crew.step(&mut done, watch);
     }
