@@ -85,7 +85,8 @@ pub struct Certificate {
     pub decrease_rate: Option<f64>,
     /// Latest time of coming within the capture radius, from every start in the workspace \[s].
     pub time_bound: Option<f64>,
-    /// A period up to which the same gains were shown to work \[s].
+    /// The longest period found at which the same gains were shown to bring the robot within the largest useful capture
+    /// radius \[s]: shown at that period, not at those between.
     pub max_period: Option<f64>,
     /// Largest true distance from the goal at any time after the capture \[m].
     pub final_position_bound: Option<f64>,

@@ -122,14 +122,17 @@ fn local_minds<L: Subject>(descent: &Descent<'_, L>) -> Vec<Mind> {
 /// The seen distances at which the local law can be in charge, in steps; and whether these are all.
 fn reach_of_local<L: Subject>(descent: &Descent<'_, L>, capture: f64) -> (Interval, bool) {
     const RINGS: usize = 64;
+    // Kept, or taken over: the tick of taking over counts too.
+    let possible =
+        |region: &Region| [true, false].into_iter().any(|before| descent.local_possible(region, before));
     let all = Interval::new(0.0, 4.0 * capture);
     let beyond = Region::anywhere(Interval::new(all.hi(), 1e6), Interval::point(0.0));
     let farthest = (0..RINGS)
         .rev()
         .map(|ring| all.piece(ring, RINGS))
-        .find(|rho| descent.local_possible(&Region::anywhere(*rho, Interval::point(0.0)), true));
+        .find(|rho| possible(&Region::anywhere(*rho, Interval::point(0.0))));
     let reach = farthest.map_or(0.0, Interval::hi);
-    (Interval::new(0.0, reach), !descent.local_possible(&beyond, true))
+    (Interval::new(0.0, reach), !possible(&beyond))
 }
 
 /// Shows that V falls wherever the local law is in charge and |θ_e| ≥ `bound`.

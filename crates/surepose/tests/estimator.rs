@@ -114,6 +114,27 @@ fn a_full_history_forgets_its_oldest_only() {
     assert!((estimator.belief().pose.x - 0.064).abs() < 1e-9);
 }
 
+/// However late a measurement is, in a full history too: the robot has rolled as far as it has.
+#[test]
+fn no_lateness_loses_travel() {
+    for half_ticks_late in 0..160_i64 {
+        for heading in [0.0, 3.0] {
+            let mut estimator = estimator::<f64>();
+            for tick in 1..=100_i64 {
+                estimator.roll(at(tick), Wheels::new(0.0001, 0.0001)).unwrap();
+            }
+            let half_tick = (at(1).nanoseconds() - at(0).nanoseconds()) / 2;
+            let taken = Stamp::from_nanoseconds(at(100).nanoseconds() - half_ticks_late * half_tick);
+            let outcome = estimator.measure(Stamped::new(taken, compass(heading)));
+            let x = estimator.belief().pose.x;
+            assert!(
+                (x - 0.01).abs() < 1e-9,
+                "{half_ticks_late} half ticks late, {heading} rad, {outcome:?}: {x} m"
+            );
+        }
+    }
+}
+
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         3 => -10.0..10.0_f64,

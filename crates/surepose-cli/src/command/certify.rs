@@ -201,7 +201,7 @@ const WORDS: [(&str, &str); 11] = [
     ("capture_radius_m", "comes within (capture radius) [m]"),
     ("decrease_rate_per_s", "W falls at least by [1/s]"),
     ("time_bound_s", "comes there in at most [s]"),
-    ("max_period_s", "shown for periods up to [s]"),
+    ("max_period_s", "capture is shown at a period of [s]"),
     ("final_heading_bound_deg", "heading, while the local law is in charge [°]"),
     ("final_position_bound_m", "position, then within [m]"),
     ("switch_keeps_its_mind", "the switch keeps its mind"),

@@ -135,7 +135,7 @@ impl<S: Float, const N: usize> Estimator<S, N> {
         measured.value.check()?;
         if measured.stamp > self.stamp() {
             Err(Refusal::Future)
-        } else if measured.stamp < self.history.after(0).0 {
+        } else if measured.stamp < self.history.after(0).0 || self.history.has_no_room_at(measured.stamp) {
             Err(Refusal::Stale)
         } else {
             Ok(())

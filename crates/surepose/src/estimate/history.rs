@@ -70,9 +70,15 @@ impl<S: Float, const N: usize> History<S, N> {
         count
     }
 
+    /// Whether the history is full of entries later than `stamp`: what is put before all of them would be the first to be
+    /// forgotten.
+    pub(super) fn has_no_room_at(&self, stamp: Stamp) -> bool {
+        self.len == N && self.get(0).is_some_and(|oldest| oldest.stamp > stamp)
+    }
+
     /// Puts `entry` after the first `index` ones and says where it is now; a full history first forgets its oldest.
     ///
-    /// Nothing is stored where the history is full of later entries.
+    /// Nothing is stored where [`History::has_no_room_at`] the entry's time.
     pub(super) fn insert(&mut self, index: usize, entry: Entry<S>) -> Option<usize> {
         let mut index = index.min(self.len);
         if self.len == N {
