@@ -156,7 +156,7 @@ impl Interval {
 
     /// Bounds computed to nearest, moved outwards by one float.
     ///
-    /// Little more than half the way to the next float is added, and rounds to it (Rump, Zimmermann, Boldo & Melquiond 2009).
+    /// Little more than half the way to the next float is added, and rounds to it \[Rump2009].
     #[inline]
     fn outward(lo: f64, hi: f64) -> Self {
         const HALF_ULP: f64 = 0.5 * (1.0 + f64::EPSILON);

@@ -128,6 +128,22 @@ impl Config {
         self
     }
 
+    /// The same for a choice; one that there is not is left out.
+    #[must_use]
+    pub fn with_preset_choice(
+        mut self,
+        name: &'static str,
+        parameter: &'static Parameter,
+        choice: &str,
+    ) -> Self {
+        if let Kind::Choice { options } = parameter.kind
+            && let Some(option) = options.iter().find(|option| **option == choice)
+        {
+            self.put(Setting { parameter, value: Value::Choice(option), origin: Origin::Preset(name) });
+        }
+        self
+    }
+
     /// Puts `section.key=value` from the command line over these.
     ///
     /// # Errors

@@ -156,7 +156,7 @@ fn values(candidate: &Candidate) -> [(&'static Parameter, f64); 5] {
 fn write(path: &Path, config: &Config, noise: Noise) -> Result<(), Failure> {
     // Gains that are set are taken as they are; these are meant for every robot, as its wheels allow.
     let config = match config.origin(&param::BRAKING) {
-        Origin::Default => &config.clone().with_option("law.braking=even")?,
+        Origin::Default => &config.clone().with_preset_choice(TUNED, &param::BRAKING, "even"),
         _ => config,
     };
     let toml = toml_of_those(config, |setting| match setting.origin {

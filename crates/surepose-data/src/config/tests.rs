@@ -59,6 +59,48 @@ fn a_wrong_unit_is_converted_for_the_user() {
     );
 }
 
+/// The table's defaults are what nobody sees: gains that are not set are fitted. They had better be the same.
+#[test]
+fn the_defaults_of_the_gains_are_the_fitted_ones() {
+    let (default, fitted) = (Config::default(), Config::default().fitted());
+    for gain in [&param::K_V, &param::K_ALPHA, &param::H, &param::K_THETA] {
+        let (default, fitted) = (default.number(gain), fitted.number(gain));
+        assert!((default - fitted).abs() < 1e-12, "{}: {default} and {fitted}", gain.key);
+    }
+}
+
+#[test]
+fn gains_that_are_set_are_meant_and_others_brake_evenly() {
+    let brakes = |options: &[&str]| {
+        let put = |config: Config, option: &&str| config.with_option(option).expect("valid");
+        options.iter().fold(Config::default(), put).braking().is_some()
+    };
+    for options in [&[][..], &["law.h=1"], &["law.k_v=3", "law.braking=even"], &["law.k_theta=3"]] {
+        assert!(brakes(options), "{options:?}");
+    }
+    for options in [
+        &["law.k_v=3"][..],
+        &["law.k_alpha=3"],
+        &["law.braking=gains"],
+        &["law.name=paper"],
+        // Even the gains alone ask for less than these wheels can do.
+        &["robot.wheel_acceleration_limit_m_s2=1000"],
+    ] {
+        assert!(!brakes(options), "{options:?}");
+    }
+}
+
+#[test]
+fn a_latency_that_the_history_does_not_reach_is_warned_of() {
+    let warnings = |options: [&str; 2]| {
+        let put = |config: Config, option: &str| config.with_option(option).expect("valid");
+        options.into_iter().fold(Config::default(), put).warnings()
+    };
+    assert_eq!(warnings(["laser.latency_s=0.9", "filter.history_s=1"]), Vec::<String>::new());
+    let found = warnings(["laser.latency_s=1.1", "filter.history_s=1"]);
+    assert!(found.len() == 1 && found[0].contains("laser.latency_s is 1.1 s"), "{found:?}");
+}
+
 #[test]
 fn the_papers_law_has_a_capture_radius_of_its_own_unless_one_is_set() {
     let radius = |options: &[&str]| {
