@@ -184,3 +184,19 @@ fn what_is_not_a_number_is_the_whole_line() {
     assert!(sin.encloses(Interval::symmetric(1.0)) && cos == sin && sinc.hi() <= 1.0);
     assert!((Interval::point(f64::MAX) + Interval::point(f64::MAX)).contains(f64::MAX));
 }
+
+/// A bound may be "arbitrarily large", and 0 times that is whatever the members say it is.
+#[test]
+fn unbounded_intervals_lose_no_product_and_no_quotient() {
+    let bounds = [f64::NEG_INFINITY, -2.0, 0.0, 3.0, f64::INFINITY];
+    let members = [-1e9, -2.0, -1e-9, 0.0, 1e-9, 3.0, 1e9];
+    let pairs = || bounds.into_iter().flat_map(move |a| bounds.map(|b| Interval::new(a, b)));
+    for (x, y) in pairs().flat_map(|x| pairs().map(move |y| (x, y))) {
+        for a in members.into_iter().filter(|member| x.contains(*member)) {
+            for b in members.into_iter().filter(|member| y.contains(*member)) {
+                assert!((x * y).contains(a * b), "{a}·{b} in {x:?}·{y:?}: {:?}", x * y);
+                assert!(b == 0.0 || (x / y).contains(a / b), "{a}/{b} in {x:?}/{y:?}: {:?}", x / y);
+            }
+        }
+    }
+}
