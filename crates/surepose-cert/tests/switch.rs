@@ -145,6 +145,8 @@ enum Fault {
     WaitsForArrival,
     /// At rest it does not stop, but backs away.
     BacksAwayAtRest,
+    /// The local law takes over for a tick farther out than it keeps the robot, and does not turn.
+    TakesOverFarOut,
 }
 
 struct Mutant {
@@ -158,7 +160,7 @@ impl Subject for Mutant {
         match self.fault {
             Fault::NarrowHysteresis => before.trims = before.trims + S::of(1e3),
             Fault::NoHysteresis => before.near = S::Mask::splat(false),
-            Fault::WaitsForArrival | Fault::BacksAwayAtRest => {}
+            Fault::WaitsForArrival | Fault::BacksAwayAtRest | Fault::TakesOverFarOut => {}
         }
         let mut decision = self.law.decide(seen, before);
         let ahead = seen.rho * seen.alpha.sin_cos().1;
@@ -173,6 +175,13 @@ impl Subject for Mutant {
                 let rests = ahead.abs().lt(S::of(0.02));
                 let away = Twist::new(ahead * S::of(-2.0), decision.twist.omega);
                 decision.twist = Twist::select(rests, away, decision.twist);
+            }
+            Fault::TakesOverFarOut => {
+                let far_out = seen.rho.gt(S::of(0.033)).and(seen.rho.lt(S::of(0.035)));
+                let takes_over = far_out.and(!before.near);
+                decision.memory.near = decision.memory.near.or(takes_over);
+                let still = Twist::new(decision.twist.v, zero);
+                decision.twist = Twist::select(takes_over, still, decision.twist);
             }
             _ => {}
         }
@@ -209,6 +218,9 @@ fn a_law_of_which_a_statement_is_false_does_not_get_it() {
     }
     let waits = judged(plain, Fault::WaitsForArrival, large).settling;
     assert!(waits.is_none_or(|settling| settling.heading_bound.is_none()), "{waits:?}");
+    let takes_over = judged(plain, Fault::TakesOverFarOut, small);
+    let settling = takes_over.settling;
+    assert!(settling.is_none_or(|settling| settling.heading_bound.is_none()), "{settling:?}");
     let stops = certify(&request(&shipped(told), told.gains.h, 0.02, small)).final_position_bound;
     let stops = stops.expect("shown");
     let backs = judged(told, Fault::BacksAwayAtRest, small);
