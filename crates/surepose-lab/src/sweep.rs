@@ -118,7 +118,8 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Runs every trial, or those up to where `watch` stops it. The trials come in the order of their starts.
+    /// Runs every trial, or those up to where `watch` stops it. The trials come in the order of their starts; of a sweep that
+    /// is stopped, up to the first that has not ended: those that end late are the ones that fail.
     pub fn run(&self, watch: &Watch) -> SweepReport {
         let ends = Ends::of_bench(self.period);
         let (ended, wall) = self.drive(ends, watch);
@@ -126,7 +127,7 @@ impl Sweep {
         let share = ended.len().div_ceil(self.threads.max(1)).max(1);
         let bounded = |thread: usize| {
             let mine = ended.chunks(share).nth(thread).unwrap_or_default();
-            mine.iter().filter_map(|ended| Trial::of(ended, self, ends)).collect()
+            mine.iter().filter_map(|ended| Trial::of(ended, self, ends)).collect::<Vec<_>>()
         };
         SweepReport::of(self.on_threads(bounded).concat(), wall, self.seed)
     }
@@ -147,13 +148,15 @@ impl Sweep {
             Precision::F64 => crew::drive::<f64>(self, ends, &next, watch),
         });
         let wall = begin.elapsed().as_secs_f64();
-        let mut ended: Vec<_> = parts.into_iter().flatten().collect();
+        let complete = parts.iter().filter_map(|part| part.under_way).min().unwrap_or(usize::MAX);
+        let ended = parts.into_iter().flat_map(|part| part.ended);
+        let mut ended: Vec<_> = ended.filter(|ended| ended.way < complete).collect();
         ended.sort_unstable_by_key(|ended| ended.way);
         (ended, wall)
     }
 
     /// What `work` gives on each thread.
-    fn on_threads<T: Send>(&self, work: impl Fn(usize) -> Vec<T> + Sync) -> Vec<Vec<T>> {
+    fn on_threads<T: Send>(&self, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
         std::thread::scope(|scope| {
             let work = &work;
             let threads: Vec<_> =

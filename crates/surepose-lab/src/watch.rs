@@ -15,7 +15,7 @@ impl Watch {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// Ends the work at once: the pieces that are done are kept, those under way are not.
+    /// Ends the work at once: pieces that are done are kept, those under way are not.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }

@@ -42,8 +42,16 @@ struct Under {
     began: u64,
 }
 
-/// Takes trials from `next` until none is left.
-pub(super) fn drive<T: Element>(sweep: &Sweep, ends: Ends, next: &AtomicUsize, watch: &Watch) -> Vec<Ended> {
+/// What a crew has driven.
+pub(super) struct Driven {
+    /// The trials that have ended, in any order.
+    pub(super) ended: Vec<Ended>,
+    /// The first of those that were under way when the watch stopped it.
+    pub(super) under_way: Option<usize>,
+}
+
+/// Takes trials from `next` until none is left, or the watch stops it.
+pub(super) fn drive<T: Element>(sweep: &Sweep, ends: Ends, next: &AtomicUsize, watch: &Watch) -> Driven {
     let mut crew = Crew {
         sweep,
         ends,
@@ -65,7 +73,7 @@ pub(super) fn drive<T: Element>(sweep: &Sweep, ends: Ends, next: &AtomicUsize, w
     while crew.active > 0 && !watch.stopped() {
         crew.step(&mut done, watch);
     }
-    done
+    Driven { ended: done, under_way: crew.under.iter().flatten().map(|under| under.way).min() }
 }
 
 struct Crew<'a, T: Element> {

@@ -87,11 +87,36 @@ fn threads_and_watching_change_no_result() {
 }
 
 #[test]
-fn a_stopped_sweep_keeps_what_is_done() {
+fn a_sweep_that_is_stopped_at_once_has_no_figures() {
     let watch = Watch::default();
     watch.stop();
     let report = sweep(1000, 0.1, Noise::NONE).run(&watch);
-    assert!(report.runs < 1000 && report.time_s.is_none() == (report.runs == 0));
+    assert!(report.runs == 0 && report.time_s.is_none() && report.success_rate.is_none());
+}
+
+/// Half of these trials fail, which takes ten times as long as to succeed: what is kept must not be those that were quick.
+#[test]
+fn a_stopped_sweep_keeps_the_trials_that_a_shorter_one_has() {
+    let law = Law::Paper(PaperLaw {
+        gains: Gains::paper(),
+        capture_radius: 0.033,
+        capture_heading: core::f64::consts::PI,
+    });
+    let of = |runs| Sweep { law, threads: 2, ..sweep(runs, 0.1, Noise::BENCH) };
+    let watch = Watch::default();
+    let stopped = std::thread::scope(|scope| {
+        let stopped = scope.spawn(|| of(10_000_000).run(&watch));
+        while watch.done() < 5000 {
+            std::thread::yield_now();
+        }
+        watch.stop();
+        stopped.join().unwrap()
+    });
+    assert!(stopped.runs > 3000, "{}", stopped.runs);
+    let shorter = run(&of(stopped.runs));
+    assert_eq!(stopped.success_rate, shorter.success_rate);
+    assert!(stopped.success_rate.is_some_and(|rate| rate < 0.8));
+    assert_eq!(stopped.trials, shorter.trials);
 }
 
 #[test]
