@@ -7,7 +7,9 @@ mod senses;
 mod watch;
 
 use surepose::closed_loop::{Controller, Progress, Sensed, Tick, tick};
-use surepose::{Belief, Body, Goal, Health, Hypothesis, Map, Pose, Stamp, Tally, Verdict, Wall, Wheels};
+use surepose::{
+    Belief, Body, Goal, Health, Hypothesis, Map, Pose, Stamp, Tally, Travel, Verdict, Wall, Wheels,
+};
 use surepose_data::config::CompassMounting;
 use surepose_data::wall_map::WallMap;
 use surepose_sim::{Arena, Seed, Segment, World};
@@ -61,7 +63,7 @@ impl Rig {
 
     /// The same without a goal: where the robot is after its wheels turned as `wheels` \[rad/s] for `period` \[s].
     pub fn step(&mut self, wheels: Wheels<f64>, period: f64) -> Belief<f64> {
-        let told = self.world.model().drive.rims_from_turns(wheels).scaled(period);
+        let told = Travel::guessed(self.world.model().drive.rims_from_turns(wheels).scaled(period));
         self.live(wheels, period, |rig, sensed| {
             let Self { localiser, walls, watch, .. } = rig;
             localiser.sense(sensed, told, walls, watch)

@@ -14,10 +14,10 @@ use futures::future::LocalBoxFuture;
 use futures::stream::{FuturesUnordered, StreamExt};
 use futures::{FutureExt, select};
 use ros2_client::RmwRequestId;
-use surepose::{Goal, Map, Pose, Twist};
+use surepose::{Goal, Map, Pose, Stamp, Stamped, Twist};
 use surepose_lab::optimal::fastest;
 
-use crate::convert::{Refused, belief_of, pose_of};
+use crate::convert::{Refused, belief_of, pose_of, stamp_of};
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
 use crate::names::Names;
 use crate::network::Network;
@@ -109,7 +109,7 @@ impl<Say: FnMut(&str)> Run<Say> {
             }
         }
         if self.pilot.has_wheels() {
-            self.voice.command(self.pilot.belief_stamp(), Twist::rest());
+            self.stand();
         }
         let ended = self.pilot.cancel();
         self.finish(ended);
@@ -236,7 +236,7 @@ impl<Say: FnMut(&str)> Run<Say> {
         let refused = |why| ("initialpose", why);
         self.in_map(&told.header.frame_id).map_err(refused)?;
         let belief = belief_of(&told.pose, START_STD).map_err(refused)?;
-        self.pilot.place(belief);
+        self.pilot.place(Stamped::new(stamp_of(told.header.stamp), belief));
         let (pose, heading) = (belief.pose, belief.pose.heading.degrees());
         self.say(&format!("told to be at ({:.3}, {:.3}) facing {heading:.1}°", pose.x, pose.y));
         Ok(())
@@ -279,17 +279,30 @@ impl<Say: FnMut(&str)> Run<Say> {
 
     fn beat(&mut self) {
         self.beats = self.beats.wrapping_add(1);
-        // A robot whose odometry never came is as silent as one whose odometry stopped.
-        let age = self.last_rolled.get_or_insert_with(Instant::now).elapsed().as_secs_f64();
+        let age = self.age();
         let (must_rest, ended) = self.pilot.miss(age);
         if must_rest {
-            self.voice.command(self.pilot.belief_stamp(), Twist::rest());
+            self.stand();
         }
         self.finish(ended);
         if self.beats.is_multiple_of(DIAGNOSIS) {
             let array = self.diagnosis.array(&self.pilot, age);
             self.voice.diagnose(array);
         }
+    }
+
+    /// How long ago odometry last came, by the clock on the wall \[s]. A robot whose odometry never came is as silent as one
+    /// whose odometry stopped.
+    fn age(&mut self) -> f64 {
+        self.last_rolled.get_or_insert_with(Instant::now).elapsed().as_secs_f64()
+    }
+
+    /// Tells the wheels to rest, as of what the clock that stamps odometry shows, if that goes as fast as the one on the wall:
+    /// a base takes no command of long ago. Before the first odometry the stamp is zero, which bases take for now.
+    fn stand(&mut self) {
+        let (last, age) = (self.pilot.belief_stamp(), self.age());
+        let now = if last == Stamp::default() { last } else { last.after(age) };
+        self.voice.command(now, Twist::rest());
     }
 
     fn say(&mut self, what: &str) {

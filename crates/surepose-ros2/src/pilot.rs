@@ -9,16 +9,15 @@ mod errand;
 mod inbox;
 mod lookout;
 mod odometer;
+mod settings;
 mod surroundings;
 
-use surepose::closed_loop::{Controller, Sensed};
+use surepose::closed_loop::{Controller, Sensed, Tick};
 use surepose::{
-    Belief, Body, Goal, Health, Map, Navigation, Pose, Reason, Stamp, Stamped, Tally, Twist, Verdict,
+    Belief, Body, Goal, Health, Map, Navigation, Pose, Reason, Stamp, Stamped, Tally, Travel, Twist, Verdict,
     Vigilance, Wheels,
 };
-use surepose_data::Config;
-use surepose_data::wall_map::WallMap;
-use surepose_lab::rig::{Localisation, Reading, Scenario, Watch, localisation, map_of};
+use surepose_lab::rig::{Localisation, Watch, localisation};
 use surepose_sim::Segment;
 
 use crate::convert::Refused;
@@ -31,54 +30,10 @@ use surroundings::Surroundings;
 pub use errand::Ended;
 pub use inbox::{Heard, LaserScan};
 pub use odometer::Odom;
-
-/// How well a start that somebody named is known: standard deviations of x, y \[m] and heading \[rad].
-pub const START_STD: [f64; 3] = [0.1, 0.1, 0.1];
+pub use settings::{START_STD, Settings};
 
 /// So long \[s] the pilot goes on telling the wheels to rest after it had a goal.
 const REST: f64 = 0.5;
-
-/// What the pilot flies by.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// The robot, its law and its filter.
-    pub config: Config,
-    /// The walls, where they are known; without them the map is what odometry starts in.
-    pub map: Option<WallMap>,
-    /// How scans are laid on them.
-    pub reading: Reading,
-    /// Where the robot starts and how well that is known; without it, and with walls, it looks for itself.
-    pub start: Option<Belief<f64>>,
-    /// Whether it hears a compass.
-    pub compass: bool,
-    /// The robot stops before what its laser sees, and no map knows, so near to the way of its middle \[m]; 0 for not at all.
-    pub room: f64,
-    /// Whether a pose that was reached is held, and taken up again after a push, until another goal or a cancel.
-    pub hold: bool,
-}
-
-/// More room than half the track \[m].
-const ROOM: f64 = 0.1;
-
-impl Settings {
-    /// For the robot of `scenario`: it knows the arena and the start, and has all senses.
-    pub fn in_scenario(scenario: &Scenario) -> Self {
-        Self {
-            config: scenario.config.clone(),
-            map: Some(map_of(&scenario.arena)),
-            reading: scenario.reading,
-            start: Some(Belief::new(scenario.start(), scenario.start_std)),
-            compass: true,
-            room: Self::usual_room(&scenario.config),
-            hold: false,
-        }
-    }
-
-    /// The room that a robot's middle needs unless somebody says otherwise: half the track, and 10 cm \[m].
-    pub fn usual_room(config: &Config) -> f64 {
-        0.5 * config.drive().track + ROOM
-    }
-}
 
 /// What the pilot says after a tick.
 #[derive(Clone, Copy, Debug)]
@@ -178,13 +133,12 @@ impl Pilot {
         }
     }
 
-    /// Takes somebody's word for where the robot is.
-    pub fn place(&mut self, belief: Belief<f64>) {
-        self.settings.start = Some(belief);
+    /// Takes somebody's word for where the robot was at a moment that the filter remembers, else for where it is now.
+    pub fn place(&mut self, told: Stamped<Belief<f64>>) {
+        self.settings.start = Some(told.value);
         if let Some(odometer) = &self.odometer {
-            let now = odometer.stamp();
-            self.localiser.estimator.restart(now, belief);
-            self.watch = watch(&self.settings, &self.surroundings, now);
+            self.localiser.estimator.resume(told.stamp, told.value);
+            self.watch = watch(&self.settings, &self.surroundings, odometer.stamp());
             self.inbox = Inbox::default();
         }
         if let Some(errand) = &mut self.errand {
@@ -337,26 +291,22 @@ impl Pilot {
         let stamp = at.stamp;
         let heard = self.inbox.until(stamp);
         let last_scan = heard.iter().rev().find_map(|heard| Some((heard.stamp, heard.value.scan()?)));
-        if let Some((taken, scan)) = last_scan {
+        if let Some((_, scan)) = last_scan {
             let laser = &mut self.localiser.eye.laser;
             (laser.nearest, laser.farthest) = (scan.nearest, scan.farthest);
-            let estimator = &self.localiser.estimator;
-            let map_from_body = estimator.belief_at(taken).unwrap_or_else(|| estimator.belief()).pose;
-            let map_from_laser = map_from_body * self.localiser.eye.laser.body_from_laser;
-            self.surroundings.look(taken, scan, map_from_laser);
         }
-        self.surroundings.lookout.forget(stamp);
         let signals: Vec<_> = heard.iter().map(Heard::signal).collect();
         let travel = self.localiser.estimator.ekf().travel(rims);
         let sensed = Sensed { stamp, travel, signals: &signals };
-        let driven = self.errand.as_mut().map(|errand| {
-            let (controller, localiser, watch) = (&self.controller, &mut self.localiser, &mut self.watch);
-            errand.tick(controller, localiser, &self.surroundings, &sensed, watch)
-        });
-        if driven.is_none() {
-            // Nobody told the wheels anything that they could have failed to do.
-            let _belief = self.localiser.sense(&sensed, rims, &self.surroundings.walls, &mut self.watch);
+        let ticked = self.think(&sensed);
+        // Where things stand is known as well as where the robot was when it saw them: better now than before it thought.
+        if let Some((taken, scan)) = last_scan {
+            self.surroundings.look(taken, scan, &self.localiser);
         }
+        self.surroundings.lookout.forget(stamp);
+        let driven = self.errand.as_mut().zip(ticked).map(|(errand, ticked)| {
+            errand.drive(&ticked, stamp, &self.controller, &self.surroundings, &self.watch)
+        });
         if let Some(ended) = driven.and_then(|driven| driven.ended) {
             self.ended = Some(ended);
             if ended != Ended::Reached || !self.settings.hold {
@@ -376,6 +326,25 @@ impl Pilot {
             blocked: self.errand.as_ref().is_some_and(Errand::is_blocked),
             ended: self.ended.take(),
         }
+    }
+
+    /// Where is the robot, and what would the law do? Without an errand nobody told the wheels anything that they could have
+    /// failed to do: they did what odometry says, or, where that jumped, anything that they can.
+    fn think(&mut self, sensed: &Sensed<'_, f64>) -> Option<Tick<f64>> {
+        let Self { controller, localiser, surroundings, watch, .. } = self;
+        if let Some(errand) = &self.errand {
+            return Some(errand.think(controller, localiser, &surroundings.walls, sensed, watch));
+        }
+        let Travel { rims, .. } = sensed.travel;
+        let told = if (rims.right + rims.left).is_finite() {
+            sensed.travel
+        } else {
+            let elapsed = sensed.stamp.since(localiser.estimator.stamp());
+            let most = (controller.limits.wheel_speed * elapsed).powi(2);
+            Travel { rims: Wheels::rest(), variance: Wheels::new(most, most) }
+        };
+        let _belief = localiser.sense(sensed, told, &surroundings.walls, watch);
+        None
     }
 }
 

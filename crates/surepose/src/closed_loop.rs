@@ -164,7 +164,8 @@ pub fn tick<S: Float, const N: usize, const BEAMS: usize>(
     witness: &mut impl Witness<S, N>,
 ) -> Tick<S> {
     // Where am I? Odometry predicts; each measurement and each wall seen, gated, corrects.
-    let told = controller.drive.rims_from_twist(progress.granted).scaled(controller.period);
+    let elapsed = S::of(sensed.stamp.since(localiser.estimator.stamp()).max(0.0));
+    let told = Travel::guessed(controller.drive.rims_from_twist(progress.granted).scaled(elapsed));
     let belief = localiser.sense(sensed, told, walls, witness);
 
     // How do I turn my wheels towards the goal?

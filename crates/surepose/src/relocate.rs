@@ -155,12 +155,7 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
         }
     }
 
-    /// What odometry says since the last scan: to roll on from what was found.
-    pub fn since_scan(&self) -> impl Iterator<Item = (Stamp, Travel<S>)> + '_ {
-        self.trail.stretches()
-    }
-
-    /// When the last scan was.
+    /// When the last scan was, for which the hypotheses and what is found hold.
     pub fn stamp(&self) -> Stamp {
         self.trail.start()
     }

@@ -135,6 +135,51 @@ fn no_lateness_loses_travel() {
     }
 }
 
+/// Who knows where the robot was a while ago knows where it is: it has rolled on from there.
+#[test]
+fn a_pose_of_the_past_is_carried_on_by_odometry() {
+    let known = Belief::new(Pose::new(3.0, -1.0, Angle::from_degrees(90.0)), [0.01, 0.02, 0.003]);
+    let rims = Wheels::new(0.03, 0.02);
+    let mut rolled = estimator::<f64>();
+    for tick in 1..=20_i64 {
+        rolled.roll(at(tick * 50), rims).unwrap();
+        let heading = compass(0.01 / 0.6 * tick as f64);
+        let outcome = rolled.measure(Stamped::new(at(tick * 50 - 20), heading));
+        assert!(matches!(outcome, Outcome::Accepted { .. }));
+    }
+    // The last odometry comes in two parts of one time.
+    rolled.roll(at(1000), rims).unwrap();
+
+    // 12 of 50 ms are left of the stretch in which the robot was seen; what was measured since is forgotten.
+    let whole = rolled.ekf().travel(rims);
+    let mut expected = known;
+    for part in [0.24, 0.6, 0.4, 0.6, 0.4, 1.0] {
+        expected = rolled.ekf().predict(expected, whole.part(part));
+    }
+    let mut resumed = rolled;
+    resumed.resume(at(888), known);
+    assert_eq!(resumed.stamp(), at(1000));
+    assert!(same(&resumed.belief(), &expected), "{:?}\n{expected:?}", resumed.belief());
+    assert!(resumed.belief_at(at(880)).is_none(), "and what was before is as well");
+
+    for outside in [at(-1), at(1001), Stamp::from_seconds(1e9)] {
+        let mut resumed = rolled;
+        resumed.resume(outside, known);
+        assert_eq!((resumed.stamp(), resumed.belief()), (at(1000), known), "as of now");
+    }
+}
+
+/// Two odometries of one time: a robot that was seen before them has rolled on by both.
+#[test]
+fn no_travel_is_lost_where_no_time_passes() {
+    let mut estimator = estimator::<f64>();
+    for time in [0, 50, 50] {
+        estimator.roll(at(time), Wheels::new(0.05, 0.05)).unwrap();
+    }
+    estimator.resume(at(20), Belief::new(Pose::identity(), [0.01; 3]));
+    assert!((estimator.belief().pose.x - 0.08).abs() < 1e-12, "{:?}", estimator.belief());
+}
+
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         3 => -10.0..10.0_f64,

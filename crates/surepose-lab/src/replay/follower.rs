@@ -200,7 +200,7 @@ impl Follower {
     pub(super) fn roll(&mut self, stamp: Stamp, motion: Motion<f64>) {
         // A refusal is in the estimator's tally, and so in the report.
         let travel = self.settings.travel(motion);
-        self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, travel.rims, &[], &mut ());
+        self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, travel, &[], &mut ());
     }
 
     /// Corrects the belief by a scan that was taken at `stamp`.

@@ -164,7 +164,7 @@ impl<'a> Replay<'a> {
         if period > 0.0 {
             let travel = self.travel(self.settings.response.twist(self.command).over(period));
             // A refusal is in the estimator's tally, and so in the report.
-            self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, travel.rims, &[], &mut ());
+            self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, travel, &[], &mut ());
         }
     }
 

@@ -2,7 +2,8 @@
 
 use surepose::closed_loop::Witness;
 use surepose::{
-    Angle, Belief, Body, Integration, Map, Motion, NotAPath, Path, Pose, Stamp, Stamped, Twist, Wall, Wheels,
+    Angle, Belief, Body, Integration, Map, Motion, NotAPath, Path, Pose, Stamp, Stamped, Travel, Twist, Wall,
+    Wheels,
 };
 use surepose_data::Config;
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
@@ -134,7 +135,7 @@ impl Run<'_> {
     ) -> Belief<f64> {
         let ekf = *robot.estimator.ekf();
         // Nobody tells the wheels anything here, and their encoders are never refused.
-        let told = Wheels::new(0.0, 0.0);
+        let told = Travel::guessed(Wheels::rest());
         translated(sensed, &ekf, &self.world.robot.compass(), |sensed| {
             robot.sense(sensed, told, &self.world.walls, witness)
         })

@@ -110,35 +110,12 @@ impl Watch {
         }
     }
 
-    /// What was believed to be at `then` was at `found`: so much it is elsewhere now.
-    fn push<const N: usize>(
-        &mut self,
-        estimator: &mut Estimator<f64, N>,
-        then: &Belief<f64>,
-        found: Belief<f64>,
-    ) {
-        let (now, belief, found) = (estimator.stamp(), estimator.belief(), self.told(found));
-        let pose = found.pose * (then.pose.inverse() * belief.pose);
-        // What odometry has added since is known as well, or as badly, as before.
-        let variance = |i| {
-            let since = belief.covariance.entry(i, i) - then.covariance.entry(i, i);
-            found.covariance.entry(i, i) + since.max(0.0)
-        };
-        estimator.restart(now, Belief::new(pose, [0, 1, 2].map(|i| variance(i).sqrt())));
-        self.supervisor.found(now);
-        self.nudged = Some(now);
-    }
-
     fn look_for<const N: usize>(&mut self, estimator: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
         let Sight { stamp, laser, scan, seen, walls } = *sight;
         let (lines, chart) = (seen.extracted.lines, self.survey.chart());
         let found = self.relocaliser.look(stamp, laser, scan, lines, walls, chart.as_ref());
         if let Finding::Found(belief) = found {
-            estimator.restart(self.relocaliser.stamp(), self.told(belief));
-            for (end, travel) in self.relocaliser.since_scan() {
-                // What the trail holds was checked when it was taken in.
-                let _counted = estimator.roll_by(end, travel);
-            }
+            estimator.resume(self.relocaliser.stamp(), self.told(belief));
             self.supervisor.found(estimator.stamp());
             self.searching = false;
         }
@@ -180,7 +157,9 @@ impl<const N: usize> Witness<f64, N> for Watch {
             && !self.supervisor.is_against(&agreement)
             && self.nudged.is_none_or(|last| now.since(last) > HELD);
         if is_pushed && let Some(found) = self.nudge.settle(estimator.ekf(), &glance, &then, sight.walls) {
-            self.push(estimator, &then, found);
+            estimator.resume(sight.stamp, self.told(found));
+            self.supervisor.found(now);
+            self.nudged = Some(now);
             return;
         }
         if !self.searching {

@@ -45,6 +45,33 @@ enum Role {
     Truth,
 }
 
+impl Role {
+    /// What the node calls a topic of this role.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Odometry => "odom",
+            Self::Scan => "scan",
+            Self::Imu => "imu",
+            Self::Truth => "truth",
+        }
+    }
+
+    /// The types that its messages may have.
+    fn kinds(self) -> &'static [&'static str] {
+        match self {
+            Self::Odometry => &[ODOMETRY],
+            Self::Scan => &[SCAN],
+            Self::Imu => &[IMU],
+            Self::Truth => &[POSE, POSE_WITH_COVARIANCE, ODOMETRY],
+        }
+    }
+
+    /// Whether a channel's messages can be read for it.
+    fn fits(self, channel: &Channel) -> bool {
+        channel.encoding == "cdr" && self.kinds().contains(&channel.kind.as_str())
+    }
+}
+
 /// A channel of the recording.
 #[derive(Clone, Debug)]
 struct Channel {
@@ -66,20 +93,25 @@ impl Bag {
     /// [`BagError`].
     pub(super) fn open(path: &Path, names: &Names) -> Result<Self, BagError> {
         let channels = channels(path)?;
-        let odometry = topic(&channels, names, "odom", &[ODOMETRY], true)?;
-        let odometry = odometry.ok_or_else(|| BagError::NoTopic {
-            name: "odom".to_owned(),
+        // A truth may be odometry by its type; then it is not the robot's own.
+        let truth = topic(&channels, names, Role::Truth, None)?;
+        let of = |role| topic(&channels, names, role, truth.as_deref());
+        let odometry = of(Role::Odometry)?.ok_or_else(|| BagError::NoTopic {
+            name: Role::Odometry.name().to_owned(),
             kind: ODOMETRY.to_owned(),
             present: present(&channels),
         })?;
-        let roles = [
+        let topics = [
             (Role::Odometry, Some(odometry)),
-            (Role::Scan, topic(&channels, names, "scan", &[SCAN], true)?),
-            (Role::Imu, topic(&channels, names, "imu", &[IMU], true)?),
-            (Role::Truth, topic(&channels, names, "truth", &[POSE, POSE_WITH_COVARIANCE, ODOMETRY], false)?),
+            (Role::Scan, of(Role::Scan)?),
+            (Role::Imu, of(Role::Imu)?),
+            (Role::Truth, truth),
         ];
         let role = |channel: &Channel| {
-            roles.iter().find(|(_, topic)| topic.as_ref() == Some(&channel.topic)).map(|(role, _)| *role)
+            let plays = |(role, topic): &&(Role, Option<String>)| {
+                topic.as_ref() == Some(&channel.topic) && role.fits(channel)
+            };
+            topics.iter().find(plays).map(|(role, _)| *role)
         };
         let roles =
             channels.into_iter().filter_map(|(id, channel)| Some((id, (role(&channel)?, channel)))).collect();
@@ -177,34 +209,38 @@ fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) 
     Ok(())
 }
 
-/// The topic that the node calls `own`, of one of the types `kinds`; another name will do where it is the only one of that
-/// type and `any_name` is.
+/// The topic for `role`: the one that the node calls so, or else, but for the truth, the only one of its type that is not
+/// `taken`.
 fn topic(
     channels: &BTreeMap<u16, Channel>,
     names: &Names,
-    own: &'static str,
-    kinds: &[&str],
-    any_name: bool,
+    role: Role,
+    taken: Option<&str>,
 ) -> Result<Option<String>, BagError> {
-    let fits = |channel: &&Channel| channel.encoding == "cdr" && kinds.contains(&channel.kind.as_str());
-    let mut candidates: Vec<_> =
-        channels.values().filter(fits).map(|channel| channel.topic.clone()).collect();
+    let mut candidates: Vec<_> = channels
+        .values()
+        .filter(|channel| role.fits(channel) && Some(channel.topic.as_str()) != taken)
+        .map(|channel| channel.topic.clone())
+        .collect();
     candidates.sort();
     candidates.dedup();
     // Its own name was checked when it was written.
+    let own = role.name();
     let name = names.of(own).map_or_else(|_| own.to_owned(), |name| name.to_string());
     if candidates.contains(&name) {
         return Ok(Some(name));
     }
     if names.is_remapped(own) {
-        return Err(BagError::NoTopic { name, kind: kinds.join(" or "), present: present(channels) });
+        let kind = role.kinds().join(" or ");
+        return Err(BagError::NoTopic { name, kind, present: present(channels) });
     }
     match candidates.as_slice() {
-        [only] if any_name => Ok(Some(only.clone())),
-        [first, ..] if any_name => {
+        _ if role == Role::Truth => Ok(None),
+        [] => Ok(None),
+        [only] => Ok(Some(only.clone())),
+        [first, ..] => {
             Err(BagError::Ambiguous { own, candidates: candidates.join(", "), first: first.clone() })
         }
-        _ => Ok(None),
     }
 }
 

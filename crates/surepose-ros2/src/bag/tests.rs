@@ -141,6 +141,28 @@ fn which_topic_is_meant_is_asked_where_it_is_not_plain() {
     assert!(said.contains("no topic /nowhere") && said.contains("/visual/odom (nav_msgs"), "{said}");
 }
 
+/// A simulator tells the truth as odometry, beside the robot's own; and a topic may have channels of another type.
+#[test]
+fn a_truth_of_odometry_s_type_is_not_taken_for_the_robot_s_own() {
+    let true_start = words::odometry(Stamp::from_seconds(1.7e9 + 0.5), Pose::identity(), Twist::rest());
+    let mut recorder = Recorder::new();
+    recorder.write("/truth", "nav_msgs/msg/Odometry", Stamp::from_seconds(1.7e9), &true_start);
+    let file = File::new("truth-only", &recorder.finished());
+    let said = replay(&file.0, &settings(), &Names::default()).unwrap_err().to_string();
+    assert!(said.contains("no topic odom") && said.contains("/truth (nav_msgs"), "{said}");
+
+    let mut recorder = round(1.0, "/base/odom");
+    let now = Stamp::from_seconds(1.7e9 + 1.0);
+    recorder.write("/ground", "nav_msgs/msg/Odometry", now, &true_start);
+    let schema = recorder.writer.add_schema("std_msgs/msg/String", "ros2msg", b"").unwrap();
+    let other = recorder.writer.add_channel(schema, "/base/odom", "cdr", &BTreeMap::new()).unwrap();
+    recorder.channels.insert("another channel of it".to_owned(), other);
+    recorder.write_bytes("another channel of it", "", now, &[0, 1, 0, 0, 1, 0, 0, 0, 0]);
+    let file = File::new("truth-beside", &recorder.finished());
+    let names = Names::new("", &["truth:=/ground".to_owned()]).unwrap();
+    assert_eq!(replay(&file.0, &settings(), &names).unwrap().steps, 20);
+}
+
 #[test]
 fn what_is_no_recording_is_refused_and_nothing_panics() {
     let bytes = round(1.0, "/odom").finished();

@@ -2,7 +2,7 @@
 
 use surepose::closed_loop::Controller;
 use surepose::closed_loop::{Progress, Sensed, Tick, tick};
-use surepose::{Goal, Map, Navigation, Phase, Pose, Twist};
+use surepose::{Goal, Map, Navigation, Phase, Pose, Stamp, Twist, Wall};
 use surepose_lab::drive::{Guard, told};
 use surepose_lab::rig::{Localisation, Watch};
 
@@ -81,21 +81,31 @@ impl Errand {
         *self = Self { has_arrived: self.has_arrived, ..Self::to(self.goal, Twist::rest()) };
     }
 
-    /// One tick of the closed loop.
-    pub(super) fn tick(
-        &mut self,
+    /// One tick of the closed loop: where the robot is, and what the law and the limits would do.
+    pub(super) fn think(
+        &self,
         controller: &Controller<f64>,
         localiser: &mut Localisation,
-        surroundings: &Surroundings,
+        walls: &[Wall<f64>],
         sensed: &Sensed<'_, f64>,
         watch: &mut Watch,
+    ) -> Tick<f64> {
+        tick(controller, localiser, walls, self.progress, sensed, self.goal, watch)
+    }
+
+    /// What is done of that at `stamp`: what the supervisor lets pass, and what stands around.
+    pub(super) fn drive(
+        &mut self,
+        ticked: &Tick<f64>,
+        stamp: Stamp,
+        controller: &Controller<f64>,
+        surroundings: &Surroundings,
+        watch: &Watch,
     ) -> Driven {
-        let Surroundings { walls, arena, lookout } = surroundings;
-        let last = self.progress.granted;
-        let Tick { belief, step, .. } =
-            tick(controller, localiser, walls, self.progress, sensed, self.goal, watch);
-        let now = sensed.stamp.seconds();
-        let verdict = watch.verdict(sensed.stamp, &belief);
+        let Surroundings { arena, lookout, .. } = surroundings;
+        let Tick { belief, step, .. } = *ticked;
+        let (last, now) = (self.progress.granted, stamp.seconds());
+        let verdict = watch.verdict(stamp, &belief);
         let mut step = self.guard.allow(verdict, controller, step, last, now, arena.is_some());
         if let Some(arena) = arena {
             step = self.guard.keep_off_walls(arena, belief.pose, controller, step, last);

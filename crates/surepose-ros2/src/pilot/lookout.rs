@@ -25,8 +25,8 @@ const KEPT: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub(super) struct Lookout {
     room: f64,
-    things: Vec<Point<Map, f64>>,
-    seen: Stamp,
+    pub(super) things: Vec<Point<Map, f64>>,
+    pub(super) seen: Stamp,
 }
 
 impl Lookout {

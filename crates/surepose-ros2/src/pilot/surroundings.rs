@@ -1,8 +1,9 @@
 //! What is around the robot: the walls of its map, and what stands there besides.
 
-use surepose::{Body, Goal, Laser, Map, Pose, Stamp, Wall};
+use surepose::{Body, Goal, Map, Pose, Stamp, Wall};
 use surepose_data::wall_map::WallMap;
 use surepose_lab::replay::walls_of;
+use surepose_lab::rig::Localisation;
 use surepose_sim::{Arena, Segment};
 
 use super::inbox::LaserScan;
@@ -55,10 +56,13 @@ impl Surroundings {
         self.arena.as_ref()?.met_between(here.origin(), goal.origin())
     }
 
-    /// Takes in a scan, taken from where the laser is believed to have been.
-    pub(super) fn look(&mut self, taken: Stamp, scan: &LaserScan, map_from_laser: Pose<Map, Laser, f64>) {
-        if let Some(arena) = &self.arena {
-            self.lookout.look(taken, scan, map_from_laser, arena);
-        }
+    /// Takes in a scan, from where the laser is believed to have been when it was taken; or, before what is remembered, from
+    /// where it is now: what stands in the way is better seen roughly there than not at all.
+    pub(super) fn look(&mut self, taken: Stamp, scan: &LaserScan, localiser: &Localisation) {
+        let Some(arena) = &self.arena else { return };
+        let estimator = &localiser.estimator;
+        let map_from_body = estimator.belief_at(taken).unwrap_or_else(|| estimator.belief()).pose;
+        let map_from_laser = map_from_body * localiser.eye.laser.body_from_laser;
+        self.lookout.look(taken, scan, map_from_laser, arena);
     }
 }

@@ -1,6 +1,6 @@
 //! The pilot in the simulated world, with odometry at its own rate, without ROS.
 
-use surepose::{Angle, Body, Compass, Integration, Measurement, Pose};
+use surepose::{Angle, Body, Compass, Integration, Measurement, Point, Pose};
 use surepose_lab::rig::Scenario;
 use surepose_sim::{Seed, World};
 
@@ -236,6 +236,35 @@ fn odometry_that_goes_back_or_jumps_changes_nothing() {
 }
 
 #[test]
+fn odometry_that_jumps_says_nothing_and_a_robot_that_only_has_odometry_becomes_unsure() {
+    let mut ride = Ride::new(true, 0.05);
+    let blind = Settings { map: None, compass: false, ..ride.pilot.settings.clone() };
+    ride.pilot = Pilot::new(blind);
+    ride.live(1.0);
+    let before = ride.pilot.belief().covariance.std(0);
+    ride.odometry = Pose::new(100.0, 0.0, Angle::zero());
+    ride.live(0.2);
+    let (after, controller) = (ride.pilot.belief().covariance.std(0), ride.pilot.controller());
+    let most = controller.limits.wheel_speed * controller.period;
+    assert!(after > before + 0.1 * most && after < before + most, "{before} m and {after} m");
+}
+
+#[test]
+fn where_somebody_saw_the_robot_a_while_ago_is_carried_on() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.pilot.go(goal()).unwrap();
+    ride.live(4.0);
+    let (seen, then) = (ride.world.pose(), ride.stamp(ride.world.now()));
+    ride.live(0.3);
+    while ride.step().is_none() {}
+    let way = ride.world.pose().origin().distance(seen.origin());
+    assert!(way > 0.05, "it is under way");
+    ride.pilot.place(Stamped::new(then, Belief::new(seen, [0.001; 3])));
+    let off = ride.pilot.belief().pose.origin().distance(ride.world.pose().origin());
+    assert!(off < 0.1 * way, "{off} m of {way} m");
+}
+
+#[test]
 fn a_clock_that_is_set_back_starts_the_loop_anew_where_the_robot_is() {
     let mut ride = Ride::new(true, 0.05);
     ride.pilot.go(goal()).unwrap();
@@ -287,6 +316,28 @@ fn it_stops_before_what_no_map_knows_and_goes_on_when_that_is_gone() {
     ride.live(60.0);
     assert_eq!(ride.ended, Some(Ended::Reached));
     assert!(ride.error(goal()).0 < 0.01);
+}
+
+#[test]
+fn things_are_where_the_robot_saw_them_while_it_turned() {
+    let mut ride = Ride::new(true, 0.1);
+    ride.obstacle = Some(0.8);
+    let mut seen = 0;
+    while ride.world.now().seconds() < 3.0 {
+        ride.told = Twist::new(0.0, 0.8);
+        let now = ride.step().map(|report| report.stamp);
+        let lookout = &ride.pilot.surroundings.lookout;
+        if now != Some(lookout.seen) || lookout.things.is_empty() {
+            continue;
+        }
+        let count = lookout.things.len() as f64;
+        let (x, y) = lookout.things.iter().fold((0.0, 0.0), |(x, y), thing| (x + thing.x, y + thing.y));
+        let ahead = ride.world.pose() * Point::<Body, f64>::new(0.8, 0.0);
+        let off = ahead.distance(Point::new(x / count, y / count));
+        assert!(off < 0.03, "{off} m after {} s", ride.world.now().seconds());
+        seen += 1;
+    }
+    assert!(seen > 10, "{seen} scans");
 }
 
 #[test]

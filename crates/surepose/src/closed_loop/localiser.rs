@@ -1,6 +1,5 @@
 //! The first half of a tick: from what is sensed to where the robot is.
 
-use crate::drive::Wheels;
 use crate::estimate::{Belief, Estimator, Stamp, Stamped, Travel};
 use crate::laser::{Eye, Scan, Wall};
 use crate::scalar::Float;
@@ -21,14 +20,15 @@ pub struct Localiser<S, const N: usize, const BEAMS: usize> {
 impl<S: Float, const N: usize, const BEAMS: usize> Localiser<S, N, BEAMS> {
     /// Where am I? Odometry predicts; each measurement and each wall seen, gated, corrects.
     ///
-    /// `told` is how far the rims were told to roll since the last tick \[m], in case the encoders say nothing usable.
+    /// `told` is how far the rims were told to roll since the last tick, in case the encoders say nothing usable: a
+    /// [guess](Travel::guessed), unless somebody knows better.
     ///
     /// The work is bounded: one filter step for odometry, and for each measurement and each wall at most `N` + 2; for
     /// each scan, one extraction and one matching.
     pub fn sense(
         &mut self,
         sensed: &Sensed<'_, S>,
-        told: Wheels<S>,
+        told: Travel<S>,
         walls: &[Wall<S>],
         witness: &mut impl Witness<S, N>,
     ) -> Belief<S> {
@@ -55,16 +55,14 @@ impl<S: Float, const N: usize, const BEAMS: usize> Localiser<S, N, BEAMS> {
         }
     }
 
-    /// Predicts by odometry; where that is refused, by what the wheels were told, as vague as it is long.
-    fn roll(&mut self, stamp: Stamp, travel: Travel<S>, told: Wheels<S>, witness: &mut impl Witness<S, N>) {
+    /// Predicts by odometry; where that is refused, by what the wheels were told.
+    fn roll(&mut self, stamp: Stamp, travel: Travel<S>, told: Travel<S>, witness: &mut impl Witness<S, N>) {
         let outcome = self.estimator.roll_by(stamp, travel);
-        let mut travel = travel;
         if outcome.is_err() {
-            let variance = Wheels::new(told.right.squared(), told.left.squared());
-            travel = Travel { rims: told, variance };
-            let _counted = self.estimator.roll_by(stamp, travel);
+            let _counted = self.estimator.roll_by(stamp, told);
         }
-        witness.rolled(stamp, told, travel, outcome);
+        let travel = if outcome.is_ok() { travel } else { told };
+        witness.rolled(stamp, told.rims, travel, outcome);
     }
 
     /// Finds the walls of a scan on the map, from where the robot is believed to have been when it was taken, and

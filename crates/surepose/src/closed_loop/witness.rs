@@ -8,7 +8,7 @@ use crate::scalar::Float;
 /// Hears, during a tick, of all that comes in and of what became of it: a supervisor, a recorder, or nobody, `()`.
 pub trait Witness<S: Float, const N: usize> {
     /// Odometry until `stamp`: how far the rims were told to roll \[m], how far they are taken to have rolled, and
-    /// what became of what the encoders said. Where that was refused, `travel` is a guess from `told`.
+    /// what became of what the encoders said. Where that was refused, `travel` is what they were told.
     fn rolled(&mut self, stamp: Stamp, told: Wheels<S>, travel: Travel<S>, outcome: Result<(), Refusal>);
 
     /// A measurement, from a sensor or of a wall in a scan, and what became of it.

@@ -48,6 +48,12 @@ pub struct Travel<S> {
 }
 
 impl<S: Scalar> Travel<S> {
+    /// A guess of `rims` \[m], as vague as they are long.
+    #[inline]
+    pub fn guessed(rims: Wheels<S>) -> Self {
+        Self { rims, variance: Wheels::new(rims.right.squared(), rims.left.squared()) }
+    }
+
     /// The part `fraction` ∈ [0, 1] of this travel, with the same share of its variance.
     #[must_use]
     #[inline(always)]

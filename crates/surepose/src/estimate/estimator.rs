@@ -86,6 +86,26 @@ impl<S: Float, const N: usize> Estimator<S, N> {
         self.history = History::starting(stamp, belief);
     }
 
+    /// The robot was at `belief` at `stamp`, somebody is sure, and has rolled on since: everything before is forgotten, and
+    /// so is what was measured since, for walls and landmarks were told apart by where the robot was believed to be.
+    ///
+    /// Where the history does not reach to `stamp`, `belief` is taken for where the robot is now.
+    pub fn resume(&mut self, stamp: Stamp, belief: Belief<S>) {
+        let past = self.history;
+        let (oldest, newest) = (past.after(0).0, past.after(past.len()).0);
+        if stamp < oldest || stamp > newest {
+            return self.restart(newest, belief);
+        }
+        self.restart(stamp, belief);
+        for index in past.count_until(stamp)..past.len() {
+            if let Some(Entry { stamp: end, event: Event::Travel(travel), .. }) = past.get(index) {
+                // Of the stretch in which `stamp` lies, only what comes after it.
+                let before = fraction(past.after(index).0.min(stamp), stamp, end);
+                let _checked = self.roll_by(end, travel.part(S::of(1.0) - before));
+            }
+        }
+    }
+
     /// The robot rolled by `rims` \[m] since the last call and it is now `stamp`.
     ///
     /// # Errors
