@@ -1,12 +1,14 @@
 //! Options that many commands share: the configuration and poses.
 
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
-use surepose::{Angle, Body, Map, Pose};
+use surepose::{Angle, Body, Map, Pose, param};
 use surepose_data::Config;
-use surepose_data::config::{Setting, Value};
+use surepose_data::config::{Origin, Setting, Value};
 
 use crate::failure::Failure;
 
@@ -50,10 +52,13 @@ impl LawArgs {
     /// `base`, with the file's values and the options' over it.
     pub(crate) fn over(&self, base: Config) -> Result<Config, Failure> {
         let config = self.config.over(base)?;
-        Ok(match &self.law {
-            Some(name) => config.with_option_of("--law", &format!("law.name={name}"))?,
-            None => config,
-        })
+        let Some(name) = &self.law else { return Ok(config) };
+        let set = config.choice(&param::LAW_NAME);
+        if config.origin(&param::LAW_NAME) == Origin::CommandLine && set != name {
+            let what = format!("--law {name} and --set law.name={set} are two laws");
+            return Err(Failure::Usage { what, help: "leave one of them out".to_owned() });
+        }
+        Ok(config.with_option_of("--law", &format!("law.name={name}"))?)
     }
 }
 
@@ -80,7 +85,7 @@ impl PoseArg {
     }
 }
 
-impl std::str::FromStr for PoseArg {
+impl FromStr for PoseArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -94,6 +99,17 @@ impl std::str::FromStr for PoseArg {
             return Err("a pose lies within 10 km, its heading within 360°".to_owned());
         }
         Ok(Self { x, y, heading_deg })
+    }
+}
+
+/// Reads a whole number of an option, and says what would be one.
+pub(crate) fn whole<T>(range: RangeInclusive<T>) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync
+where
+    T: FromStr + PartialOrd + Display + Clone + Send + Sync,
+{
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("write a whole number from {} to {}", range.start(), range.end()))
     }
 }
 

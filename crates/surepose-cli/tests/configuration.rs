@@ -193,15 +193,18 @@ fn what_was_typed_is_what_is_blamed() {
         (&["tune", "--period", "0"], "--period: `period_s`"),
         (&["certify", "--period", "nan"], "--period: `period_s`"),
         (&["sweep", "--law", "murphy"], "--law: `name`"),
+        (&["sweep", "--law", "paper", "--set", "law.name=surepose"], "are two laws"),
+        (&["sweep", "--period", "soon"], "--period: `period_s` is a number, and this is text"),
+        (&["run", "--seed", "x"], "write a whole number from 0"),
         (&["certify", "--period", "99"], "--period: `period_s` is out of range"),
         (&["sweep", "--set", "law.k_v=-1"], "--set: `k_v` is negative"),
         (&["sweep", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
         (&["run", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
-        (&["sweep", "--runs", "-1"], "-1 is not in 1.."),
-        (&["sweep", "--runs", "0"], "0 is not in 1.."),
-        (&["tune", "--runs", "-1"], "-1 is not in 1.."),
-        (&["tune", "--rounds", "-1"], "-1 is not in 0.."),
-        (&["sweep", "--threads", "-1"], "-1 is not in 1.."),
+        (&["sweep", "--runs", "-1"], "whole number from 1 to"),
+        (&["sweep", "--runs", "0"], "whole number from 1 to"),
+        (&["tune", "--runs", "-1"], "whole number from 1 to"),
+        (&["tune", "--rounds", "-1"], "whole number from 0 to 1000"),
+        (&["sweep", "--threads", "-1"], "whole number from 1 to"),
         (&["reproduce", "--out", "x", "--runs", "-1"], "invalid value '-1'"),
         (&["certify", "--noise-heading=-1"], "less than 180°"),
     ] {
@@ -209,4 +212,33 @@ fn what_was_typed_is_what_is_blamed() {
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
         assert!(run.stderr.contains(said), "{arguments:?}: {}", run.stderr);
     }
+}
+
+#[test]
+fn one_problem_is_said_once() {
+    let run = surepose(&["run", "--set", "law.k_v=-1"]);
+    assert_eq!(run.stderr.matches("--set").count(), 2, "in the message and above the line: {}", run.stderr);
+    assert!(!run.stderr.contains("Error:"), "{}", run.stderr);
+}
+
+#[test]
+fn a_goal_that_no_drive_can_have_is_doubted() {
+    let path = file(&folder("far-goal"), "far.toml", b"[scenario]\ngoal_x_m = 50\n");
+    let run = surepose(&["config", "check", &path]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("refuses this [scenario]: the goal (50, 2)"), "{}", run.stderr);
+    assert!(run.stderr.contains("valid, with a warning"), "{}", run.stderr);
+}
+
+#[test]
+fn what_may_be_meant_is_said_where_a_parameter_is_not() {
+    for (name, said) in [
+        ("capture_radius", "did you mean law.capture_radius_m?"),
+        ("goal", "[goal] has position_tolerance_m"),
+        ("murphy", "lists every parameter"),
+    ] {
+        let run = surepose(&["config", "explain", name]);
+        assert!(run.code == 2 && run.stderr.contains(said), "{name}: {}", run.stderr);
+    }
+    assert!(surepose(&["config", "explain", "period_s"]).stdout.contains("default: 0.1 s"));
 }

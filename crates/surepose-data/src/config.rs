@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use surepose::param::{self, Kind, Parameter};
 
 pub use build::{CompassMounting, LaserMounting};
+pub use key::parameter;
 pub use problem::{ConfigError, ConfigProblem};
 
 /// Every parameter's value, with where it came from.

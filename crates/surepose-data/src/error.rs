@@ -22,7 +22,7 @@ pub struct DataError {
 #[non_exhaustive]
 pub enum Problem {
     /// The file is absent, or the system refuses to read it.
-    #[error("cannot be read: {0}")]
+    #[error("cannot be read: {0}{remedy}", remedy = remedy(.0))]
     Unreadable(std::io::Error),
     /// The file starts as gzip does, but its stream is damaged.
     #[error("the gzip stream is damaged or cut short ({0}); copy or download the file again")]
@@ -148,6 +148,18 @@ impl DataError {
     /// A problem of one line.
     pub fn at_line(file: &Path, line: u64, problem: Problem) -> Self {
         Self { file: file.to_owned(), line: Some(line), problem }
+    }
+}
+
+/// What would be right where a file cannot be read.
+fn remedy(problem: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind;
+    match problem.kind() {
+        ErrorKind::NotFound => "; is the path right, from the folder that you are in?",
+        ErrorKind::IsADirectory => "; name the file in it that is meant",
+        ErrorKind::NotADirectory => "; name the folder that the files are in",
+        ErrorKind::PermissionDenied => "; ask whoever owns it for the right to read it",
+        _ => "",
     }
 }
 

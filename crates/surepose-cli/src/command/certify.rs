@@ -39,7 +39,7 @@ Exit codes: 0 certified, 1 refused, 130 interrupted.")]
 pub(crate) struct CertifyCommand {
     /// Time between two ticks, in seconds, over the configuration's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    period: Option<f64>,
+    period: Option<String>,
     #[command(flatten)]
     noise: NoiseArgs,
     /// Take the noise options as standard deviations of white Gaussian noise (of each coordinate, of the heading, of each rim)
@@ -102,7 +102,7 @@ fn heading_bound(text: &str) -> Result<f64, String> {
 impl CertifyCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let mut config = self.config.over(Config::default())?;
-        if let Some(period) = self.period {
+        if let Some(period) = &self.period {
             config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
         }
         let noise = self.noise.bounds();

@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use serde_json::{Map, Value as Json, json};
-use surepose::param::{self, Kind, Parameter, Range};
-use surepose_data::config::{ConfigProblem, Setting, Value};
+use surepose::param::{Kind, Parameter, Range};
+use surepose_data::config::{ConfigProblem, Setting, Value, parameter};
 use surepose_data::{Config, ConfigError};
+use surepose_lab::rig::Scenario;
 
 use crate::certification;
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::output::{Output, table, text, warning};
+use crate::output::{Output, say, table, text, warning};
 use crate::settings::{ConfigArgs, toml_of};
 
 /// Check, show or explain the configuration.
@@ -97,7 +98,9 @@ fn invalid(error: &ConfigError) -> Json {
 }
 
 fn check(output: Output, config: &Config) -> Result<(), Failure> {
-    let warnings = certification::warnings(config);
+    let mut warnings = certification::warnings(config);
+    let refused = Scenario::configured(config.clone()).has_room().err();
+    warnings.extend(refused.map(|problem| format!("`surepose run` refuses this [scenario]: {problem}")));
     for said in &warnings {
         warning(said);
     }
@@ -112,7 +115,16 @@ fn check(output: Output, config: &Config) -> Result<(), Failure> {
             table.add_row(["every parameter", "as in the table", "default"]);
         }
         table
-    })
+    })?;
+    if !output.json {
+        let doubts = match warnings.len() {
+            0 => String::new(),
+            1 => ", with a warning".to_owned(),
+            several => format!(", with {several} warnings"),
+        };
+        say(&format_args!("valid{doubts}"));
+    }
+    Ok(())
 }
 
 fn show(output: Output, config: &Config) -> Result<(), Failure> {
@@ -133,15 +145,8 @@ fn show(output: Output, config: &Config) -> Result<(), Failure> {
 }
 
 fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
-    let Some(p) = param::find_by_name(wanted) else {
-        let several: Vec<_> = param::ALL.iter().filter(|p| p.key == wanted).map(name).collect();
-        let help = if several.is_empty() {
-            "`surepose config show` lists every parameter".to_owned()
-        } else {
-            format!("several sections have it: {}", several.join(", "))
-        };
-        return Err(Failure::Usage { what: format!("'{wanted}' is not one parameter"), help });
-    };
+    let p = parameter(wanted)
+        .map_err(|help| Failure::Usage { what: format!("'{wanted}' is not one parameter"), help })?;
     let (bounds, default, reason) = match p.kind {
         Kind::Number { default, range } => (bounds(p, &range), json!(default), range.reason),
         Kind::Whole { default, range } => (bounds(p, &range), json!(default), range.reason),
@@ -156,8 +161,10 @@ fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
         text(&format!("{all}\n"))?;
     } else {
         let default = default.as_str().map_or_else(|| default.to_string(), str::to_owned);
+        let unit = Some(p.unit.symbol()).filter(|unit| !unit.is_empty());
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
         text(&format!(
-            "{}\n  {meaning}\n  default: {default}\n  allowed: {bounds}\n  because: {reason}\n",
+            "{}\n  {meaning}\n  default: {default}{unit}\n  allowed: {bounds}\n  because: {reason}\n",
             name(p)
         ))?;
     }

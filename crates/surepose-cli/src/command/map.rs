@@ -27,7 +27,7 @@ enum What {
   surepose map from-grid turtlebot3_world.yaml --out walls.toml
   surepose map from-grid turtlebot3_world.yaml --out walls.toml --picture pictures")]
     FromGrid {
-        /// The grid's YAML file
+        /// The grid's YAML file; where the image that it names is absent, that of its own name is read
         grid: PathBuf,
         /// The wall map to write, with a picture of the same name beside it
         #[arg(long, value_name = "MAP.toml")]

@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::maps::{Known, known_in, walls_in, walls_to_read};
 use crate::output::{Output, object, table, warning, worded};
-use crate::settings::{ConfigArgs, PoseArg};
+use crate::settings::{ConfigArgs, PoseArg, whole};
 
 /// Run the estimator on a recording and judge it against the recording's reference.
 #[derive(Debug, Args)]
@@ -49,7 +49,7 @@ pub(crate) struct ReplayCommand {
     #[arg(long, value_name = "FROM:=TO")]
     remap: Vec<String>,
     /// Which robot of a mrclam recording, which has several; the first unless given
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, value_parser = whole(0..=u32::MAX), allow_negative_numbers = true)]
     robot: Option<u32>,
     /// A folder for a picture of `wean`'s scans and the robot's way on its map
     #[arg(long, value_name = "DIR")]
@@ -166,7 +166,7 @@ impl ReplayCommand {
                 usage("ticks makes its own map, from where the robot starts", "leave out --map")
             }
             Format::Wean if self.map.is_none() => {
-                usage("wean has no map of its own", "give --map wean.dat.gz, or a wall map made from it")
+                usage("wean has no map of its own", "give --map wean.dat.gz, the hall's own grid")
             }
             Format::Mrclam | Format::Carmen | Format::Ticks | Format::Mcap if self.out.is_some() => {
                 usage("only wean's scans are drawn on a map", "leave out --out")

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::interrupt;
 use crate::output::{Output, table};
-use crate::settings::ConfigArgs;
+use crate::settings::{ConfigArgs, whole};
 use localisation::Localisation;
 
 /// Reproduce the figures of the paper, as SVG and PNG, with their data.
@@ -33,10 +33,10 @@ pub(crate) struct ReproduceCommand {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// How many seeds are behind fig4, and a tenth of them behind fig6
-    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000), allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 100, value_parser = whole(1..=1_000_000_u64), allow_negative_numbers = true)]
     runs: u64,
     /// The first seed
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     seed: u64,
     #[command(flatten)]
     config: ConfigArgs,

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::maps::walls_to_read;
 use crate::output::{Output, say, text, warning};
-use crate::settings::{LawArgs, PoseArg};
+use crate::settings::{LawArgs, PoseArg, whole};
 
 /// Run as a ROS 2 node: park a robot where RViz's "2D Goal Pose", or navigate_to_pose, says.
 #[derive(Debug, Args)]
@@ -59,7 +59,7 @@ pub(crate) struct Ros2Command {
     #[arg(long)]
     simulate: bool,
     /// What the simulated robot's noise is drawn from
-    #[arg(long, default_value_t = 1, requires = "simulate")]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true, requires = "simulate")]
     seed: u64,
     /// The namespace of the node and its topics
     #[arg(long, value_name = "NAME", default_value = "/")]

@@ -16,7 +16,7 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::output::{Output, object, table, warning};
-use crate::settings::{LawArgs, PoseArg, toml_of};
+use crate::settings::{LawArgs, PoseArg, toml_of, whole};
 use crate::{interrupt, progress};
 
 /// Drive the simulated robot, with motors, sensors and estimate, to a pose.
@@ -41,7 +41,7 @@ pub(crate) struct RunCommand {
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     goal: Option<PoseArg>,
     /// What all noise is drawn from: the same seed gives the same drive
-    #[arg(long, default_value_t = SEED, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = SEED, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     seed: u64,
     /// A folder for a page that plays the drive, pictures, time series and summary
     #[arg(long, value_name = "DIR")]

@@ -9,11 +9,12 @@ use surepose_data::starts;
 use surepose_lab::sweep::{Precision, Spread, Starts, Sweep, SweepReport};
 use surepose_lab::{Watch, picture};
 
-use super::trials::{LoopName, NoiseName, TrialArgs};
+use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, align_numbers, object, table};
+use crate::output::{Output, align_numbers, object, table, warning};
+use crate::settings::{toml_of, whole};
 use crate::{interrupt, progress};
 
 /// Run the bench trial from many starts: success, time over the least possible, final error.
@@ -32,11 +33,15 @@ count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read wha
 off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has \
 nees_mean, position_rmse_m, heading_rmse_deg and refused_part, over all ticks.
 
-Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; summary.json, \
-which is the JSON of the command without wall_s and steps_per_s. The same command line gives the same bytes.")]
+Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; config.toml, with \
+every parameter in effect; summary.json, which is the JSON of the command without wall_s and steps_per_s. The same command line \
+gives the same bytes.
+
+Exit codes: 0 done, 1 no trial succeeded, 2 wrong command line, 3 starts that cannot be read, 130 interrupted (the trials up to \
+the first that has not ended are kept).")]
 pub(crate) struct SweepCommand {
     /// How many random starts
-    #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = whole(1..=u32::MAX), allow_negative_numbers = true)]
     runs: u32,
     /// Given starts, in metres and degrees, seen from the goal
     #[arg(long, value_name = "FILE.csv")]
@@ -64,7 +69,16 @@ const LOOK: Duration = Duration::from_millis(50);
 
 impl SweepCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
-        let sweep = self.sweep()?;
+        let trials = self.trials.read(self.noise_unless_given())?;
+        let sweep = self.sweep(&trials)?;
+        let unheeded = trials.unheeded();
+        if !unheeded.is_empty() {
+            warning(&format!(
+                "the trials are those of the bench's robot and goal, but for gains that are fitted to [robot]: they do not \
+                 heed {}",
+                unheeded.join(", ")
+            ));
+        }
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
 
         let (watch, bar, total) = (Watch::default(), progress::bar(output, "sweeping"), sweep.starts.len());
@@ -73,20 +87,29 @@ impl SweepCommand {
         let report = progress::attended(&bar, pause, part, || watch.stop(), || sweep.run(&watch))?;
 
         let mut json = object(&report);
+        json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));
+        json.insert("precision".to_owned(), name(&self.precision).into());
         interrupt::mark(&mut json);
         if let Some(folder) = &folder {
+            folder.text("config.toml", &toml_of(&trials.config.fitted()))?;
             write(folder, &report, &json)?;
         }
         output.result(&json, || shown(&report))?;
-        Ok(if interrupt::asked() { Exit::Interrupted } else { Exit::Done })
+        Ok(match report.success_rate {
+            _ if interrupt::asked() => Exit::Interrupted,
+            Some(0.0) => Exit::Negative,
+            _ => Exit::Done,
+        })
     }
 
-    fn sweep(&self) -> Result<Sweep, Failure> {
-        let unless_given = match self.trials.loop_ {
+    fn noise_unless_given(&self) -> NoiseName {
+        match self.trials.loop_ {
             LoopName::Bench => NoiseName::None,
             LoopName::Ekf => NoiseName::Bench,
-        };
-        let trials = self.trials.read(unless_given)?;
+        }
+    }
+
+    fn sweep(&self, trials: &Trials<'_>) -> Result<Sweep, Failure> {
         let starts = match &self.starts {
             Some(file) => Starts::Given(starts::read(file)?),
             None => Starts::Random(self.runs as usize),

@@ -1,19 +1,21 @@
 //! What trials of the bench need to be told, in `sweep` and `tune` alike.
 
 use clap::{Args, ValueEnum};
+use serde_json::{Value as Json, json};
 use surepose::param;
 use surepose_data::Config;
+use surepose_data::config::{Origin, Setting};
 use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Starts, Sweep};
 
 use crate::failure::Failure;
-use crate::settings::LawArgs;
+use crate::settings::{LawArgs, whole};
 
 /// The loop, its noise, and what they are drawn from.
 #[derive(Debug, Args)]
 pub(super) struct TrialArgs {
     /// Time between two ticks, in seconds; the configuration's, or 0.02, unless given
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    period: Option<f64>,
+    period: Option<String>,
     /// What tells the law where the robot is
     #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
     pub(super) loop_: LoopName,
@@ -21,10 +23,10 @@ pub(super) struct TrialArgs {
     #[arg(long, value_enum)]
     noise: Option<NoiseName>,
     /// How many threads; all cores unless given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024_u16), allow_negative_numbers = true)]
     threads: Option<u16>,
     /// What all noise, all random starts and a search are drawn from
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     pub(super) seed: u64,
     #[command(flatten)]
     config: LawArgs,
@@ -33,7 +35,7 @@ pub(super) struct TrialArgs {
 /// The same, read: the configuration of the bench's robot with the user's over it, and how it is driven.
 pub(super) struct Trials<'a> {
     pub(super) config: Config,
-    noise: Noise,
+    noise: NoiseName,
     arguments: &'a TrialArgs,
 }
 
@@ -59,13 +61,10 @@ const FILTER_JITTER: f64 = 5e-4;
 impl TrialArgs {
     /// Reads the configuration; the noise is this one unless it was given.
     pub(super) fn read(&self, noise_unless_given: NoiseName) -> Result<Trials<'_>, Failure> {
-        let noise = match self.noise.unwrap_or(noise_unless_given) {
-            NoiseName::None => Noise::NONE,
-            NoiseName::Bench => Noise::BENCH,
-        };
+        let noise = self.noise.unwrap_or(noise_unless_given);
         // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
         let bench = [
-            (&param::POSITION_NOISE, self.loop_.told(noise)),
+            (&param::POSITION_NOISE, self.loop_.told(noise.sizes())),
             (&param::WHEEL_RADIUS, 0.05),
             (&param::TRACK, 0.6),
             (&param::WHEEL_SPEED_LIMIT, 0.3),
@@ -73,7 +72,7 @@ impl TrialArgs {
             (&param::PERIOD, 0.02),
         ];
         let mut config = self.config.over(Config::default().with_preset(BENCH, &bench))?;
-        if let Some(period) = self.period {
+        if let Some(period) = &self.period {
             config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
         }
         Ok(Trials { config, noise, arguments: self })
@@ -81,6 +80,30 @@ impl TrialArgs {
 }
 
 impl Trials<'_> {
+    /// What the trials are, for whoever reads their figures later.
+    pub(super) fn described(&self) -> [(&'static str, Json); 4] {
+        [
+            ("loop", json!(name(&self.arguments.loop_))),
+            ("noise", json!(name(&self.noise))),
+            ("period_s", json!(self.config.number(&param::PERIOD))),
+            ("law", json!(self.config.choice(&param::LAW_NAME))),
+        ]
+    }
+
+    /// What the user set and the trials do not heed, being the bench's: `SECTION.KEY` each.
+    pub(super) fn unheeded(&self) -> Vec<String> {
+        let counts = |setting: &Setting| match setting.parameter.section {
+            "law" | "loop" => true,
+            "filter" if self.arguments.loop_ == LoopName::Ekf => {
+                [&param::DELTA, &param::GATE_PROBABILITY].contains(&setting.parameter)
+            }
+            _ => false,
+        };
+        let is_set = |setting: &Setting| matches!(setting.origin, Origin::File { .. } | Origin::CommandLine);
+        let unheeded = self.config.settings().iter().filter(|setting| is_set(setting) && !counts(setting));
+        unheeded.map(|setting| format!("{}.{}", setting.parameter.section, setting.parameter.key)).collect()
+    }
+
     /// The sweep of these trials.
     pub(super) fn sweep(&self, starts: Starts, precision: Precision) -> Sweep {
         let TrialArgs { loop_, threads, seed, .. } = self.arguments;
@@ -88,13 +111,27 @@ impl Trials<'_> {
             starts,
             law: self.config.law(),
             period: self.config.number(&param::PERIOD),
-            noise: self.noise,
+            noise: self.noise.sizes(),
             estimate: loop_.estimate(&self.config),
             precision,
             threads: threads.map_or_else(cores, usize::from),
             seed: *seed,
         }
     }
+}
+
+impl NoiseName {
+    fn sizes(self) -> Noise {
+        match self {
+            Self::None => Noise::NONE,
+            Self::Bench => Noise::BENCH,
+        }
+    }
+}
+
+/// A choice as it is typed.
+pub(super) fn name(choice: &impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// The name of the bench's robot, as the origin of values.

@@ -18,8 +18,8 @@ use super::trials::{BENCH, NoiseName, TrialArgs, Trials};
 use crate::certification::{self, Bounds};
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::output::{Output, align_numbers, object, table, warning};
-use crate::settings::toml_of_those;
+use crate::output::{Output, align_numbers, object, say, table, warning};
+use crate::settings::{toml_of_those, whole};
 use crate::{folder, interrupt, progress};
 
 /// Find the gains and the capture radius that take least time, always arrive, and are certified.
@@ -41,10 +41,10 @@ one. --out writes the gains, the capture radius, the period and what you gave, b
 Exit codes: 0 certified gains, 1 nothing was certified, 130 interrupted (the best until then is kept).")]
 pub(crate) struct TuneCommand {
     /// How many fresh trials judge the result
-    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 20_000, value_parser = whole(1..=u32::MAX), allow_negative_numbers = true)]
     runs: u32,
-    /// How many rounds the search takes, 17 candidates each
-    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u16).range(..=1000), allow_negative_numbers = true)]
+    /// How many rounds the search takes, 17 candidates each; with 0, what there is is judged
+    #[arg(long, default_value_t = 12, value_parser = whole(0..=1000_u16), allow_negative_numbers = true)]
     rounds: u16,
     /// A file for the configuration with the tuned gains
     #[arg(long, value_name = "FILE.toml")]
@@ -92,16 +92,25 @@ impl TuneCommand {
         if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
             write(path, &config.clone().with_preset(TUNED, &values(best)), noise)?;
         }
-        let has =
-            tuned.best.and_then(|best| certification::bounds(config, &best.with(&tune.sweep.law), noise));
+        let has = tuned.best.and_then(|best| {
+            let stays = best == tuned.start;
+            if stays { had } else { certification::bounds(config, &best.with(&tune.sweep.law), noise) }
+        });
         let mut json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.trials.seed);
+        json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));
         interrupt::mark(&mut json);
         output.result(&json, || shown(&tuned, [had, has]))?;
-        if tuned.best.is_some_and(|best| best != tuned.start) {
-            warning(
+        match tuned.best {
+            Some(best) if best != tuned.start => warning(
                 "the trials have no limit of acceleration: on a robot that has one, other gains may be faster; compare with \
                  `surepose run --config`",
-            );
+            ),
+            Some(_) if !interrupt::asked() => {
+                say(
+                    &"nothing better was found than what the search began with; more --rounds or another --seed may",
+                );
+            }
+            _ => {}
         }
         Ok(match tuned.best {
             _ if interrupt::asked() => Exit::Interrupted,

@@ -1,6 +1,6 @@
 //! Keys that are not in the table, and which one was meant: another unit's, another section's, or a slip.
 
-use surepose::param::{ALL, Parameter, Unit};
+use surepose::param::{self, ALL, Parameter, Unit};
 
 /// What is wrong with a key.
 #[derive(Debug, PartialEq)]
@@ -72,6 +72,32 @@ impl Misnomer {
         }
         nearest(key, here().map(|p| p.key)).map_or(Self::Unknown, Self::Typo)
     }
+}
+
+/// The parameter that is called so, `key` or `section.key`.
+///
+/// # Errors
+/// Where there is none, or there are several: a sentence on what may be meant.
+pub fn parameter(name: &str) -> Result<&'static Parameter, String> {
+    if let Some(found) = param::find_by_name(name) {
+        return Ok(found);
+    }
+    let several: Vec<_> =
+        ALL.iter().filter(|p| p.key == name).map(|p| format!("{}.{name}", p.section)).collect();
+    if !several.is_empty() {
+        return Err(format!("several sections have it: {}", several.join(", ")));
+    }
+    let (section, key) = name.split_once('.').unwrap_or((name, ""));
+    if key.is_empty() && !keys(section).is_empty() {
+        return Err(format!("[{section}] has {}", keys(section)));
+    }
+    let here = || ALL.iter().filter(|p| key.is_empty() || p.section == section);
+    let meant = nearest(if key.is_empty() { name } else { key }, here().map(|p| p.key));
+    let found = here().find(|p| Some(p.key) == meant);
+    Err(match found {
+        Some(found) => format!("did you mean {}.{}?", found.section, found.key),
+        None => "`surepose config show` lists every parameter".to_owned(),
+    })
 }
 
 /// The unit at the end of a key as people write it: `mm`, `m/s`.

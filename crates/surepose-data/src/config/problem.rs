@@ -2,18 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use miette::{Diagnostic, NamedSource, SourceSpan};
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
 
-/// A configuration that cannot be used, with every reason.
-#[derive(Debug, thiserror::Error, Diagnostic)]
+/// A configuration that cannot be used, with every reason; it prints as the only reason where there is one.
+#[derive(Debug, thiserror::Error)]
 #[error("{}", headline(.file, .problems))]
 pub struct ConfigError {
     /// The file that is to blame.
     pub file: PathBuf,
-    #[source_code]
     text: NamedSource<String>,
     /// What is wrong with it, in the order of the file.
-    #[related]
     pub problems: Vec<ConfigProblem>,
 }
 
@@ -34,7 +32,31 @@ pub struct ConfigProblem {
     pub help: Option<String>,
 }
 
+impl Diagnostic for ConfigError {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.text)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        self.only()?.labels()
+    }
+
+    fn help(&self) -> Option<Box<dyn std::fmt::Display + '_>> {
+        self.only()?.help()
+    }
+
+    fn related(&self) -> Option<Box<dyn Iterator<Item = &dyn Diagnostic> + '_>> {
+        let all = || self.problems.iter().map(|problem| problem as &dyn Diagnostic);
+        self.only().is_none().then(|| Box::new(all()) as Box<_>)
+    }
+}
+
 impl ConfigError {
+    /// The problem, where there is one only.
+    fn only(&self) -> Option<&ConfigProblem> {
+        if let [only] = &self.problems[..] { Some(only) } else { None }
+    }
+
     /// A file that cannot be read as text at all.
     pub(super) fn unreadable(file: &Path, line: Option<usize>, what: String, help: &str) -> Self {
         let problem = ConfigProblem {
@@ -100,7 +122,7 @@ pub(super) fn line_of(text: &[u8], offset: usize) -> usize {
 
 fn headline(file: &Path, problems: &[ConfigProblem]) -> String {
     match problems {
-        [_] => format!("{} cannot be used as a configuration", file.display()),
+        [only] => only.to_string(),
         _ => format!("{} cannot be used as a configuration, for {} reasons", file.display(), problems.len()),
     }
 }
