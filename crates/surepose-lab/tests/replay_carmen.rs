@@ -11,6 +11,7 @@ use common::recording;
 use surepose::{Angle, Body, Map, Pose};
 use surepose_data::carmen as data;
 use surepose_data::recording::{Recording, StampedPose};
+use surepose_lab::Watch;
 use surepose_lab::replay::carmen::{Settings, map_of, replay_log};
 use surepose_lab::replay::{ReplayError, ReplayReport};
 
@@ -38,7 +39,8 @@ fn assert_followed(name: &str, report: &ReplayReport, position: f64, heading: f6
 fn both_logs_are_followed_with_one_set_of_settings() {
     for (name, position, heading, scans) in MEASURED {
         let Some(log) = log(name) else { continue };
-        let report = replay_log(&log, None, &Settings::default()).expect("a log with scans");
+        let report =
+            replay_log(&log, None, &Settings::default(), &Watch::default()).expect("a log with scans");
         assert_followed(name, &report, position, heading, scans);
         assert!(report.dead_reckoning_position_rmse_m.is_some_and(|rmse| rmse > 1.5), "{name}");
     }
@@ -67,7 +69,8 @@ fn odometry_that_turns_too_much_does_no_harm() {
     for (name, position, heading, scans) in MEASURED {
         let Some(log) = log(name) else { continue };
         let log = biased(&log, -1.8_f64.to_radians());
-        let report = replay_log(&log, None, &Settings::default()).expect("a log with scans");
+        let report =
+            replay_log(&log, None, &Settings::default(), &Watch::default()).expect("a log with scans");
         assert_followed(name, &report, position, heading, scans);
         // The odometry is as bad as that: by itself it ends tens of metres off, 1.8 m in `belgioioso` without the bias.
         assert!(report.dead_reckoning_position_rmse_m.is_some_and(|rmse| rmse > 20.0), "{name}");
@@ -81,7 +84,8 @@ fn a_map_from_all_scans_explains_them() {
     println!("{:?}", mapped.report);
     assert!(mapped.report.explained.is_some_and(|share| share > 0.92));
     assert!(mapped.report.residual_rms_m.is_some_and(|rms| rms < 0.024));
-    let report = replay_log(&log, Some(&mapped.map), &Settings::default()).expect("a log with scans");
+    let report = replay_log(&log, Some(&mapped.map), &Settings::default(), &Watch::default())
+        .expect("a log with scans");
     assert_eq!(report.accepted, 291, "with a map of its own every scan but the first is seen");
 }
 
@@ -89,7 +93,13 @@ fn a_map_from_all_scans_explains_them() {
 fn a_log_with_one_scan_has_no_start() {
     let Some(mut log) = log("freiburg-101") else { return };
     log.scans.truncate(1);
-    assert!(matches!(replay_log(&log, None, &Settings::default()), Err(ReplayError::NoStart)));
+    assert!(matches!(
+        replay_log(&log, None, &Settings::default(), &Watch::default()),
+        Err(ReplayError::NoStart)
+    ));
     log.scans.clear();
-    assert!(matches!(replay_log(&log, None, &Settings::default()), Err(ReplayError::NoStart)));
+    assert!(matches!(
+        replay_log(&log, None, &Settings::default(), &Watch::default()),
+        Err(ReplayError::NoStart)
+    ));
 }

@@ -11,6 +11,7 @@ use surepose::{Angle, Body, Map, Pose};
 use surepose_data::grid::Grid;
 use surepose_data::recording::{Recording, StampedPose};
 use surepose_data::wean as data;
+use surepose_lab::Watch;
 use surepose_lab::replay::wean::{self, Followed};
 use surepose_lab::replay::{FollowerSettings, Hall, ticks};
 
@@ -43,7 +44,8 @@ fn wean_hall_is_followed_from_a_given_start() {
     for ((name, places), share) in PLACES.into_iter().zip([0.75, 0.79]) {
         let Some((log, grid)) = run(name) else { continue };
         let start = Pose::new(40.0, 41.4, Angle::from_degrees(-96.0));
-        let Followed { report, way, .. } = wean::replay(&log, &Hall::of_grid(grid), Some(start), &settings);
+        let Followed { report, way, .. } =
+            wean::replay(&log, &Hall::of_grid(grid), Some(start), &settings, &Watch::default());
         println!("{name}: {report:?}");
         assert!(report.beams_on_walls.is_some_and(|mean| mean > share), "{name}");
         assert_eq!(report.position_rmse_m, None);
@@ -63,12 +65,13 @@ fn wean_hall_tells_where_a_run_begins() {
         let Some((log, grid)) = run(name) else { continue };
         let hall = Hall::of_grid(grid);
         let start = Pose::new(40.0, 41.4, Angle::from_degrees(-96.0));
-        let followed = wean::replay(&log, &hall, Some(start), &settings).way;
+        let followed = wean::replay(&log, &hall, Some(start), &settings, &Watch::default()).way;
         for late in [0.0, 30.0] {
             let mut log = log.clone();
             let dropped = log.scans.iter().take_while(|scan| scan.time < late).count();
             log.scans.drain(..dropped);
-            let Followed { report, way, places, before } = wean::replay(&log, &hall, None, &settings);
+            let Followed { report, way, places, before } =
+                wean::replay(&log, &hall, None, &settings, &Watch::default());
             println!("{name} from {late} s: {report:?}");
             assert!(report.found_s.is_some_and(|after| after < 50.0) && report.withdrawn.is_none(), "{name}");
             assert_eq!((report.hypotheses_left, places.len()), (Some(1), 0));
@@ -90,7 +93,7 @@ fn wean_hall_is_not_guessed_at() {
     let Some((mut log, grid)) = run("robotdata1") else { return };
     log.scans.truncate(80);
     let Followed { report, way, places, .. } =
-        wean::replay(&log, &Hall::of_grid(grid), None, &wean::settings(&wean::preset()));
+        wean::replay(&log, &Hall::of_grid(grid), None, &wean::settings(&wean::preset()), &Watch::default());
     println!("{report:?}");
     assert_eq!((report.found_s, report.beams_on_walls), (None, None));
     assert_eq!(report.hypotheses_left, Some(places.len()));
@@ -106,7 +109,8 @@ fn wean_hall_is_not_mistaken_for_another_part_of_it() {
         for (column, row) in (270..540).flat_map(|column| (0..540).map(move |row| (column, row))) {
             grid.cells[row * grid.width + column] = None;
         }
-        let Followed { report, way, .. } = wean::replay(&log, &Hall::of_grid(grid), None, &settings);
+        let Followed { report, way, .. } =
+            wean::replay(&log, &Hall::of_grid(grid), None, &settings, &Watch::default());
         println!("{name}: {report:?}");
         assert!(report.found_s.is_none() && way.iter().all(Option::is_none), "{name}");
     }
@@ -118,7 +122,8 @@ fn the_rover_makes_its_own_map() {
     for (name, share, scans) in [("exp1", 0.79, 755), ("exp2", 0.77, 640)] {
         let Some(path) = recording(&format!("mines_rover/{name}.dat.gz")) else { continue };
         let settings = FollowerSettings::of(&ticks::preset());
-        let explored = ticks::replay(&path, &settings).expect("a readable recording");
+        let log = surepose_data::ticks::read(&path).expect("a readable recording");
+        let explored = ticks::replay_log(&log, &settings, &Watch::default());
         println!("{name}: {:?} {:?}", explored.report, explored.mapped.report);
         assert!(explored.report.beams_on_walls.is_some_and(|mean| mean > share), "{name}");
         assert!(explored.report.accepted + 5 >= scans, "{name}");

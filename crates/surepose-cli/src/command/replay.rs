@@ -1,14 +1,15 @@
 //! `surepose replay`: the estimator on a recording, judged against its reference.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use surepose::Belief;
 use surepose_data::Config;
 use surepose_data::wall_map::WallMap;
-use surepose_lab::picture;
 use surepose_lab::replay::{FollowerSettings, Hall, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
 use surepose_lab::rig::Reading;
+use surepose_lab::{Watch, picture};
 use surepose_ros2::{Names, START_STD, Settings, bag};
 
 use crate::exit::Exit;
@@ -17,6 +18,7 @@ use crate::folder::Folder;
 use crate::maps::{Known, known_in, walls_in, walls_to_read};
 use crate::output::{Output, object, table, warning, worded};
 use crate::settings::{ConfigArgs, PoseArg, whole};
+use crate::{interrupt, progress};
 
 /// Run the estimator on a recording and judge it against the recording's reference.
 #[derive(Debug, Args)]
@@ -30,7 +32,7 @@ use crate::settings::{ConfigArgs, PoseArg, whole};
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
 
 Exit codes: 0 done; 1 not found where it was to be looked for, no measurement accepted, or a position farther off than \
-dead reckoning's.")]
+dead reckoning's; 130 interrupted (of carmen, ticks and wean, what was done until then is judged).")]
 pub(crate) struct ReplayCommand {
     /// The format of the recording
     format: Format,
@@ -81,22 +83,27 @@ impl ReplayCommand {
                 mrclam::replay(&self.path, self.robot.unwrap_or(1), &mrclam::Settings::of(&config))
             }
             Format::Carmen => {
-                let config = self.config.over(carmen::Settings::preset())?;
+                let settings = carmen::Settings::of(&self.config.over(carmen::Settings::preset())?);
                 let map = self.map.as_deref().map(walls_in).transpose()?;
-                carmen::replay(&self.path, map.as_ref(), &carmen::Settings::of(&config))
+                let log = surepose_data::carmen::read(&self.path)?;
+                let replay = |watch: &Watch| carmen::replay_log(&log, map.as_ref(), &settings, watch);
+                watched(output, log.scans.len(), replay)?
             }
             Format::Ticks => {
-                let config = self.config.over(ticks::preset())?;
-                ticks::replay(&self.path, &FollowerSettings::of(&config)).map(|explored| explored.report)
+                let settings = FollowerSettings::of(&self.config.over(ticks::preset())?);
+                let log = surepose_data::ticks::read(&self.path)?;
+                let replay = |watch: &Watch| ticks::replay_log(&log, &settings, watch);
+                Ok(watched(output, log.scans.len(), replay)?.report)
             }
-            Format::Wean => Ok(self.wean()?),
+            Format::Wean => Ok(self.wean(output)?),
             Format::Mcap => Ok(self.mcap()?),
         };
         let report = report.map_err(|error| match error {
             ReplayError::Data(error) => Failure::Data(error),
             ReplayError::NoStart => Failure::Recording { path: self.path.clone(), what: error.to_string() },
         })?;
-        let json = object(&report);
+        let mut json = object(&report);
+        interrupt::mark(&mut json);
         output.result(&json, || {
             let mut table = table(&[]);
             for row in worded(&json, &WORDS) {
@@ -104,6 +111,9 @@ impl ReplayCommand {
             }
             table
         })?;
+        if interrupt::asked() {
+            return Ok(Exit::Interrupted);
+        }
         let failing = failing(&report);
         if let Some(why) = failing {
             warning(why);
@@ -114,7 +124,7 @@ impl ReplayCommand {
     }
 
     /// Follows the robot through Wean Hall, looks for it first where nobody says where it starts, and draws it.
-    fn wean(&self) -> Result<ReplayReport, Failure> {
+    fn wean(&self, output: Output) -> Result<ReplayReport, Failure> {
         let config = self.config.over(wean::preset())?;
         let hall = match self.map.as_deref().map(known_in).transpose()? {
             Some(Known::Grid(grid)) => Hall::of_grid(grid),
@@ -122,8 +132,9 @@ impl ReplayCommand {
             None => Hall::of_map(&WallMap::default()),
         };
         let log = surepose_data::wean::read(&self.path)?;
-        let start = self.start.map(PoseArg::pose);
-        let followed = wean::replay(&log, &hall, start, &wean::settings(&config));
+        let (start, settings) = (self.start.map(PoseArg::pose), wean::settings(&config));
+        let replay = |watch: &Watch| wean::replay(&log, &hall, start, &settings, watch);
+        let followed = watched(output, log.scans.len(), replay)?;
         if let Some(out) = &self.out {
             Folder::at(out)?.picture("replay", &picture::hall(&hall, &log, &followed))?;
         }
@@ -182,6 +193,20 @@ impl ReplayCommand {
         }
     }
 }
+
+/// Shows how many of the `scans` are done while `replay` goes on, and ends it where the user asks for that.
+fn watched<T: Send>(
+    output: Output,
+    scans: usize,
+    replay: impl FnOnce(&Watch) -> T + Send,
+) -> Result<T, Failure> {
+    let (watch, bar) = (Watch::default(), progress::bar(output, "replaying"));
+    let part = || watch.done() as f64 / scans.max(1) as f64;
+    progress::attended(&bar, LOOK, part, || watch.stop(), || replay(&watch))
+}
+
+/// How often the progress is looked at.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// What shows that the estimator was of no use.
 fn failing(report: &ReplayReport) -> Option<&'static str> {

@@ -3,12 +3,10 @@
 //! Without a map of its own, every second scan at its reference pose makes the map; the estimate sees and is judged on
 //! the other scans only.
 
-use std::path::Path;
 use std::time::Instant;
 
 use surepose::{Body, Map, Pose, Stamp};
 use surepose_data::Config;
-use surepose_data::carmen as data;
 use surepose_data::recording::{Recording, Scan, StampedPose};
 use surepose_data::wall_map::WallMap;
 
@@ -16,6 +14,7 @@ use super::follower::{Follower, FollowerSettings, walls_of};
 use super::odometry::{motion_between, pose_after, pose_of};
 use super::report::{ReplayError, ReplayReport};
 use super::score::Score;
+use crate::Watch;
 use crate::mapping::{Mapped, from_log};
 
 /// What the replay assumes: one set for all logs.
@@ -52,18 +51,6 @@ impl Default for Settings {
     }
 }
 
-/// Reads a log and replays it, on `map` or on a map of its own.
-///
-/// # Errors
-/// A log that cannot be read, or that has no two scans.
-pub fn replay(path: &Path, map: Option<&WallMap>, settings: &Settings) -> Result<ReplayReport, ReplayError> {
-    let begun = Instant::now();
-    let log = data::read(path)?;
-    let mut report = replay_log(&log, map, settings)?;
-    report.wall_s = begun.elapsed().as_secs_f64();
-    Ok(report)
-}
-
 /// The walls that the scans of a log show at their reference poses: all of them, or every second one, the first included.
 pub fn map_of(log: &Recording<StampedPose>, every: usize, settings: &from_log::Settings) -> Mapped {
     from_log::walls_of(views(log).step_by(every.max(1)), settings)
@@ -74,7 +61,8 @@ pub fn views(log: &Recording<StampedPose>) -> impl Iterator<Item = (&Scan, Pose<
     log.scans.iter().zip(log.reference.iter().map(pose_of))
 }
 
-/// Replays a log, from the reference pose of its first scan on.
+/// Replays a log, from the reference pose of its first scan on; on `map`, or on a map of its own. `watch` counts its scans, and may
+/// end it early.
 ///
 /// # Errors
 /// [`ReplayError::NoStart`] where there are no two scans.
@@ -82,6 +70,7 @@ pub fn replay_log(
     log: &Recording<StampedPose>,
     map: Option<&WallMap>,
     settings: &Settings,
+    watch: &Watch,
 ) -> Result<ReplayReport, ReplayError> {
     let begun = Instant::now();
     // The map's own scans would only say again what the reference says.
@@ -103,8 +92,8 @@ pub fn replay_log(
     let mut report = ReplayReport::default();
     let (mut score, mut dead_reckoning) = (Score::default(), Score::default());
     let mut before = start;
-    for (number, (scan, truth)) in log.scans.iter().zip(log.reference.iter().map(pose_of)).enumerate().skip(1)
-    {
+    let judged = log.scans.iter().zip(log.reference.iter().map(pose_of)).enumerate().skip(1);
+    for (number, (scan, truth)) in watch.over(judged) {
         let until = scan.odometry_before as f64;
         while rolled < until {
             rolled = (libm::floor(rolled) + 1.0).min(until);

@@ -4,7 +4,6 @@
 //! that were made before explain. The estimate starts at the origin; its covariance is against its own map, and does not
 //! hold what the map itself has drifted.
 
-use std::path::Path;
 use std::time::Instant;
 
 use surepose::{Body, Drive, Integration, Map, Motion, Pose, Stamp, Wheels};
@@ -13,7 +12,8 @@ use surepose_data::recording::{Recording, Scan, StampedTicks};
 use surepose_data::ticks as data;
 
 use super::follower::{Follower, FollowerSettings, Shares, walls_of};
-use super::report::{ReplayError, ReplayReport};
+use super::report::ReplayReport;
+use crate::Watch;
 use crate::mapping::{Mapped, from_log};
 
 /// A scan becomes part of the map where the robot has come this far \[m] or turned this far \[rad] since the last one.
@@ -37,20 +37,8 @@ pub struct Explored {
     pub dead_reckoning: Vec<Pose<Map, Body, f64>>,
 }
 
-/// Reads a recording and replays it.
-///
-/// # Errors
-/// A recording that cannot be read.
-pub fn replay(path: &Path, settings: &FollowerSettings) -> Result<Explored, ReplayError> {
-    let begun = Instant::now();
-    let log = data::read(path)?;
-    let mut explored = replay_log(&log, settings);
-    explored.report.wall_s = begun.elapsed().as_secs_f64();
-    Ok(explored)
-}
-
-/// Replays a recording of the rover.
-pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings) -> Explored {
+/// Replays a recording of the rover; `watch` counts its scans, and may end it early.
+pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings, watch: &Watch) -> Explored {
     let begun = Instant::now();
     let mapping = from_log::Settings::default();
     let start = Pose::identity();
@@ -62,7 +50,7 @@ pub fn replay_log(log: &Recording<StampedTicks>, settings: &FollowerSettings) ->
     let (mut way, mut dead_reckoning) = (Vec::new(), Vec::new());
     let mut dead = start;
     let mut before: Option<StampedTicks> = None;
-    for (scan, ticks) in log.scans.iter().zip(&log.odometry) {
+    for (scan, ticks) in watch.over(log.scans.iter().zip(&log.odometry)) {
         let stamp = Stamp::from_seconds(scan.time);
         if let Some(before) = before {
             let motion = motion(&before, ticks);

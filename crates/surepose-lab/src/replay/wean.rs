@@ -13,6 +13,7 @@ use super::hall::Hall;
 use super::odometry::{motion_between, pose_of};
 use super::report::ReplayReport;
 use super::seeker::Seeker;
+use crate::Watch;
 
 /// A start that somebody pointed at on a map is not known to centimetres: standard deviations of x \[m], y \[m], θ \[rad].
 const START_STD: [f64; 3] = [0.3, 0.3, 0.2];
@@ -52,12 +53,13 @@ const FOUND_STD: [f64; 3] = [0.2, 0.2, 0.05];
 /// Replays a log in `hall` from `start` on, or from where the scans put it once one place is left.
 ///
 /// A scan carries the odometry of its own moment, so the estimate goes from scan to scan. A place that was found is held
-/// against what is seen from then on, and withdrawn if it does not explain that.
+/// against what is seen from then on, and withdrawn if it does not explain that. `watch` counts the scans, and may end it early.
 pub fn replay(
     log: &Recording<StampedPose>,
     hall: &Hall,
     start: Option<Pose<Map, Body, f64>>,
     settings: &FollowerSettings,
+    watch: &Watch,
 ) -> Followed {
     let begun = Instant::now();
     let mut report = ReplayReport { duration_s: log.duration(), ..ReplayReport::default() };
@@ -69,7 +71,7 @@ pub fn replay(
     let mut way = Vec::new();
     let mut led_there = Vec::new();
     let mut before: Option<Pose<Map, Body, f64>> = None;
-    for scan in &log.scans {
+    for scan in watch.over(&log.scans) {
         let stamp = Stamp::from_seconds(scan.time);
         if let Some(here) = scan.odometry.as_ref().map(pose_of) {
             if let Some(before) = before {
