@@ -27,5 +27,5 @@ mod velocity;
 mod wire;
 
 pub use names::{NameProblem, Names, OWN};
-pub use pilot::{Ended, Heard, LaserScan, Odom, Pilot, Report, START_STD, Settings};
+pub use pilot::{Ended, Heard, Hindrance, LaserScan, Odom, Pilot, Report, START_STD, Settings};
 pub use wire::NodeError;

@@ -27,7 +27,7 @@ use inbox::Inbox;
 use odometer::Odometer;
 use surroundings::Surroundings;
 
-pub use errand::Ended;
+pub use errand::{Ended, Hindrance};
 pub use inbox::{Heard, LaserScan};
 pub use odometer::Odom;
 pub use settings::{START_STD, Settings};
@@ -52,8 +52,8 @@ pub struct Report {
     pub command: Option<Twist<f64>>,
     /// The goal as it is seen from there, where there is one.
     pub navigation: Option<Navigation<f64>>,
-    /// Whether something stands in the robot's way that is on no map.
-    pub blocked: bool,
+    /// What the robot waits for, if it does: that its way is free, or is seen.
+    pub hindrance: Option<Hindrance>,
     /// What became of the goal that was driven to.
     pub ended: Option<Ended>,
 }
@@ -323,7 +323,7 @@ impl Pilot {
             verdict: self.watch.verdict(stamp, &belief),
             command: driven.map(|driven| driven.command).or(braked),
             navigation: driven.map(|driven| driven.navigation),
-            blocked: self.errand.as_ref().is_some_and(Errand::is_blocked),
+            hindrance: self.errand.as_ref().and_then(Errand::hindrance),
             ended: self.ended.take(),
         }
     }

@@ -15,7 +15,7 @@ pub type Localised = (Configuration, Vec<Moment>);
 pub fn fig4(runs: &[Localised]) -> Picture {
     let arena = Arena::loop_world();
     let walls = arena.walls().iter().map(|wall| [(wall.start.x, wall.start.y), (wall.end.x, wall.end.y)]);
-    let mut map = Map::new("Fig. 4: estimated ways in the loop world").walls(walls);
+    let mut map = Map::new("Fig. 4: estimated ways in the loop world, first run").walls(walls);
     if let Some((_, moments)) = runs.first() {
         let truth = moments.iter().map(|moment| (moment.truth.x, moment.truth.y)).collect();
         map = map.trace("truth", truth, Stroke::wide(Color::Silver));
@@ -61,7 +61,7 @@ pub fn fig5(runs: &[Localised]) -> Picture {
         let letter = ["a", "b"][axis];
         for corrected_only in [false, true] {
             let which = if corrected_only { "with corrections" } else { "all" };
-            let title = format!("Fig. 5 {letter}: deviation in {name}, {which}");
+            let title = format!("Fig. 5 {letter}: deviation in {name}, first run, {which}");
             let mut panel = Panel::new(title, format!("Δ{name} [mm]")).marks([Mark::Level(0.0)]);
             for (i, (configuration, moments)) in runs.iter().enumerate() {
                 if corrected_only && *configuration == Configuration::Odometry {

@@ -7,7 +7,7 @@ use surepose::{Health, Refusal, Stamp, Verdict};
 
 use crate::convert::Refused;
 use crate::message::{DiagnosticArray, DiagnosticStatus, Header, KeyValue};
-use crate::pilot::{Pilot, Report};
+use crate::pilot::{Hindrance, Pilot, Report};
 
 /// The levels of `diagnostic_msgs/msg/DiagnosticStatus`.
 const OK: u8 = 0;
@@ -33,16 +33,22 @@ pub(super) struct Diagnosis {
 struct State {
     health: Health,
     verdict: Verdict,
-    blocked: bool,
+    hindrance: Option<Hindrance>,
 }
 
 impl State {
     fn said(self) -> String {
-        match self.verdict {
-            Verdict::Stop(reason) => format!("stopped: {}", reason.name()),
-            _ if self.blocked => "stopped: something that is on no map stands in the way".to_owned(),
-            Verdict::Slow(reason) => format!("slowed down: {}", reason.name()),
-            Verdict::Go => "the estimate is trusted".to_owned(),
+        match (self.verdict, self.hindrance) {
+            (Verdict::Stop(reason), _) => format!("stopped: {}", reason.name()),
+            (_, Some(Hindrance::Obstacle)) => {
+                "stopped: something that is on no map stands in the way".to_owned()
+            }
+            (_, Some(Hindrance::LaserSilent)) => {
+                "stopped: the laser says nothing of what stands in the way; --room 0 drives without"
+                    .to_owned()
+            }
+            (Verdict::Slow(reason), None) => format!("slowed down: {}", reason.name()),
+            (Verdict::Go, None) => "the estimate is trusted".to_owned(),
         }
     }
 }
@@ -63,10 +69,10 @@ impl Diagnosis {
 
     /// The pilot ticked; what has changed since it last did, as a line.
     pub(super) fn keep(&mut self, report: &Report) -> Option<String> {
-        let now = State { health: report.health, verdict: report.verdict, blocked: report.blocked };
-        let start = State { health: Health::Healthy, verdict: Verdict::Go, blocked: false };
+        let now = State { health: report.health, verdict: report.verdict, hindrance: report.hindrance };
+        let start = State { health: Health::Healthy, verdict: Verdict::Go, hindrance: None };
         let before = self.state.replace(now).unwrap_or(start);
-        ((before.verdict, before.blocked) != (now.verdict, now.blocked)).then(|| now.said())
+        ((before.verdict, before.hindrance) != (now.verdict, now.hindrance)).then(|| now.said())
     }
 
     /// Counts a message that was not used, and says whether it is the first such.
@@ -130,10 +136,8 @@ impl Diagnosis {
         match self.state {
             None => return (WARN, "waiting for odometry".to_owned()),
             Some(state @ State { verdict: Verdict::Stop(_), .. }) => return (ERROR, state.said()),
-            Some(state @ (State { verdict: Verdict::Slow(_), .. } | State { blocked: true, .. })) => {
-                return (WARN, state.said());
-            }
-            Some(State { verdict: Verdict::Go, .. }) => {}
+            Some(State { verdict: Verdict::Go, hindrance: None, .. }) => {}
+            Some(state) => return (WARN, state.said()),
         }
         let period = pilot.controller().period;
         if let Some(dt) = self.odometry_period.filter(|dt| *dt > TOO_SLOW * period) {

@@ -23,14 +23,33 @@ pub enum Ended {
     Stopped(&'static str),
 }
 
+/// Why a robot waits that knows where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hindrance {
+    /// Something that is on no map stands in its way.
+    Obstacle,
+    /// It is to look out for what stands in its way, and its laser says nothing.
+    LaserSilent,
+}
+
+impl Hindrance {
+    /// The name used in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Obstacle => "obstacle",
+            Self::LaserSilent => "laser_silent",
+        }
+    }
+}
+
 /// A goal, and how far the robot is with it.
 #[derive(Clone, Debug)]
 pub(super) struct Errand {
     goal: Pose<Map, Goal, f64>,
     progress: Progress<f64>,
     guard: Guard,
-    /// Since when something stands in the way \[s].
-    blocked: Option<f64>,
+    /// Since when it may not go on \[s], and why.
+    blocked: Option<(f64, Hindrance)>,
     has_arrived: bool,
 }
 
@@ -61,9 +80,9 @@ impl Errand {
         self.goal
     }
 
-    /// Whether something stands in its way.
-    pub(super) fn is_blocked(&self) -> bool {
-        self.blocked.is_some()
+    /// What it waits for, if it does.
+    pub(super) fn hindrance(&self) -> Option<Hindrance> {
+        self.blocked.map(|(_, hindrance)| hindrance)
     }
 
     /// Whether it was at the goal already.
@@ -110,12 +129,17 @@ impl Errand {
         if let Some(arena) = arena {
             step = self.guard.keep_off_walls(arena, belief.pose, controller, step, last);
         }
-        if lookout.is_blocked(belief.pose, step.granted, controller) {
-            self.blocked.get_or_insert(now);
-            step = told(Twist::rest(), controller, step, last);
+        let hindrance = if arena.is_some() && lookout.is_blind(stamp) {
+            Some(Hindrance::LaserSilent)
         } else {
-            self.blocked = None;
+            let is_blocked = lookout.is_blocked(belief.pose, step.granted, controller);
+            is_blocked.then_some(Hindrance::Obstacle)
+        };
+        if hindrance.is_some() {
+            step = told(Twist::rest(), controller, step, last);
         }
+        let since = self.blocked.map_or(now, |(since, _)| since);
+        self.blocked = hindrance.map(|hindrance| (since, hindrance));
         self.progress = step.progress;
         Driven { command: step.granted, navigation: step.navigation, ended: self.ended(controller, now) }
     }
@@ -124,8 +148,10 @@ impl Errand {
         if let Some(reason) = self.guard.gave_up(now) {
             return Some(Ended::Stopped(reason.name()));
         }
-        if self.blocked.is_some_and(|since| now - since >= PATIENCE) {
-            return Some(Ended::Stopped("obstacle"));
+        if let Some((since, hindrance)) = self.blocked
+            && now - since >= PATIENCE
+        {
+            return Some(Ended::Stopped(hindrance.name()));
         }
         let rests = self.progress.granted == Twist::rest();
         if self.guard.is_walled() && rests {

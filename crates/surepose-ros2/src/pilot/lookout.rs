@@ -21,6 +21,9 @@ const FEWEST: usize = 2;
 /// Things that no scan has shown again for so long \[s] are gone.
 const KEPT: f64 = 0.5;
 
+/// A laser that says nothing for so long \[s] has failed: ten scans of a usual one.
+const SILENT: f64 = 1.0;
+
 /// What the last scan showed that is on no map.
 #[derive(Clone, Debug)]
 pub(super) struct Lookout {
@@ -60,11 +63,16 @@ impl Lookout {
         }
     }
 
-    /// Forgets what was seen too long before `now`.
+    /// Forgets what was seen too long before `now`, or by a clock that was set back since.
     pub(super) fn forget(&mut self, now: Stamp) {
-        if now.since(self.seen) > KEPT {
+        if now.since(self.seen).abs() > KEPT {
             self.things.clear();
         }
+    }
+
+    /// Whether it looks out, and has not seen anything for long.
+    pub(super) fn is_blind(&self, now: Stamp) -> bool {
+        self.room > 0.0 && now.since(self.seen).abs() > SILENT
     }
 
     /// Whether a robot at `pose` that drives on with `twist` comes too near to something before it can stand.

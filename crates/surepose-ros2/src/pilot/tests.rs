@@ -7,6 +7,7 @@ use surepose_sim::{Seed, World};
 use super::*;
 
 /// A world whose robot takes the pilot's commands.
+#[derive(Clone)]
 struct Ride {
     pilot: Pilot,
     world: World,
@@ -19,6 +20,8 @@ struct Ride {
     ended: Option<Ended>,
     /// Something that is on no map stands so far before the robot \[m].
     obstacle: Option<f64>,
+    /// The laser says nothing.
+    laser_fails: bool,
 }
 
 impl Ride {
@@ -38,6 +41,7 @@ impl Ride {
             dt,
             ended: None,
             obstacle: None,
+            laser_fails: false,
         }
     }
 
@@ -54,7 +58,7 @@ impl Ride {
             let heard = Heard::Measurement(Measurement::Compass(compass));
             self.pilot.hear(Stamped::new(self.stamp(heading.stamp), heard));
         }
-        for scan in &sensed.scans {
+        for scan in sensed.scans.iter().filter(|_| !self.laser_fails) {
             let mut ranges = scan.value.ranges.clone();
             let middle = ranges.len() / 2;
             for (number, range) in ranges.iter_mut().enumerate() {
@@ -311,11 +315,32 @@ fn it_stops_before_what_no_map_knows_and_goes_on_when_that_is_gone() {
     assert!(ride.told.v > 0.2, "it is under way");
     let gone = ride.meet(0.8, 4.0);
     assert!(ride.told == Twist::rest() && gone < 0.42 && gone > 0.1, "{gone} m on");
-    assert!(ride.pilot.errand.as_ref().unwrap().is_blocked());
+    assert_eq!(ride.pilot.errand.as_ref().unwrap().hindrance(), Some(Hindrance::Obstacle));
     ride.obstacle = None;
     ride.live(60.0);
     assert_eq!(ride.ended, Some(Ended::Reached));
     assert!(ride.error(goal()).0 < 0.01);
+}
+
+#[test]
+fn a_robot_that_is_to_look_out_stops_while_its_laser_is_silent() {
+    for (room, end) in [(0.4, Ended::Stopped("laser_silent")), (0.0, Ended::Reached)] {
+        let mut ride = Ride::new(true, 0.05);
+        ride.pilot.surroundings = Surroundings::of(ride.pilot.settings.map.as_ref(), room);
+        ride.pilot.go(goal()).unwrap();
+        ride.live(4.0);
+        assert!(ride.told.v > 0.2, "it is under way");
+        ride.laser_fails = true;
+        ride.live(4.0);
+        let rests = ride.told == Twist::rest();
+        assert_eq!(rests, room > 0.0, "{:?}", ride.told);
+        // A laser that is back in time is all that it waits for.
+        let mut again = Ride { laser_fails: false, ..ride.clone() };
+        again.live(60.0);
+        assert_eq!(again.ended, Some(Ended::Reached));
+        ride.live(60.0);
+        assert_eq!(ride.ended, Some(end));
+    }
 }
 
 #[test]
