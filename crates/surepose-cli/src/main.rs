@@ -52,6 +52,7 @@ Examples:
   surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
   surepose replay carmen freiburg-101.log.gz  the same on walls, seen by a laser
   surepose map from-grid room.yaml --out room.toml
+  surepose calibrate mcap my_bag              your robot's wheels, track, sensors, from a rosbag2 recording
   surepose ros2 --simulate                    a ROS 2 node with a simulated robot; without it, on yours
   surepose config show > robot.toml           every parameter with its default, to edit
   surepose config check robot.toml            whether a configuration can be used

@@ -9,6 +9,7 @@ use clap::Args;
 use surepose::{Angle, Body, Map, Pose, param};
 use surepose_data::Config;
 use surepose_data::config::{Origin, Setting, Value};
+use surepose_ros2::Names;
 
 use crate::failure::Failure;
 
@@ -25,6 +26,11 @@ pub(crate) struct ConfigArgs {
 }
 
 impl ConfigArgs {
+    /// Whether anything was given.
+    pub(crate) fn is_given(&self) -> bool {
+        self.config.is_some() || !self.set.is_empty()
+    }
+
     /// `base`, with the file's values and the options' over it.
     pub(crate) fn over(&self, base: Config) -> Result<Config, Failure> {
         let mut config = base;
@@ -100,6 +106,14 @@ impl FromStr for PoseArg {
         }
         Ok(Self { x, y, heading_deg })
     }
+}
+
+/// What the topics of a recording are called.
+pub(crate) fn names_of(remap: &[String]) -> Result<Names, Failure> {
+    Names::new("/", remap).map_err(|error| Failure::Usage {
+        what: error.to_string(),
+        help: "for example --remap odom:=/base/odom".to_owned(),
+    })
 }
 
 /// Reads a whole number of an option, and says what would be one.

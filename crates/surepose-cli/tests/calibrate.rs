@@ -14,4 +14,16 @@ fn what_is_no_recording_is_named_with_exit_code_3() {
     assert!(broken.stderr.contains("surepose-calibrate-broken.dat:1"), "{}", broken.stderr);
     assert_eq!(surepose(&["calibrate", "ticks", "no-such-recording.dat"]).code, 3);
     assert_eq!(surepose(&["calibrate", "tocks", &path]).code, 2);
+    let mcap = surepose(&["calibrate", "mcap", &path]);
+    assert!(mcap.code == 3 && mcap.stderr.contains("this is no MCAP recording"), "{}", mcap.stderr);
+}
+
+#[test]
+fn options_that_a_format_has_no_use_for_are_refused() {
+    for option in ["--compass", "--set=robot.track_m=0.5", "--remap=odom:=/base/odom"] {
+        let run = surepose(&["calibrate", "ticks", "recording.dat", option]);
+        assert!(run.code == 2 && run.stderr.contains("leave out"), "{option}: {}", run.stderr);
+    }
+    let run = surepose(&["calibrate", "mcap", "bag.mcap", "--remap", "murphy"]);
+    assert!(run.code == 2 && run.stderr.contains("--remap odom:=/base/odom"), "{}", run.stderr);
 }

@@ -1,5 +1,6 @@
-//! Recordings in MCAP, as rosbag2 writes them: the pilot hears them as the node would have.
+//! Recordings in MCAP, as rosbag2 writes them: the pilot hears them as the node would have, and calibration reads them.
 
+mod calibration;
 mod reader;
 mod replay;
 #[cfg(test)]
@@ -7,6 +8,7 @@ mod tests;
 
 use std::path::PathBuf;
 
+pub use calibration::{Recorded, recorded};
 pub use replay::replay;
 
 /// Why a recording cannot be used.

@@ -24,7 +24,7 @@ use crate::convert::Refused;
 
 use errand::Errand;
 use inbox::Inbox;
-use odometer::Odometer;
+pub(crate) use odometer::Odometer;
 use surroundings::Surroundings;
 
 pub use errand::{Ended, Hindrance};

@@ -10,14 +10,14 @@ use surepose_data::wall_map::WallMap;
 use surepose_lab::replay::{FollowerSettings, Hall, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
 use surepose_lab::rig::Reading;
 use surepose_lab::{Watch, picture};
-use surepose_ros2::{Names, START_STD, Settings, bag};
+use surepose_ros2::{START_STD, Settings, bag};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::maps::{Known, known_in, walls_in, walls_to_read};
 use crate::output::{Output, object, table, warning, worded};
-use crate::settings::{ConfigArgs, PoseArg, whole};
+use crate::settings::{ConfigArgs, PoseArg, names_of, whole};
 use crate::{interrupt, progress};
 
 /// Run the estimator on a recording and judge it against the recording's reference.
@@ -143,10 +143,7 @@ impl ReplayCommand {
 
     /// Lets the node's pilot hear the recording.
     fn mcap(&self) -> Result<ReplayReport, Failure> {
-        let names = Names::new("/", &self.remap).map_err(|error| Failure::Usage {
-            what: error.to_string(),
-            help: "for example --remap odom:=/base/odom".to_owned(),
-        })?;
+        let names = names_of(&self.remap)?;
         let map = self.map.as_deref().map(walls_to_read).transpose()?;
         let (map, reading) = map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
         let settings = Settings {

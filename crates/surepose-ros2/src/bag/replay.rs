@@ -15,7 +15,7 @@ use crate::pilot::{Odom, Pilot, Report, Settings};
 use crate::sense;
 
 /// How well a reference tells the start: standard deviations of x, y \[m] and heading \[rad].
-const REFERENCE_STD: [f64; 3] = [0.01, 0.01, 0.01];
+pub(super) const REFERENCE_STD: [f64; 3] = [0.01, 0.01, 0.01];
 
 /// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
 /// that of the reference; where there is none either, the robot looks for itself on the map.
@@ -59,7 +59,7 @@ pub fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayR
 }
 
 /// The recording that is meant by the folder which rosbag2 makes for it.
-fn file_of(path: &Path) -> Result<PathBuf, BagError> {
+pub(super) fn file_of(path: &Path) -> Result<PathBuf, BagError> {
     if !path.is_dir() {
         return Ok(path.to_owned());
     }
@@ -77,7 +77,10 @@ fn file_of(path: &Path) -> Result<PathBuf, BagError> {
 }
 
 /// The reference poses in the order of time, and when the first odometry was; what is no pose is counted.
-fn truth(bag: &Bag, report: &mut ReplayReport) -> Result<(Vec<StampedPose>, Option<Stamp>), BagError> {
+pub(super) fn truth(
+    bag: &Bag,
+    report: &mut ReplayReport,
+) -> Result<(Vec<StampedPose>, Option<Stamp>), BagError> {
     let (mut poses, mut first) = (Vec::new(), None);
     if !bag.has_truth() {
         return Ok((poses, first));

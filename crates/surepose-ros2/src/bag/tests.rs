@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
 use serde::Serialize;
-use surepose::{Body, Integration, Pose, Stamp, Twist};
+use surepose::{Body, Drive, Integration, Pose, Stamp, Twist, param};
+use surepose_lab::calibrate::calibrate;
 use surepose_lab::rig::Scenario;
 use surepose_sim::{Seed, World};
 
@@ -53,6 +54,17 @@ impl Recorder {
 
 /// The simulated robot on a round, for so many seconds.
 fn round(seconds: f64, odometry_topic: &str) -> Recorder {
+    let base = Scenario::default().world().drive;
+    recorded_by(base, seconds, odometry_topic, |_| Twist::new(0.2, 0.2))
+}
+
+/// The simulated robot as it is told by the time, for so many seconds; its base takes its wheels for those of `base`.
+fn recorded_by(
+    base: Drive<f64>,
+    seconds: f64,
+    odometry_topic: &str,
+    told: impl Fn(f64) -> Twist<f64>,
+) -> Recorder {
     let scenario = Scenario::default();
     let mut world = World::new(scenario.world(), scenario.start(), Seed(5));
     let mut odometry: Pose<Odom, Body, f64> = Pose::identity();
@@ -61,8 +73,9 @@ fn round(seconds: f64, odometry_topic: &str) -> Recorder {
     let at = |moment: Stamp| origin.after(moment.seconds());
     while world.now().seconds() < seconds {
         let drive = world.model().drive;
-        let sensed = world.step(drive.rates_from_twist(Twist::new(0.2, 0.2)), 0.05);
-        odometry = odometry.moved(drive.motion_from_travel(sensed.rims), Integration::Arc);
+        let sensed = world.step(drive.rates_from_twist(told(world.now().seconds())), 0.05);
+        let rims = base.rims_from_turns(drive.turns_from_rims(sensed.rims));
+        odometry = odometry.moved(base.motion_from_travel(rims), Integration::Arc);
         let now = at(sensed.stamp);
         let rolled = words::odometry(now, odometry, Twist::rest());
         recorder.write(odometry_topic, "nav_msgs/msg/Odometry", now, &rolled);
@@ -178,6 +191,8 @@ fn what_is_no_recording_is_refused_and_nothing_panics() {
         bytes[place] ^= 0xff;
         let file = File::new("flipped", &bytes);
         let _judged = replay(&file.0, &settings(), &Names::default());
+        let read = recorded(&file.0, &settings().config, &Names::default(), true);
+        let _fitted = read.map(|read| calibrate(&read.recording, &read.options));
     }
     let absent = replay(std::path::Path::new("/nowhere.mcap"), &settings(), &Names::default());
     assert!(matches!(absent, Err(BagError::Unreadable { .. })));
@@ -204,4 +219,34 @@ fn a_folder_stands_for_the_one_recording_in_it() {
     std::fs::write(folder.join("drive_1.mcap"), b"").unwrap();
     assert!(matches!(replayed(), Err(BagError::NotOneFile { count: 2 })));
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The base takes the track for 5 % wider than it is and the wheels for 3 % larger, and its odometry shows it.
+#[test]
+fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
+    let scenario = Scenario::default();
+    let truth = scenario.world().drive;
+    let base = Drive::new(1.03 * truth.radius.right, 1.05 * truth.track);
+    let told = |t: f64| Twist::new(0.15 + 0.1 * (0.3 * t).sin(), 0.5 * (0.17 * t).sin());
+    let file = File::new("calibrate", &recorded_by(base, 120.0, "/odom", told).finished());
+    let preset = [(&param::WHEEL_RADIUS, base.radius.right), (&param::TRACK, base.track)];
+    let config = scenario.config.with_preset("base", &preset);
+    let Recorded { recording, options, skipped } =
+        recorded(&file.0, &config, &Names::default(), true).unwrap();
+    assert!(skipped.is_empty(), "{skipped:?}");
+    let found = calibrate(&recording, &options).unwrap().parameters();
+    for (name, truth, nearer_than) in [
+        ("wheel_radius_m", truth.radius.right, 0.005 * truth.radius.right),
+        ("track_m", truth.track, 0.005 * truth.track),
+        ("wheel_radius_ratio", 1.0, 0.005),
+        ("laser_heading_deg", 0.0, 0.1),
+        ("laser_latency_s", 0.0, 0.02),
+        ("compass_offset_deg", 0.0, 0.6),
+        ("compass_latency_s", 0.0, 0.02),
+    ] {
+        let estimate = found[name];
+        let (value, std) = (estimate.value.unwrap(), estimate.std_error.unwrap());
+        let off = (value - truth).abs();
+        assert!(off < nearer_than && off < 3.0 * std, "{name}: {value} ± {std}, truth {truth}");
+    }
 }

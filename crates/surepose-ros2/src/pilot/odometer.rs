@@ -23,7 +23,7 @@ const NEAREST: f64 = 0.5;
 
 /// What odometry said since the last tick.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Odometer {
+pub(crate) struct Odometer {
     last: Stamped<Pose<Odom, Body, f64>>,
     ticked: Stamp,
     /// So far the rims rolled since then \[m]; NaN where that cannot be said.
@@ -32,17 +32,17 @@ pub(super) struct Odometer {
 
 impl Odometer {
     /// The first odometry.
-    pub(super) fn starting(at: Stamped<Pose<Odom, Body, f64>>) -> Self {
+    pub(crate) fn starting(at: Stamped<Pose<Odom, Body, f64>>) -> Self {
         Self { last: at, ticked: at.stamp, rims: Wheels::rest() }
     }
 
     /// When odometry last came.
-    pub(super) fn stamp(&self) -> Stamp {
+    pub(crate) fn stamp(&self) -> Stamp {
         self.last.stamp
     }
 
     /// Whether a stamp says that the clock was set back.
-    pub(super) fn is_set_back(&self, stamp: Stamp) -> bool {
+    pub(crate) fn is_set_back(&self, stamp: Stamp) -> bool {
         stamp.since(self.last.stamp) < -SET_BACK
     }
 
@@ -51,7 +51,7 @@ impl Odometer {
     ///
     /// # Errors
     /// [`Refused::OutOfOrder`].
-    pub(super) fn roll(
+    pub(crate) fn roll(
         &mut self,
         controller: &Controller<f64>,
         at: Stamped<Pose<Odom, Body, f64>>,
