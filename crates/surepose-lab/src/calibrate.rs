@@ -49,6 +49,8 @@ use fit::Fit;
 use front::Singular;
 use uncertainty::{Uncertainty, uncertainty};
 
+use crate::Watch;
+
 /// The fewest sightings of walls that are worth a try.
 const FEWEST: usize = 50;
 
@@ -105,6 +107,9 @@ pub enum CalibrationError {
     /// The fit left what a robot can be.
     #[error("the fit diverged: begin nearer to the truth")]
     Diverged,
+    /// Somebody ended it before it was done.
+    #[error("ended before it was done")]
+    Stopped,
     /// The fit did not settle.
     #[error("the fit did not settle: walls and odometry contradict each other")]
     Unsettled,
@@ -192,12 +197,23 @@ impl Options {
     }
 }
 
-/// Fits the parameters to a recording.
+/// How many stages a calibration has.
+pub const STAGES: usize = 9;
+
+/// Fits the parameters to a recording; `watch` counts the [`STAGES`], and may end it between two.
 ///
 /// # Errors
 /// A recording that does not allow it, see [`CalibrationError`]. A parameter that the motion did not excite is no error:
 /// its [`Estimate`] says so.
-pub fn calibrate(recording: &Recording, options: &Options) -> Result<Calibration, CalibrationError> {
+pub fn calibrate(
+    recording: &Recording,
+    options: &Options,
+    watch: &Watch,
+) -> Result<Calibration, CalibrationError> {
+    let stage = || {
+        watch.count();
+        if watch.stopped() { Err(CalibrationError::Stopped) } else { Ok(()) }
+    };
     let counts = recording.ticks_per_turn.is_finite() && recording.ticks_per_turn > 0.0;
     if !counts || !options.are_sound() {
         return Err(CalibrationError::BadOptions);
@@ -213,17 +229,23 @@ pub fn calibrate(recording: &Recording, options: &Options) -> Result<Calibration
         return Err(CalibrationError::FewWalls { found: sightings.len() });
     }
 
+    stage()?;
     let mut fit = Fit::begin(recording, &steps, &sightings, options);
     fit.associate(Likeness { direction: 0.08, distance: 0.1, memory: 1.5 });
     fit.converge(false)?;
+    stage()?;
     for _ in 0..2 {
         fit.associate(Likeness { direction: 0.06, distance: 0.1, memory: 1.5 });
         fit.converge(false)?;
+        stage()?;
         fit.fit_scatter()?;
+        stage()?;
         fit.converge(true)?;
+        stage()?;
     }
 
     let Uncertainty { mut covariance, log_delta_std } = uncertainty(&fit)?;
+    watch.count();
     if let Some(start) = options.start_heading {
         let offset = Parameter::CompassOffset as usize;
         covariance[(offset, offset)] += start.std * start.std;

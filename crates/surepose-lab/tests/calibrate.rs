@@ -12,6 +12,7 @@ use surepose::Compass;
 use surepose_data::Config;
 use surepose_data::recording::StampedTicks;
 use surepose_data::ticks::{self, ROVER};
+use surepose_lab::Watch;
 use surepose_lab::calibrate::simulated::{Simulated, drive, nominal, straight};
 use surepose_lab::calibrate::{Calibration, CalibrationError, Options, Parameter, Recording, calibrate};
 
@@ -25,7 +26,8 @@ fn errors(seeds: std::ops::Range<u64>) -> BTreeMap<&'static str, Vec<f64>> {
     let mut errors: BTreeMap<_, Vec<f64>> = BTreeMap::new();
     for seed in seeds {
         let simulated = drive(seed, 60.0);
-        let found = calibrate(&simulated.recording, &options(&simulated)).expect("a drive among walls");
+        let found = calibrate(&simulated.recording, &options(&simulated), &Watch::default())
+            .expect("a drive among walls");
         let found = found.parameters();
         for (name, truth) in simulated.truths() {
             let (value, std) = (found[name].value.expect(name), found[name].std_error.expect(name));
@@ -67,7 +69,7 @@ fn a_hundred_recordings() {
 #[test]
 fn what_the_motion_does_not_excite_is_named_and_has_no_number() {
     let simulated = straight(1, 12.0);
-    let found = calibrate(&simulated.recording, &options(&simulated)).unwrap();
+    let found = calibrate(&simulated.recording, &options(&simulated), &Watch::default()).unwrap();
     for parameter in [Parameter::Track, Parameter::LaserX, Parameter::LaserY] {
         let estimate = found.estimate(parameter);
         assert!(estimate.value.is_none() && estimate.std_error.is_none(), "{parameter:?}: {estimate:?}");
@@ -86,7 +88,7 @@ fn the_configuration_is_one_and_holds_what_was_found() {
     let simulated = drive(3, 30.0);
     let mut options = options(&simulated);
     options.start_heading = None;
-    let found = calibrate(&simulated.recording, &options).unwrap();
+    let found = calibrate(&simulated.recording, &options, &Watch::default()).unwrap();
     let text = found.configuration();
     let config = Config::default().with_text("calibration".as_ref(), text.as_bytes()).expect(&text);
     let track = found.estimate(Parameter::Track);
@@ -107,11 +109,17 @@ fn recordings_that_cannot_tell_are_refused_by_reason() {
     let options = options(&simulated);
     let ticks = StampedTicks { time: 0.0, left: 0, right: 0 };
     let still = Recording { ticks: vec![ticks, ticks], ..simulated.recording.clone() };
-    assert_eq!(calibrate(&still, &options), Err(CalibrationError::NoTicks));
+    assert_eq!(calibrate(&still, &options, &Watch::default()), Err(CalibrationError::NoTicks));
     let blind = Recording { scans: Vec::new(), ..simulated.recording.clone() };
-    assert_eq!(calibrate(&blind, &options), Err(CalibrationError::FewWalls { found: 0 }));
+    assert_eq!(calibrate(&blind, &options, &Watch::default()), Err(CalibrationError::FewWalls { found: 0 }));
     let senseless = Options { range_std: f64::NAN, ..options };
-    assert_eq!(calibrate(&simulated.recording, &senseless), Err(CalibrationError::BadOptions));
+    assert_eq!(
+        calibrate(&simulated.recording, &senseless, &Watch::default()),
+        Err(CalibrationError::BadOptions)
+    );
+    let watch = Watch::default();
+    watch.stop();
+    assert_eq!(calibrate(&simulated.recording, &options, &watch), Err(CalibrationError::Stopped));
 }
 
 fn rover(name: &str) -> Option<Calibration> {
@@ -134,7 +142,7 @@ fn rover(name: &str) -> Option<Calibration> {
         scans: log.scans,
         headings: Vec::new(),
     };
-    Some(calibrate(&recording, &Options::rover()).expect("the rover calibrates"))
+    Some(calibrate(&recording, &Options::rover(), &Watch::default()).expect("the rover calibrates"))
 }
 
 /// Ten differences of which all are within this many standard errors with 95 % probability, if the errors are right: each

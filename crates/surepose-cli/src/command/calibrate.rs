@@ -1,17 +1,20 @@
 //! `surepose calibrate`: what a recording says of the robot that made it.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use surepose_data::Config;
 use surepose_data::ticks::{self, ROVER};
-use surepose_lab::calibrate::{Options, Recording, calibrate};
+use surepose_lab::Watch;
+use surepose_lab::calibrate::{CalibrationError, Options, Recording, STAGES, calibrate};
 use surepose_ros2::bag::{self, Recorded};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::output::{Output, object, table, warning, wrapped};
+use crate::progress;
 use crate::settings::{ConfigArgs, names_of};
 
 /// Fit wheel radii, track, noise, laser mounting and latency to a recording, with standard errors.
@@ -27,7 +30,7 @@ mcap: `odom` must be of the wheels alone, and [robot] what its base takes the wh
 they turned. Give the base what was found as well, for it is the base that makes odometry of it. With --compass the headings of \
 `imu` count; the compass' offset needs a `truth`, too.
 
-Exit codes: 0 done, 2 wrong command line, 3 a recording that cannot be read, or not be calibrated from.")]
+Exit codes: 0 done, 2 wrong command line, 3 a recording that cannot be read, or not be calibrated from, 130 interrupted.")]
 pub(crate) struct CalibrateCommand {
     /// The format of the recording
     format: Format,
@@ -55,6 +58,9 @@ enum Format {
     Mcap,
 }
 
+/// How often the progress is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+
 impl CalibrateCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
@@ -62,8 +68,14 @@ impl CalibrateCommand {
             Format::Ticks => self.ticks()?,
             Format::Mcap => self.mcap()?,
         };
-        let found = calibrate(&recording, &options)
-            .map_err(|why| Failure::Recording { path: self.path, what: why.to_string() })?;
+        let (watch, bar) = (Watch::default(), progress::bar(output, "fitting"));
+        let part = || watch.done() as f64 / STAGES as f64;
+        let fit = || calibrate(&recording, &options, &watch);
+        let found = match progress::attended(&bar, LOOK, part, || watch.stop(), fit)? {
+            // There is no half of a fit to be kept.
+            Err(CalibrationError::Stopped) => return Ok(Exit::Interrupted),
+            found => found.map_err(|why| Failure::Recording { path: self.path, what: why.to_string() })?,
+        };
         if let Some(folder) = &folder {
             folder.text("calibration.toml", &found.configuration())?;
         }

@@ -8,6 +8,7 @@ use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
 use serde::Serialize;
 use surepose::{Body, Drive, Integration, Pose, Stamp, Twist, param};
+use surepose_lab::Watch;
 use surepose_lab::calibrate::calibrate;
 use surepose_lab::rig::Scenario;
 use surepose_sim::{Seed, World};
@@ -192,7 +193,7 @@ fn what_is_no_recording_is_refused_and_nothing_panics() {
         let file = File::new("flipped", &bytes);
         let _judged = replay(&file.0, &settings(), &Names::default());
         let read = recorded(&file.0, &settings().config, &Names::default(), true);
-        let _fitted = read.map(|read| calibrate(&read.recording, &read.options));
+        let _fitted = read.map(|read| calibrate(&read.recording, &read.options, &Watch::default()));
     }
     let absent = replay(std::path::Path::new("/nowhere.mcap"), &settings(), &Names::default());
     assert!(matches!(absent, Err(BagError::Unreadable { .. })));
@@ -234,7 +235,7 @@ fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
     let Recorded { recording, options, skipped } =
         recorded(&file.0, &config, &Names::default(), true).unwrap();
     assert!(skipped.is_empty(), "{skipped:?}");
-    let found = calibrate(&recording, &options).unwrap().parameters();
+    let found = calibrate(&recording, &options, &Watch::default()).unwrap().parameters();
     for (name, truth, nearer_than) in [
         ("wheel_radius_m", truth.radius.right, 0.005 * truth.radius.right),
         ("track_m", truth.track, 0.005 * truth.track),
