@@ -123,6 +123,22 @@ def topics(talk):
         assert ("odom", "base_link") in talk.transforms
 
 
+def transforms(talk):
+    """map to odom, and odom to base_link: the robot of /tf is where the true one is."""
+    def composed(a, b):
+        turn = math.radians(yaw(a.rotation))
+        x = a.translation.x + math.cos(turn) * b.translation.x - math.sin(turn) * b.translation.y
+        y = a.translation.y + math.sin(turn) * b.translation.x + math.cos(turn) * b.translation.y
+        return x, y, yaw(a.rotation) + yaw(b.rotation)
+
+    corrected = talk.transforms["map", "odom"]
+    ahead = talk.node.get_clock().now().nanoseconds * 1e-9 - corrected.header.stamp.sec
+    x, y, degrees = composed(corrected.transform, talk.transforms["odom", "base_link"].transform)
+    position, heading = talk.error(x, y, degrees)
+    print(f"/tf: {1e3 * position:.1f} mm, {heading:.2f} deg, {ahead:.1f} s old")
+    assert position < 0.01 and heading < 1.0 and abs(ahead) < 3.0
+
+
 def parameters(talk):
     request = GetParameters.Request(names=["law.k_v", "robot.track_m", "law.name"])
     values = talk.call(GetParameters, "/surepose/get_parameters", request).values
@@ -216,13 +232,15 @@ def main():
         topics(talk)
         parameters(talk)
         goal_by_topic(talk)
+        if TFMessage:
+            transforms(talk)
+        else:
+            print("skipped: /tf, tf2_msgs is not here")
         lost_and_found(talk)
         if NavigateToPose:
             action(talk)
         else:
             print("skipped: the action, nav2_msgs is not here (tests/parks.rs tries it without rclpy)")
-        if not TFMessage:
-            print("skipped: /tf, tf2_msgs is not here")
         ends_at_rest(talk, program)
         rclpy.shutdown()
     finally:
