@@ -27,7 +27,8 @@ impl Folder {
 
     /// Writes `name.svg` and `name.png`.
     pub(crate) fn picture(&self, name: &str, picture: &Picture) -> Result<(), Failure> {
-        picture.save(&self.0, name).map_err(|problem| failed(&self.0.join(name), problem))
+        self.whole(&format!("{name}.svg"), |path| Ok(std::fs::write(path, picture.svg())?))?;
+        self.whole(&format!("{name}.png"), |path| Ok(std::fs::write(path, picture.png()?)?))
     }
 
     /// Writes a table, one line for each row, under the names of its fields.
@@ -36,15 +37,14 @@ impl Folder {
         name: &str,
         rows: impl IntoIterator<Item = T>,
     ) -> Result<(), Failure> {
-        let path = self.0.join(name);
-        let write = || -> csv::Result<()> {
-            let mut writer = csv::Writer::from_path(&path)?;
+        let write = |path: &Path| -> csv::Result<()> {
+            let mut writer = csv::Writer::from_path(path)?;
             for row in rows {
                 writer.serialize(row)?;
             }
             Ok(writer.flush()?)
         };
-        write().map_err(|problem| failed(&path, std::io::Error::from(problem).into()))
+        self.whole(name, |path| Ok(write(path).map_err(std::io::Error::from)?))
     }
 
     /// Writes the same table in columns, as Apache Parquet.
@@ -53,8 +53,7 @@ impl Folder {
         name: &str,
         rows: impl IntoIterator<Item = T>,
     ) -> Result<(), Failure> {
-        let path = self.0.join(name);
-        columns::write(&path, rows).map_err(|problem| failed(&path, std::io::Error::other(problem).into()))
+        self.whole(name, |path| Ok(columns::write(path, rows).map_err(std::io::Error::other)?))
     }
 
     /// Writes `summary.json`: what the command found, without what is of this machine and this moment, so that the same
@@ -72,8 +71,18 @@ impl Folder {
 
     /// Writes a text that something may have been wrong with.
     pub(crate) fn text_of(&self, name: &str, text: std::io::Result<String>) -> Result<(), Failure> {
-        let path = self.0.join(name);
-        text.and_then(|text| std::fs::write(&path, text)).map_err(|problem| failed(&path, problem.into()))
+        self.whole(name, |path| Ok(std::fs::write(path, text?)?))
+    }
+
+    /// Lets `write` write a file, which has its `name` once it is whole: a full disk leaves no half of it, and what was there
+    /// before stays.
+    fn whole(&self, name: &str, write: impl FnOnce(&Path) -> Result<(), PlotError>) -> Result<(), Failure> {
+        let (path, part) = (self.0.join(name), self.0.join(format!("{name}.part")));
+        let written = write(&part).and_then(|()| Ok(std::fs::rename(&part, &path)?));
+        written.map_err(|problem| {
+            drop(std::fs::remove_file(&part));
+            failed(&path, problem)
+        })
     }
 }
 

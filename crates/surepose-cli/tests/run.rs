@@ -80,6 +80,19 @@ fn what_was_written_can_be_driven_again() {
     assert_eq!(first.json(), again.json());
 }
 
+/// Where a file cannot be written to its end, here because a folder has the name of its beginning, the one before stays.
+#[test]
+fn what_cannot_be_written_whole_is_not_written() {
+    let out = folder("run-part");
+    std::fs::write(out.join("summary.json"), "before").expect("written");
+    std::fs::create_dir(out.join("summary.json.part")).expect("made");
+    let run = surepose(&["run", "--out", out.to_str().expect("UTF-8")]);
+    assert!(run.code == 2 && run.stderr.contains("summary.json: cannot be written"), "{}", run.stderr);
+    assert_eq!(std::fs::read_to_string(out.join("summary.json")).expect("kept"), "before");
+    std::fs::remove_dir(out.join("summary.json.part")).expect("removed");
+    assert!(contents(&out).keys().all(|name| !name.contains(".part")));
+}
+
 #[test]
 fn time_that_runs_out_exits_with_1() {
     let run = surepose(&["run", "--set", "scenario.timeout_s=1", "--json"]);
