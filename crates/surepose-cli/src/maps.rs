@@ -8,6 +8,8 @@ use surepose_data::{DataError, map_server};
 use surepose_lab::mapping::from_grid;
 use surepose_lab::rig::Reading;
 
+use crate::output::warning;
+
 /// What a map file holds.
 pub(crate) enum Known {
     Walls(WallMap),
@@ -20,10 +22,19 @@ pub(crate) fn known_in(path: &Path) -> Result<Known, DataError> {
     Ok(if is("toml") {
         Known::Walls(wall_map::read(path)?)
     } else if is("yaml") || is("yml") {
-        Known::Grid(map_server::read(path)?)
+        Known::Grid(grid_in(path)?)
     } else {
         Known::Grid(surepose_data::wean::read_grid(path)?)
     })
+}
+
+/// The grid that a YAML file describes; says so where its image is not the one that the file names.
+pub(crate) fn grid_in(path: &Path) -> Result<Grid, DataError> {
+    let (grid, renamed) = map_server::read(path)?;
+    if let Some(renamed) = renamed {
+        warning(&renamed.to_string());
+    }
+    Ok(grid)
 }
 
 /// The walls of a map file: a wall map as it is, an occupancy grid turned into walls.

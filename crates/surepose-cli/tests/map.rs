@@ -40,6 +40,24 @@ fn the_walls_of_a_room_are_found_written_and_read_again() {
     assert!(shown["residual_rms_m"].is_null(), "a map alone has no residual: {shown}");
 }
 
+/// Two files that were renamed together: the name inside is stale, and whoever did not rename them has the wrong image.
+#[test]
+fn an_image_of_another_name_is_read_and_named() {
+    let folder = folder("map-renamed");
+    let grid = room(&folder);
+    let out = folder.join("walls.toml");
+    let made = || surepose(&["map", "from-grid", &grid, "--out", out.to_str().expect("UTF-8"), "--json"]);
+    let whole = made();
+    assert!(whole.code == 0 && !whole.stderr.contains("warning"), "{}", whole.stderr);
+    let text = std::fs::read_to_string(&grid).expect("there");
+    file(&folder, "room.yaml", text.replace("room.pgm", "hall.pgm").as_bytes());
+    let renamed = made();
+    assert_eq!(renamed.json(), whole.json());
+    for name in ["hall.pgm: ", "room.pgm is read instead"] {
+        assert!(renamed.stderr.contains(name), "{name} in {}", renamed.stderr);
+    }
+}
+
 /// A map of nothing helps nobody: it is an answer, and a negative one.
 #[test]
 fn a_grid_without_walls_exits_with_1_and_says_so() {

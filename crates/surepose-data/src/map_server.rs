@@ -4,6 +4,7 @@
 //! is occupied with probability 1, a white one with 0 (`negate` swaps them), and `mode` says what becomes of the values
 //! between. The bottom row of the image is the row at the origin.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -48,19 +49,36 @@ pub enum Mode {
     Raw,
 }
 
+/// An image that a YAML file names and that is not there, and the one that was read instead.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Renamed {
+    /// The image that is named.
+    pub named: PathBuf,
+    /// The image with the name of the YAML file.
+    pub read: PathBuf,
+}
+
+impl fmt::Display for Renamed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "there is no {}: {} is read instead", self.named.display(), self.read.display())
+    }
+}
+
 /// Reads the grid that a YAML file describes.
 ///
-/// Where the image is absent under the name the file gives, an image with the name of the YAML file itself is taken: map
+/// Where the image is absent under the name the file gives, an image with the name of the YAML file itself is taken, and told: map
 /// pairs are often renamed together, and then the name inside is stale.
 ///
 /// # Errors
 /// A missing, unreadable or malformed file, by name and line.
-pub fn read(path: &Path) -> Result<Grid, DataError> {
+pub fn read(path: &Path) -> Result<(Grid, Option<Renamed>), DataError> {
     let description = parse(path, &read_all(path, LONGEST_DOCUMENT)?)?;
     let named = path.with_file_name("").join(&description.image);
-    let renamed = path.with_extension("pgm");
-    let image = pgm::read(if named.exists() || !renamed.exists() { &named } else { &renamed })?;
-    Ok(description.grid(&image))
+    let same = path.with_extension("pgm");
+    if named.exists() || !same.exists() {
+        return Ok((description.grid(&pgm::read(&named)?), None));
+    }
+    Ok((description.grid(&pgm::read(&same)?), Some(Renamed { named, read: same })))
 }
 
 /// Reads the text of a YAML file; `file` is the name that errors give it.

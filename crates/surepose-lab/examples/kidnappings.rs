@@ -17,7 +17,7 @@ fn main() {
     let (place, reading) = match Arena::named(name) {
         Some(arena) => (Place::anywhere(arena), Reading::Lines),
         None => match map_server::read(name.as_ref()) {
-            Ok(grid) => (Place::on_grid("map", &grid), Reading::Beams),
+            Ok((grid, _)) => (Place::on_grid("map", &grid), Reading::Beams),
             Err(error) => {
                 eprintln!("{error}");
                 return;

@@ -58,7 +58,7 @@ fn the_shared_maps_become_walls() {
         ("aws_small_house_map", 120..170, 0.97, 0.005),
     ] {
         let Some(path) = recording(&format!("maps/{name}.yaml")) else { continue };
-        let mapped = from_grid::walls_of(&map_server::read(&path).expect("a readable map"));
+        let mapped = from_grid::walls_of(&map_server::read(&path).expect("a readable map").0);
         println!("{name}: {:?}", mapped.report);
         assert!(walls.contains(&mapped.report.walls), "{name}");
         assert!(mapped.report.explained.is_some_and(|share| share > explained), "{name}");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
-use surepose_data::{carmen, map_server, wall_map};
+use surepose_data::{carmen, wall_map};
 use surepose_lab::mapping::{MapReport, Mapped, from_grid, from_log};
 use surepose_lab::picture::{self, Ground};
 use surepose_lab::replay::carmen::{map_of, views};
@@ -11,6 +11,7 @@ use surepose_lab::replay::carmen::{map_of, views};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::{Folder, no_folder_at, write_file};
+use crate::maps::grid_in;
 use crate::output::{Output, object, table, warning};
 
 /// Make a wall map, or show one.
@@ -80,7 +81,7 @@ impl MapCommand {
         let report = match self.what {
             What::FromGrid { grid, out, picture } => {
                 no_folder_at(&out)?;
-                let grid = map_server::read(&grid)?;
+                let grid = grid_in(&grid)?;
                 write(&from_grid::walls_of(&grid), Ground::Grid(&grid), &out, picture)?
             }
             What::FromLog { format: Format::Carmen, path, out, picture } => {
@@ -91,7 +92,7 @@ impl MapCommand {
             }
             What::Show { map, grid, out } => {
                 let walls = wall_map::read(&map)?;
-                let grid = grid.as_deref().map(map_server::read).transpose()?;
+                let grid = grid.as_deref().map(grid_in).transpose()?;
                 if let Some(folder) = &out {
                     let ground = grid.as_ref().map_or(Ground::Nothing, Ground::Grid);
                     Folder::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls, ground))?;
