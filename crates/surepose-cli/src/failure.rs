@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use miette::{Diagnostic, GraphicalReportHandler};
-use surepose_data::{ConfigError, DataError};
+use surepose_data::{ConfigError, DataError, Problem};
 use surepose_lab::picture::PlotError;
 
 use crate::exit::Exit;
@@ -79,6 +79,8 @@ impl Failure {
     pub(crate) fn exit(&self) -> Exit {
         match self {
             Self::Config(_) | Self::Usage { .. } | Self::Output { .. } | Self::Print { .. } => Exit::Usage,
+            // The recording is in order: it is the option that asks for what is not there.
+            Self::Data(error) if matches!(error.problem, Problem::UnknownRobot { .. }) => Exit::Usage,
             Self::Data(_) | Self::Recording { .. } => Exit::Data,
         }
     }

@@ -77,6 +77,29 @@ fn an_estimator_that_was_of_no_use_exits_with_1() {
     assert!(table.contains("measurements used") && !table.contains("_m "), "{table}");
 }
 
+/// One scan in a room of 4 × 4 m is accepted, and is no way that could be followed.
+#[test]
+fn a_recording_without_a_step_exits_with_1() {
+    let folder = folder("replay-still");
+    let range = |degrees: i32| {
+        let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+        format!("{:.0} ", 200.0 / sin.abs().max(cos.abs()))
+    };
+    let scan = |time: f64| format!("L 0 0 0 0 0 0 {}{time}\n", (-90..90).map(range).collect::<String>());
+    let wall = |from: [i32; 2], to: [i32; 2]| format!("[[wall]]\nfrom_m = {from:?}\nto_m = {to:?}\n");
+    let walls =
+        [wall([-2, -2], [2, -2]), wall([2, -2], [2, 2]), wall([2, 2], [-2, 2]), wall([-2, 2], [-2, -2])];
+    let map = file(&folder, "room.toml", walls.concat().as_bytes());
+    let replayed = |name: &str, text: String| {
+        let log = file(&folder, name, text.as_bytes());
+        surepose(&["replay", "wean", &log, "--map", &map, "--start", "0,0,0", "--json"])
+    };
+    let (one, two) = (replayed("one.log", scan(0.1)), replayed("two.log", scan(0.1) + &scan(0.2)));
+    assert_eq!((one.code, &one.json()["accepted"]), (1, &1.into()), "{}", one.stdout);
+    assert!(one.stderr.contains("not one step of odometry"), "{}", one.stderr);
+    assert_eq!((two.code, &two.json()["steps"]), (0, &1.into()), "{}{}", two.stdout, two.stderr);
+}
+
 #[test]
 fn a_robot_s_number_is_refused_where_there_is_one_robot() {
     for format in ["carmen", "ticks"] {
@@ -115,11 +138,16 @@ fn a_missing_recording_exits_with_3() {
     let run = surepose(&["replay", "mrclam", "no/such/folder"]);
     assert_eq!(run.code, 3);
     assert!(run.stderr.contains("no/such/folder"), "{}", run.stderr);
+}
+
+/// The recording is in order, the command line is not.
+#[test]
+fn a_robot_that_a_data_set_does_not_have_exits_with_2() {
     let folder = folder("replay-robot");
     data_set(&folder);
     let run = surepose(&["replay", "mrclam", folder.to_str().expect("UTF-8"), "--robot", "9"]);
-    assert_eq!(run.code, 3);
-    assert!(run.stderr.contains("robot 9"), "{}", run.stderr);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("robot 9") && run.stderr.contains("it has robots 1"), "{}", run.stderr);
 }
 
 #[test]

@@ -31,8 +31,8 @@ use crate::{interrupt, progress};
   surepose replay mcap rosbag2/drive_0.mcap --map building.toml --compass --remap truth:=/mocap/pose
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
 
-Exit codes: 0 done; 1 not found where it was to be looked for, no measurement accepted, or a position farther off than \
-dead reckoning's; 130 interrupted (of carmen, ticks and wean, what was done until then is judged).")]
+Exit codes: 0 done; 1 not found where it was to be looked for, no step of odometry, no measurement accepted, or a position \
+farther off than dead reckoning's; 130 interrupted (of carmen, ticks and wean, what was done until then is judged).")]
 pub(crate) struct ReplayCommand {
     /// The format of the recording
     format: Format,
@@ -209,6 +209,9 @@ const LOOK: Duration = Duration::from_millis(20);
 fn failing(report: &ReplayReport) -> Option<&'static str> {
     // What no measurement moved is as good as dead reckoning, to the last digits.
     const SAME: f64 = 1e-6;
+    if report.steps == 0 {
+        return Some("the recording has not one step of odometry: nobody was followed");
+    }
     if report.accepted == 0 {
         return Some("no measurement was accepted: this is dead reckoning");
     }
