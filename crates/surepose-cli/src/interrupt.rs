@@ -1,25 +1,40 @@
 //! Ctrl-C, and a request to terminate: a command that keeps what was done is asked to stop, and a second Ctrl-C ends it at once; any other ends.
 
+use std::io::Write;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use crate::exit::Exit;
-use crate::output::warning;
+use crate::output::{Output, warning};
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static ASKED: OnceLock<Instant> = OnceLock::new();
 
+/// The key that says so in a result.
+const INTERRUPTED: &str = "interrupted";
+
 /// What comes sooner after the first is the same Ctrl-C: programs that start others send it to the program *and* to its group.
 const SAME: Duration = Duration::from_millis(300);
 
-/// From now on Ctrl-C ends the program with the exit code that says so, until a command listens.
-pub(crate) fn install() {
-    let heard = ctrlc::set_handler(|| {
+/// From now on Ctrl-C ends the program with the exit code that says so, and with a result in which nothing else is, until a command
+/// listens.
+pub(crate) fn install(output: Output) {
+    let heard = ctrlc::set_handler(move || {
         let asks_again = ASKED.get_or_init(Instant::now).elapsed() > SAME;
-        if asks_again || !LISTENS.load(Ordering::Relaxed) {
+        if !listens() {
+            warning("interrupted: nothing was done that could be kept");
+            // Held until the end: there is one result.
+            let mut out = std::io::stdout().lock();
+            if output.json && !listens() {
+                // Whoever cannot be told so has the exit code.
+                drop(writeln!(out, "{}", json!({ INTERRUPTED: true })));
+            }
+            std::process::exit(Exit::Interrupted as i32);
+        }
+        if asks_again {
             std::process::exit(Exit::Interrupted as i32);
         }
     });
@@ -32,6 +47,10 @@ pub(crate) fn listen() {
     LISTENS.store(true, Ordering::Relaxed);
 }
 
+fn listens() -> bool {
+    LISTENS.load(Ordering::Relaxed)
+}
+
 /// Whether the user asked to stop.
 pub(crate) fn asked() -> bool {
     ASKED.get().is_some()
@@ -40,7 +59,7 @@ pub(crate) fn asked() -> bool {
 /// Says in a result that it is only of what was done when the user asked to stop.
 pub(crate) fn mark(json: &mut Map<String, Value>) {
     if asked() {
-        json.insert("interrupted".to_owned(), Value::Bool(true));
+        json.insert(INTERRUPTED.to_owned(), Value::Bool(true));
         warning("interrupted: the result is only of what was done until then");
     }
 }

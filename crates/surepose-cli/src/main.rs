@@ -70,8 +70,9 @@ fn main() -> ExitCode {
     failure::style_messages();
     let ended = match Program::try_parse() {
         Ok(program) => {
-            interrupt::install();
-            program.command.unwrap_or_default().run(output::Output { json: program.json })
+            let output = output::Output { json: program.json };
+            interrupt::install(output);
+            program.command.unwrap_or_default().run(output)
         }
         Err(problem) => parted(&problem),
     };

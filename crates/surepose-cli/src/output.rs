@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::failure::Failure;
+use crate::interrupt;
 
 /// Columns of a message.
 pub(crate) const WIDTH: u16 = 110;
@@ -50,6 +51,8 @@ pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
 /// # Errors
 /// What else can be wrong with standard output: a full disk takes a result away, and a script must not go on without it.
 pub(crate) fn text(text: &str) -> Result<(), Failure> {
+    // A result that is being printed is the one that there is.
+    interrupt::listen();
     let mut out = std::io::stdout().lock();
     printed(out.write_all(text.as_bytes()))
 }

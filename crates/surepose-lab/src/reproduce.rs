@@ -10,7 +10,7 @@ mod stabilisation;
 
 pub use extraction::{Extraction, extraction};
 pub use following::{Followed, Following, PathFigures, Shape, ShapeFigures, following};
-pub use localisation::{Accuracy, Configuration, Moment, deviations, localisation};
+pub use localisation::{Accuracy, Comparison, Configuration, Moment, comparison, deviations, localisation};
 pub use loop_world::LoopWorld;
 pub use parking::{GoalFigures, PAPER_GOALS, Parked, parking};
 pub use stabilisation::{Instant, Stabilised, StabilisedFigures, local_law, stabilisation};

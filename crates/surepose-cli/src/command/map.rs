@@ -11,6 +11,7 @@ use surepose_lab::replay::carmen::{map_of, views};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::{Folder, no_folder_at, write_file};
+use crate::interrupt;
 use crate::maps::grid_in;
 use crate::output::{Output, object, table, warning};
 
@@ -113,6 +114,9 @@ impl MapCommand {
             }
             table
         })?;
+        if interrupt::asked() {
+            return Ok(Exit::Interrupted);
+        }
         if report.walls == 0 {
             warning("no wall was found: are the cells of walls occupied, and several in a row?");
             return Ok(Exit::Negative);
@@ -131,6 +135,8 @@ fn write(
     let text = mapped.map.to_toml(out)?;
     let folder = Folder::at(out.parent().unwrap_or(Path::new("")))?;
     let pictures = pictures.map_or_else(|| Ok(folder.clone()), |path| Folder::at(&path))?;
+    // A map comes with its picture: from here on, Ctrl-C waits for it.
+    interrupt::listen();
     write_file(out, &text)?;
     pictures.picture(&name_of(out), &picture::wall_map(&mapped.map, ground))?;
     Ok(mapped.report)

@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::{Map, Value as Json};
 use surepose::param;
 use surepose_data::Config;
 use surepose_lab::drive::{Drive, Outcome, Sample, Summary};
-use surepose_lab::picture;
+use surepose_lab::picture::{self, Picture};
 use surepose_lab::rig::{NoRoom, Scenario};
 use surepose_sim::Segment;
 
@@ -87,9 +86,13 @@ impl RunCommand {
         bar.finish_and_clear();
 
         let summary = drive.summary();
-        let json = object(&summary);
+        let mut json = object(&summary);
         if let Some(folder) = &folder {
-            write(folder, &scenario, &samples, &json)?;
+            write(folder, &scenario, &samples)?;
+        }
+        interrupt::mark(&mut json);
+        if let Some(folder) = &folder {
+            folder.summary(&json)?;
         }
         output.result(&json, || {
             let mut table = table(&[]);
@@ -161,22 +164,26 @@ fn no_room(problem: &NoRoom, scenario: &Scenario) -> Failure {
     Failure::Usage { what: problem.to_string(), help }
 }
 
-fn write(
-    folder: &Folder,
-    scenario: &Scenario,
-    samples: &[Sample],
-    summary: &Map<String, Json>,
-) -> Result<(), Failure> {
-    folder.picture("overview", &picture::overview(scenario, samples))?;
-    folder.picture("trajectory", &picture::trajectory(scenario, samples))?;
-    folder.picture("velocities", &picture::velocities(samples))?;
-    folder.picture("heading_error", &picture::heading_error(scenario, samples))?;
-    folder.picture("lyapunov", &picture::lyapunov(samples))?;
+/// Writes all but the summary; a Ctrl-C that comes meanwhile leaves out the pictures that are not drawn yet.
+fn write(folder: &Folder, scenario: &Scenario, samples: &[Sample]) -> Result<(), Failure> {
+    let stopped = interrupt::asked();
     let film = picture::film(scenario, samples).map_err(std::io::Error::other);
     folder.text_of("drive.html", film)?;
     folder.table("time_series.csv", samples)?;
     folder.text("config.toml", &toml_of(&scenario.config.fitted()))?;
-    folder.summary(summary)
+    let pictures: [(&str, &dyn Fn() -> Picture); 5] = [
+        ("overview", &|| picture::overview(scenario, samples)),
+        ("trajectory", &|| picture::trajectory(scenario, samples)),
+        ("velocities", &|| picture::velocities(samples)),
+        ("heading_error", &|| picture::heading_error(scenario, samples)),
+        ("lyapunov", &|| picture::lyapunov(samples)),
+    ];
+    for (name, picture) in pictures {
+        if interrupt::asked() == stopped {
+            folder.picture(name, &picture())?;
+        }
+    }
+    Ok(())
 }
 
 fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {

@@ -1,5 +1,7 @@
 //! `surepose tune`: the gains that take least time, among those that always arrive and are certified.
 
+mod certificates;
+
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -15,12 +17,13 @@ use surepose_lab::tune::{Candidate, STRESS, Tune, Tuned, Watch};
 
 use super::certify::NoiseArgs;
 use super::trials::{BENCH, NoiseName, TrialArgs, Trials};
-use crate::certification::{self, Bounds};
+use crate::certification::Bounds;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::output::{Output, align_numbers, object, say, table, warning};
 use crate::settings::{toml_of_those, whole};
 use crate::{folder, interrupt, progress};
+use certificates::Certificates;
 
 /// Find the gains and the capture radius that take least time, always arrive, and are certified.
 #[derive(Debug, Args)]
@@ -76,11 +79,11 @@ impl TuneCommand {
         }
         let tune = self.tune(&trials);
         let noise = self.bounds.bounds();
-        interrupt::listen();
+        let certificates = Certificates::of(config, noise);
         // Time is no good price for a promise: what the gains to begin with bound, the tuned ones bound as well.
-        let had = certification::bounds(config, &tune.sweep.law, noise);
+        let had = certificates.bounds(&tune.sweep.law);
         let certified = |law: &Law<f64>| {
-            let has = certification::bounds(config, law, noise);
+            let has = certificates.bounds(law);
             has.is_some_and(|has| had.is_none_or(|had| has.keep(&had)))
         };
 
@@ -92,10 +95,7 @@ impl TuneCommand {
         if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
             write(path, &config.clone().with_preset(TUNED, &values(best)), noise)?;
         }
-        let has = tuned.best.and_then(|best| {
-            let stays = best == tuned.start;
-            if stays { had } else { certification::bounds(config, &best.with(&tune.sweep.law), noise) }
-        });
+        let has = tuned.best.and_then(|best| certificates.bounds(&best.with(&tune.sweep.law)));
         let mut json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.trials.seed);
         json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));
         interrupt::mark(&mut json);
@@ -176,10 +176,15 @@ fn write(path: &Path, config: &Config, noise: Noise) -> Result<(), Failure> {
     folder::write_file(path, &format!("{HEADER}{toml}"))?;
 
     let written = Config::default().with_text(path, toml.as_bytes())?;
-    if certification::bounds(&written, &written.law(), noise).is_none() {
+    if Certificates::of(&written, noise).bounds(&written.law()).is_none() {
+        let found = if interrupt::asked() {
+            "it was not seen whether these gains are"
+        } else {
+            "these gains are not"
+        };
         warning(&format!(
-            "with the robot that {} is for, the bench's being another one, these gains are not certified for these \
-             noise bounds; see `surepose certify --config`",
+            "with the robot that {} is for, the bench's being another one, {found} certified for these noise bounds; see \
+             `surepose certify --config`",
             path.display()
         ));
     }

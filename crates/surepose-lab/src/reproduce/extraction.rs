@@ -7,6 +7,7 @@ use surepose::{
     Body, Estimator, Fate, Laser, Map, Measurement, Outcome, Pose, Refusal, SeenLine, Stamp, Stamped, Travel,
     Wall, Wheels,
 };
+use surepose_sim::Seed;
 
 use crate::Watch;
 
@@ -55,7 +56,7 @@ impl Extraction {
         share(self.wrong as f64, self.matched)
     }
 
-    fn and(self, other: Self) -> Self {
+    pub(super) fn and(self, other: Self) -> Self {
         Self {
             visible: self.visible + other.visible,
             found: self.found + other.found,
@@ -75,17 +76,19 @@ fn share(part: f64, of: u64) -> Option<f64> {
 /// Judges every scan of the runs with `seeds`, until `watch` is stopped, as the filter with encoders, compass and laser
 /// sees it; `None` without a run.
 pub fn extraction(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Option<Extraction> {
-    let results = for_each(seeds, watch, |seed| {
-        let mut run = world.run(seed);
-        let mut robot = run.robot();
-        let mut sum = Extraction::default();
-        while let Some(Tick { truth, sensed }) = run.next() {
-            let aims = sensed.scans.iter().flat_map(|scan| world.seen_walls(truth, &scan.value)).collect();
-            run.sense(&mut robot, &sensed, &mut Judge { truth, aims, sum: &mut sum });
-        }
-        sum
-    });
-    results.into_iter().reduce(Extraction::and)
+    for_each(seeds, watch, |seed| judged(world, seed)).into_iter().reduce(Extraction::and)
+}
+
+/// The same of one run.
+pub(super) fn judged(world: &LoopWorld, seed: Seed) -> Extraction {
+    let mut run = world.run(seed);
+    let mut robot = run.robot();
+    let mut sum = Extraction::default();
+    while let Some(Tick { truth, sensed }) = run.next() {
+        let aims = sensed.scans.iter().flat_map(|scan| world.seen_walls(truth, &scan.value)).collect();
+        run.sense(&mut robot, &sensed, &mut Judge { truth, aims, sum: &mut sum });
+    }
+    sum
 }
 
 /// Who knows the truth, and judges by it what is seen in a scan.

@@ -7,6 +7,7 @@ use surepose_sim::Seed;
 
 use crate::Watch;
 
+use super::extraction::{Extraction, judged};
 use super::loop_world::{LoopWorld, Tick};
 use super::seeds::for_each;
 
@@ -88,12 +89,30 @@ pub fn localisation(
     seeds: Range<u64>,
     watch: &Watch,
 ) -> Option<Accuracy> {
-    let sums = for_each(seeds, watch, |seed| {
-        let mut sum = Sum::default();
-        drive(world, configuration, seed, |moment| sum.add(&moment));
-        sum
+    Accuracy::of(&for_each(seeds, watch, |seed| Sum::of(world, configuration, seed)))
+}
+
+/// The whole pipeline as every set of sensors leaves it, from the same seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The figures of each set.
+    pub accuracies: Vec<(Configuration, Accuracy)>,
+    /// How well all sensors together saw the walls.
+    pub extraction: Extraction,
+}
+
+/// Compares the sets of sensors for each of `seeds` until `watch` is stopped, which counts the seeds; `None` without one.
+pub fn comparison(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Option<Comparison> {
+    let runs = for_each(seeds, watch, |seed| {
+        (Configuration::ALL.map(|configuration| Sum::of(world, configuration, seed)), judged(world, seed))
     });
-    Accuracy::of(&sums)
+    let extraction = runs.iter().map(|(_, seen)| *seen).reduce(Extraction::and)?;
+    let of_set = |(set, configuration): (usize, Configuration)| {
+        let sums: Vec<Sum> = runs.iter().map(|(sums, _)| sums[set]).collect();
+        Some((configuration, Accuracy::of(&sums)?))
+    };
+    let accuracies = Configuration::ALL.into_iter().enumerate().map(of_set).collect::<Option<_>>()?;
+    Some(Comparison { accuracies, extraction })
 }
 
 /// One run of the same, moment by moment: the deviations over time of the paper's Fig. 5.
@@ -129,6 +148,12 @@ struct Sum {
 }
 
 impl Sum {
+    fn of(world: &LoopWorld, configuration: Configuration, seed: Seed) -> Self {
+        let mut sum = Self::default();
+        drive(world, configuration, seed, |moment| sum.add(&moment));
+        sum
+    }
+
     fn add(&mut self, moment: &Moment) {
         if moment.time <= SETTLED {
             return;

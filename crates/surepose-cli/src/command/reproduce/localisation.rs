@@ -9,7 +9,7 @@ use surepose_data::Config;
 use surepose_lab::Watch;
 use surepose_lab::picture::{self, Localised};
 use surepose_lab::reproduce::{
-    Accuracy, Configuration, Extraction, LoopWorld, Moment, deviations, extraction, localisation,
+    Accuracy, Comparison, Configuration, Extraction, LoopWorld, Moment, comparison, deviations,
 };
 use surepose_sim::{Clutter, Seed};
 
@@ -35,23 +35,22 @@ impl Localisation {
         let world = LoopWorld::new(config, Clutter::default())
             .map_err(|error| Failure::Usage { what: error.to_string(), help: "report this".to_owned() })?;
         let (watch, bar) = (Watch::default(), progress::bar(output, "localising"));
-        let drives = count * (Configuration::ALL.len() as u64 + 1);
-        let part = || watch.done() as f64 / drives as f64;
+        let part = || watch.done() as f64 / count as f64;
         let work = || Self::drive(&world, seed..seed.saturating_add(count), &watch);
         progress::attended(&bar, LOOK, part, || watch.stop(), work)
     }
 
     fn drive(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Self {
-        let mut result = Self { runs: Vec::new(), json: Map::new(), rows: Vec::new() };
-        for configuration in Configuration::ALL {
-            result.runs.push((configuration, deviations(world, configuration, Seed(seeds.start))));
-            if let Some(accuracy) = localisation(world, configuration, seeds.clone(), watch) {
+        let first = Seed(seeds.start);
+        let runs =
+            Configuration::ALL.map(|configuration| (configuration, deviations(world, configuration, first)));
+        let mut result = Self { runs: runs.into(), json: Map::new(), rows: Vec::new() };
+        if let Some(Comparison { accuracies, extraction }) = comparison(world, seeds, watch) {
+            for (configuration, accuracy) in accuracies {
                 result.json.insert(configuration.name().to_owned(), json!(Figures::of(accuracy)));
                 result.rows.push([configuration.name().to_owned(), shown(&accuracy)]);
             }
-        }
-        if let Some(lines) = extraction(world, seeds, watch) {
-            let lines = LineFigures::of(&lines);
+            let lines = LineFigures::of(&extraction);
             result.rows.push(["lines".to_owned(), lines.shown()]);
             result.json.insert("extraction".to_owned(), json!(lines));
         }

@@ -1,0 +1,51 @@
+//! Certificates for a search: one for each law, and none that the user does not wait for.
+
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use surepose::Law;
+use surepose_cert::Noise;
+use surepose_data::Config;
+
+use crate::certification::{self, Bounds};
+use crate::interrupt;
+
+/// How often is looked whether a certificate is there.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// What is certified of the configured loop, with one law or another.
+pub(super) struct Certificates<'a> {
+    config: &'a Config,
+    noise: Noise,
+    known: Mutex<Vec<(Law<f64>, Option<Bounds>)>>,
+}
+
+impl<'a> Certificates<'a> {
+    /// Those for these noise bounds.
+    pub(super) fn of(config: &'a Config, noise: Noise) -> Self {
+        Self { config, noise, known: Mutex::default() }
+    }
+
+    /// What is bounded with this law; nothing where its certificate is refused, or the user asks to stop before it is there.
+    pub(super) fn bounds(&self, law: &Law<f64>) -> Option<Bounds> {
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known().iter().find(|(it, _)| it == law).map(|(_, bounds)| *bounds);
+        if let Some(bounds) = found {
+            return bounds;
+        }
+        let (config, noise, law) = (self.config.clone(), self.noise, *law);
+        // A certificate takes a second or more, and cannot be stopped: one that nobody waits for ends with the program.
+        let asked = thread::spawn(move || certification::bounds(&config, &law, noise));
+        while !asked.is_finished() {
+            if interrupt::asked() {
+                return None;
+            }
+            thread::sleep(LOOK);
+        }
+        // A thread that panicked has said so.
+        let bounds = asked.join().ok()?;
+        known().push((law, bounds));
+        bounds
+    }
+}

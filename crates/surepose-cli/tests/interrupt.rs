@@ -1,0 +1,160 @@
+//! Ctrl-C: exit code 130, what was done is kept, and the result says so.
+
+#![cfg(unix)]
+#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+
+mod common;
+
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use common::{Run, file, folder, surepose};
+
+/// Runs the program, and interrupts it once `when` returns; with how long it took to end then.
+fn interrupted(arguments: &[&str], when: impl FnOnce()) -> (Run, Duration) {
+    let child = Command::new(env!("CARGO_BIN_EXE_surepose"))
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    when();
+    // Twice, as programs that start others do: to the program, and to its group.
+    let id = child.id().to_string();
+    let asked = Command::new("kill").args(["-INT", &id, &id]).status().expect("kill is there");
+    assert!(asked.success(), "{arguments:?} has ended before");
+    let asked = Instant::now();
+    let output = child.wait_with_output().expect("it ends");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    let code = output.status.code().expect("the program ends by itself");
+    let run = Run { code, stdout: text(output.stdout), stderr: text(output.stderr) };
+    assert_eq!(run.code, 130, "{arguments:?}: {}", run.stderr);
+    (run, asked.elapsed())
+}
+
+fn after(milliseconds: u64) -> impl FnOnce() {
+    move || sleep(Duration::from_millis(milliseconds))
+}
+
+/// Once a file is there.
+fn written(path: &std::path::Path) -> impl FnOnce() {
+    move || {
+        let there = (0..12_000).any(|_| {
+            sleep(Duration::from_millis(5));
+            path.exists()
+        });
+        assert!(there, "no {} within a minute", path.display());
+    }
+}
+
+#[test]
+fn a_drive_keeps_what_was_done() {
+    let out = folder("interrupted");
+    // An hour of trying to stand still to a nanometre, 500 times a second: there is time to interrupt it.
+    let set = ["goal.position_tolerance_m=0.000000001", "scenario.timeout_s=3600", "loop.period_s=0.002"];
+    let set: Vec<&str> = set.into_iter().flat_map(|it| ["--set", it]).collect();
+    let arguments = [&["run", "--json", "--out", out.to_str().expect("UTF-8")], &set[..]].concat();
+    let json = interrupted(&arguments, after(500)).0.json();
+    assert_eq!((&json["outcome"], &json["interrupted"]), (&"stopped".into(), &true.into()), "{json}");
+    assert!(std::fs::read_to_string(out.join("summary.json")).expect("written").contains("interrupted"));
+    assert!(out.join("time_series.csv").exists() && out.join("lyapunov.png").exists());
+}
+
+/// The drive is whole, and says that pictures are not there.
+#[test]
+fn a_drive_without_all_its_pictures_says_so() {
+    let out = folder("interrupted-drawing");
+    let (config, arguments) =
+        (out.join("config.toml"), ["run", "--json", "--out", out.to_str().expect("UTF-8")]);
+    let json = interrupted(&arguments, written(&config)).0.json();
+    assert_eq!((&json["outcome"], &json["interrupted"]), (&"reached".into(), &true.into()), "{json}");
+    assert!(std::fs::read_to_string(out.join("summary.json")).expect("written").contains("interrupted"));
+    assert!(!out.join("lyapunov.png").exists());
+}
+
+/// What was done is kept, and is not taken for all that was asked for.
+#[test]
+fn an_interrupted_result_says_so() {
+    let out = folder("interrupted-figures");
+    let figures = ["reproduce", "fig4", "--runs", "1000000", "--json", "--out", out.to_str().expect("UTF-8")];
+    for arguments in [
+        &["sweep", "--runs", "5000000", "--threads", "1", "--json"][..],
+        &["tune", "--rounds", "1000", "--threads", "1", "--period", "0.1", "--json"],
+        &figures,
+    ] {
+        let (run, took) = interrupted(arguments, after(5000));
+        assert_eq!(run.json()["interrupted"], true, "{}", run.stdout);
+        assert_eq!(run.stderr.matches("warning: interrupted").count(), 1, "{}", run.stderr);
+        // None of the certificates is waited for, of which each takes about a second.
+        assert!(arguments[0] != "tune" || took < Duration::from_millis(1500), "{took:?}");
+        if arguments[0] == "reproduce" {
+            // Every set of sensors saw the same runs.
+            let json = run.json();
+            let runs = |set: &str| json["fig4"][set]["runs"].as_u64();
+            assert!(runs("odometry").is_some_and(|runs| (1..1_000_000).contains(&runs)), "{json}");
+            for set in ["odometry+compass", "odometry+laser", "odometry+laser+compass"] {
+                assert_eq!(runs(set), runs("odometry"), "{json}");
+            }
+            assert!(json["fig4"]["extraction"].is_object(), "{json}");
+            let kept = std::fs::read_to_string(out.join("figures.json")).expect("written");
+            assert!(kept.contains("interrupted"), "{kept}");
+        }
+    }
+    let whole = surepose(&["sweep", "--runs", "10", "--json"]);
+    assert!(
+        whole.json()["interrupted"].is_null() && !whole.stderr.contains("interrupted"),
+        "{}",
+        whole.stderr
+    );
+}
+
+/// The certificate is whole, and says that its pictures are not there.
+#[test]
+fn a_certificate_without_its_pictures_says_so() {
+    let out = folder("interrupted-margin");
+    let summary = out.join("summary.json");
+    let arguments = ["certify", "--json", "--out", out.to_str().expect("UTF-8")];
+    // The summary is written before the pictures are begun, which take half a minute.
+    let begun = || {
+        written(&summary)();
+        sleep(Duration::from_millis(500));
+    };
+    let json = interrupted(&arguments, begun).0.json();
+    assert_eq!((&json["certified"], &json["interrupted"]), (&true.into(), &true.into()), "{json}");
+    assert!(std::fs::read_to_string(&summary).expect("written").contains("interrupted"));
+    assert!(!out.join("margin.png").exists());
+}
+
+/// A map comes with its picture, however impatient the user is.
+#[test]
+fn a_map_is_not_left_without_its_picture() {
+    let folder = folder("interrupted-map");
+    // So many walls, one in every eighth row of a 400 × 400 grid, that drawing them takes a while.
+    let cell = |k: usize| if k / 400 % 8 == 4 && k % 40 > 3 { 0 } else { 254 };
+    let image = [b"P5\n400 400\n255\n".to_vec(), (0..400 * 400).map(cell).collect()].concat();
+    file(&folder, "hall.pgm", &image);
+    let grid = file(
+        &folder,
+        "hall.yaml",
+        b"image: hall.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n",
+    );
+    let out = folder.join("walls.toml");
+    let arguments = ["map", "from-grid", &grid, "--json", "--out", out.to_str().expect("UTF-8")];
+    let json = interrupted(&arguments, written(&out)).0.json();
+    assert!(json["walls"].is_number() && json["interrupted"].is_null(), "{json}");
+    assert!(folder.join("walls.png").exists());
+}
+
+/// Scripts get the one object that they read all the same.
+#[test]
+fn a_command_with_nothing_to_keep_has_a_result_too() {
+    let nothing = "{\"interrupted\":true}\n";
+    for (arguments, result) in
+        [(&["certify"][..], ""), (&["certify", "--json"], nothing), (&["tune", "--json"], nothing)]
+    {
+        let run = interrupted(arguments, after(300)).0;
+        assert_eq!(run.stdout, result, "{arguments:?}");
+        assert!(run.stderr.contains("nothing was done"), "{arguments:?}: {}", run.stderr);
+    }
+}
