@@ -207,6 +207,8 @@ fn what_was_typed_is_what_is_blamed() {
         (&["sweep", "--threads", "-1"], "whole number from 1 to"),
         (&["reproduce", "--out", "x", "--runs", "-1"], "invalid value '-1'"),
         (&["certify", "--noise-heading=-1"], "less than 180°"),
+        (&["certify", "--noise-heading", "north"], "less than 180°"),
+        (&["certify", "--noise-position", "5mm"], "write a number from 0 to 1000"),
     ] {
         let run = surepose(arguments);
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);

@@ -82,21 +82,13 @@ impl NoiseArgs {
 }
 
 fn bound(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
-    if (0.0..=1000.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err("a bound lies between 0 and 1000".to_owned())
-    }
+    let bound = text.parse::<f64>().ok().filter(|bound| (0.0..=1000.0).contains(bound));
+    bound.ok_or_else(|| "write a number from 0 to 1000".to_owned())
 }
 
 fn heading_bound(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
-    if (0.0..180.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err("a heading is less than 180° off, and not less than 0".to_owned())
-    }
+    let bound = text.parse::<f64>().ok().filter(|bound| (0.0..180.0).contains(bound));
+    bound.ok_or_else(|| "write degrees, from 0 to less than 180°".to_owned())
 }
 
 impl CertifyCommand {
