@@ -53,6 +53,11 @@ impl Folder {
         name: &str,
         rows: impl IntoIterator<Item = T>,
     ) -> Result<(), Failure> {
+        let mut rows = rows.into_iter().peekable();
+        if rows.peek().is_none() {
+            // Without a row there are no columns, and no file.
+            return Ok(());
+        }
         self.whole(name, |path| Ok(columns::write(path, rows).map_err(std::io::Error::other)?))
     }
 
@@ -74,15 +79,10 @@ impl Folder {
         self.whole(name, |path| Ok(std::fs::write(path, text?)?))
     }
 
-    /// Lets `write` write a file, which has its `name` once it is whole: a full disk leaves no half of it, and what was there
-    /// before stays.
+    /// Lets `write` write the file of this name.
     fn whole(&self, name: &str, write: impl FnOnce(&Path) -> Result<(), PlotError>) -> Result<(), Failure> {
-        let (path, part) = (self.0.join(name), self.0.join(format!("{name}.part")));
-        let written = write(&part).and_then(|()| Ok(std::fs::rename(&part, &path)?));
-        written.map_err(|problem| {
-            drop(std::fs::remove_file(&part));
-            failed(&path, problem)
-        })
+        let path = self.0.join(name);
+        whole(&path, write).map_err(|problem| failed(&path, problem))
     }
 }
 
@@ -100,7 +100,24 @@ pub(crate) fn no_folder_at(path: &Path) -> Result<(), Failure> {
 
 /// Writes a file that the user named.
 pub(crate) fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|problem| no_file(path, problem))
+    let write = |path: &Path| std::fs::write(path, text);
+    whole(path, write).map_err(|problem| no_file(path, problem))
+}
+
+/// Lets `write` write a file, which has its name once it is whole: a full disk leaves no half of it, and what was there before
+/// stays.
+fn whole<E: From<std::io::Error>>(path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+    // Where the name is a link, the file that it leads to is replaced, and not the link.
+    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    // A pipe or a device is not replaced, nor a file that is not to be written to.
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file() || there.permissions().readonly()) {
+        return write(path);
+    }
+    let mut part = path.clone().into_os_string();
+    part.push(".part");
+    write(part.as_ref()).and_then(|()| Ok(std::fs::rename(&part, path)?)).inspect_err(|_| {
+        drop(std::fs::remove_file(&part));
+    })
 }
 
 fn no_file(path: &Path, problem: std::io::Error) -> Failure {

@@ -109,6 +109,17 @@ fn an_interrupted_result_says_so() {
     );
 }
 
+/// Nothing has ended, and nothing failed: there is a folder of no trials.
+#[test]
+fn a_sweep_of_which_no_trial_has_ended_is_kept_too() {
+    let out = folder("interrupted-sweep");
+    let hard = ["--loop", "ekf", "--period", "0.001", "--threads", "1", "--set", "law.k_v=0.01"];
+    let arguments = [&["sweep", "--json", "--out", out.to_str().expect("UTF-8")], &hard[..]].concat();
+    let json = interrupted(&arguments, after(700)).0.json();
+    assert_eq!((&json["runs"], &json["interrupted"]), (&0.into(), &true.into()), "{json}");
+    assert!(out.join("summary.json").exists() && !out.join("trials.parquet").exists());
+}
+
 /// The certificate is whole, and says that its pictures are not there.
 #[test]
 fn a_certificate_without_its_pictures_says_so() {

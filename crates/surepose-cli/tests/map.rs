@@ -58,6 +58,25 @@ fn an_image_of_another_name_is_read_and_named() {
     }
 }
 
+/// A file that the user names is whole or as before, and a link to it stays one.
+#[cfg(unix)]
+#[test]
+fn a_map_is_written_whole_and_where_its_name_leads_to() {
+    let folder = folder("map-whole");
+    let grid = room(&folder);
+    let [walls, link, part] = ["walls.toml", "link.toml", "walls.toml.part"].map(|name| folder.join(name));
+    std::fs::write(&walls, "before").expect("written");
+    std::os::unix::fs::symlink("walls.toml", &link).expect("made");
+    let made = || surepose(&["map", "from-grid", &grid, "--out", link.to_str().expect("UTF-8")]).code;
+    // Its beginning cannot be written where a folder has that name.
+    std::fs::create_dir(&part).expect("made");
+    assert_eq!(made(), 2);
+    assert_eq!(std::fs::read_to_string(&walls).expect("kept"), "before");
+    std::fs::remove_dir(&part).expect("removed");
+    assert_eq!(made(), 0);
+    assert!(link.is_symlink() && std::fs::read_to_string(&walls).expect("written").contains("[[wall]]"));
+}
+
 /// A map of nothing helps nobody: it is an answer, and a negative one.
 #[test]
 fn a_grid_without_walls_exits_with_1_and_says_so() {
