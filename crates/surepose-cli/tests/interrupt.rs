@@ -86,8 +86,8 @@ fn an_interrupted_result_says_so() {
         let (run, took) = interrupted(arguments, after(5000));
         assert_eq!(run.json()["interrupted"], true, "{}", run.stdout);
         assert_eq!(run.stderr.matches("warning: interrupted").count(), 1, "{}", run.stderr);
-        // None of the certificates is waited for, of which each takes about a second.
-        assert!(arguments[0] != "tune" || took < Duration::from_millis(1500), "{took:?}");
+        // None of the certificates is waited for: each takes about a second, and several beside these tests.
+        assert!(arguments[0] != "tune" || took < Duration::from_secs(3), "{took:?}");
         if arguments[0] == "reproduce" {
             // Every set of sensors saw the same runs.
             let json = run.json();
@@ -141,9 +141,9 @@ fn a_certificate_without_its_pictures_says_so() {
 #[test]
 fn a_map_is_not_left_without_its_picture() {
     let folder = folder("interrupted-map");
-    // So many walls, one in every eighth row of a 400 × 400 grid, that drawing them takes a while.
-    let cell = |k: usize| if k / 400 % 8 == 4 && k % 40 > 3 { 0 } else { 254 };
-    let image = [b"P5\n400 400\n255\n".to_vec(), (0..400 * 400).map(cell).collect()].concat();
+    // So many walls, one in every eighth row of a 900 × 900 grid, that drawing them takes seconds.
+    let cell = |k: usize| if k / 900 % 8 == 4 && k % 45 > 3 { 0 } else { 254 };
+    let image = [b"P5\n900 900\n255\n".to_vec(), (0..900 * 900).map(cell).collect()].concat();
     file(&folder, "hall.pgm", &image);
     let grid = file(
         &folder,
@@ -161,10 +161,13 @@ fn a_map_is_not_left_without_its_picture() {
 #[test]
 fn a_command_with_nothing_to_keep_has_a_result_too() {
     let nothing = "{\"interrupted\":true}\n";
-    for (arguments, result) in
+    // A certificate for so much noise takes a second.
+    let noise = ["--noise-position", "0.02", "--noise-heading", "1.2"];
+    for (command, result) in
         [(&["certify"][..], ""), (&["certify", "--json"], nothing), (&["tune", "--json"], nothing)]
     {
-        let run = interrupted(arguments, after(300)).0;
+        let arguments = [command, &noise[..]].concat();
+        let run = interrupted(&arguments, after(300)).0;
         assert_eq!(run.stdout, result, "{arguments:?}");
         assert!(run.stderr.contains("nothing was done"), "{arguments:?}: {}", run.stderr);
     }
