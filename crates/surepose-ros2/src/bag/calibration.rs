@@ -10,11 +10,11 @@ use surepose_data::Config;
 use surepose_data::config::CompassMounting;
 use surepose_data::recording::{Mount, Scan, StampedTicks};
 use surepose_lab::calibrate::{Options, Recording, StampedHeading};
-use surepose_lab::replay::{Reference, ReplayReport};
+use surepose_lab::replay::Reference;
 
 use super::BagError;
 use super::reader::{Bag, Said};
-use super::replay::{REFERENCE_STD, file_of, truth};
+use super::replay::{REFERENCE_STD, truth};
 use crate::convert::Refused;
 use crate::message::{LaserScan, Odometry};
 use crate::names::Names;
@@ -48,13 +48,14 @@ pub struct Recorded {
 /// # Errors
 /// [`BagError`], where it is no recording, or is damaged.
 pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> Result<Recorded, BagError> {
-    let bag = Bag::open(&file_of(path)?, names)?;
+    let bag = Bag::open(path, names)?;
     let mut options = Options::of(config);
     (options.wall_distance_std, options.wall_direction_std) = WALL_STD;
-    let (poses, first) = truth(&bag, &mut ReplayReport::default())?;
+    let mut skipped = BTreeMap::new();
+    let (poses, first) = truth(&bag, |why| *skipped.entry(why.name()).or_default() += 1)?;
     let start = first.and_then(|first| Reference::new(&poses).at(first.seconds()));
     options.start_heading = start.map(|start| Compass { heading: start.heading, std: REFERENCE_STD[2] });
-    let mut gathering = Gathering::new(config, options);
+    let mut gathering = Gathering::new(config, options, skipped);
     // Where the compass' zero is, is to be found.
     let mounting = CompassMounting { offset: Angle::zero(), ..config.compass() };
     bag.messages(|said| {
@@ -65,7 +66,7 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
             Said::Imu(_) | Said::Truth(_) => Ok(()),
         };
         if let Err(why) = refused {
-            *gathering.recorded.skipped.entry(why.name()).or_default() += 1;
+            gathering.skip(why.name());
         }
     })?;
     Ok(gathering.finished())
@@ -76,14 +77,12 @@ struct Gathering {
     recorded: Recorded,
     controller: Controller<f64>,
     odometer: Option<Odometer>,
-    /// Times are counted from here: seconds since 1970 have no digits left for what a latency moves.
-    origin: Option<Stamp>,
     /// How far the wheels turned since the first odometry \[rad].
     turned: Wheels<f64>,
 }
 
 impl Gathering {
-    fn new(config: &Config, options: Options) -> Self {
+    fn new(config: &Config, options: Options, skipped: BTreeMap<&'static str, u64>) -> Self {
         let recording = Recording {
             ticks_per_turn: TICKS_PER_TURN,
             ticks: Vec::new(),
@@ -91,10 +90,9 @@ impl Gathering {
             headings: Vec::new(),
         };
         Self {
-            recorded: Recorded { recording, options, skipped: BTreeMap::new() },
+            recorded: Recorded { recording, options, skipped },
             controller: config.controller(),
             odometer: None,
-            origin: None,
             turned: Wheels::rest(),
         }
     }
@@ -112,7 +110,7 @@ impl Gathering {
             let turns = self.controller.drive.turns_from_rims(rims);
             self.turned = Wheels::new(self.turned.right + turns.right, self.turned.left + turns.left);
         } else {
-            *self.recorded.skipped.entry("odometry_jump").or_default() += 1;
+            self.skip("odometry_jump");
         }
         self.count(at.stamp);
         Ok(())
@@ -121,14 +119,13 @@ impl Gathering {
     fn count(&mut self, stamp: Stamp) {
         let ticks = |turned: f64| (turned / TAU * TICKS_PER_TURN).round() as i64;
         let (left, right) = (ticks(self.turned.left), ticks(self.turned.right));
-        let time = self.time(stamp);
-        self.recorded.recording.ticks.push(StampedTicks { time, left, right });
+        self.recorded.recording.ticks.push(StampedTicks { time: stamp.seconds(), left, right });
     }
 
     fn see(&mut self, message: LaserScan) -> Result<(), Refused> {
         let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
         let Stamped { stamp, value: Heard::Scan(scan) } = sense::scan(message)? else { return Ok(()) };
-        let time = self.time(stamp);
+        let time = stamp.seconds();
         let Recorded { recording, options, .. } = &mut self.recorded;
         if recording.scans.is_empty() {
             (options.nearest, options.farthest) = (scan.nearest.max(options.nearest), scan.farthest);
@@ -162,20 +159,31 @@ impl Gathering {
 
     fn turn(&mut self, heard: &Stamped<Heard>) {
         if let Heard::Measurement(Measurement::Compass(Compass { heading, .. })) = heard.value {
-            let time = self.time(heard.stamp);
+            let time = heard.stamp.seconds();
             self.recorded.recording.headings.push(StampedHeading { time, heading });
         }
     }
 
-    fn time(&mut self, stamp: Stamp) -> f64 {
-        stamp.since(*self.origin.get_or_insert(stamp))
+    fn skip(&mut self, why: &'static str) {
+        *self.recorded.skipped.entry(why).or_default() += 1;
     }
 
-    /// In the order of time: messages are recorded as they arrive.
+    /// In the order of time, for messages are recorded as they arrive; and only what odometry was there for, which a stamp
+    /// that nobody filled in is not.
     fn finished(self) -> Recorded {
-        let Recorded { mut recording, options, skipped } = self.recorded;
-        recording.scans.sort_by(|a, b| a.time.total_cmp(&b.time));
-        recording.headings.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let Recorded { mut recording, options, mut skipped } = self.recorded;
+        let Recording { ticks, scans, headings, .. } = &mut recording;
+        let first = ticks.first().map_or(f64::INFINITY, |ticks| ticks.time);
+        let last = ticks.last().map_or(f64::NEG_INFINITY, |ticks| ticks.time);
+        let before = scans.len() + headings.len();
+        scans.retain(|scan| (first..=last).contains(&scan.time));
+        headings.retain(|read| (first..=last).contains(&read.time));
+        let without = before - scans.len() - headings.len();
+        if without > 0 {
+            skipped.insert("without_odometry", without as u64);
+        }
+        scans.sort_by(|a, b| a.time.total_cmp(&b.time));
+        headings.sort_by(|a, b| a.time.total_cmp(&b.time));
         Recorded { recording, options, skipped }
     }
 }

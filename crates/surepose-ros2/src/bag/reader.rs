@@ -87,12 +87,13 @@ pub(super) struct Bag {
 }
 
 impl Bag {
-    /// The recording at `path`, with the topics of `names`; a topic that is the only one of its type may have any name.
+    /// The recording at `path`, or the one in that folder, with the topics of `names`; a topic that is the only one of its type may have any name.
     ///
     /// # Errors
     /// [`BagError`].
     pub(super) fn open(path: &Path, names: &Names) -> Result<Self, BagError> {
-        let channels = channels(path)?;
+        let path = file_of(path)?;
+        let channels = channels(&path)?;
         // A truth may be odometry by its type; then it is not the robot's own.
         let truth = topic(&channels, names, Role::Truth, None)?;
         let of = |role| topic(&channels, names, role, truth.as_deref());
@@ -115,7 +116,7 @@ impl Bag {
         };
         let roles =
             channels.into_iter().filter_map(|(id, channel)| Some((id, (role(&channel)?, channel)))).collect();
-        Ok(Self { path: path.to_owned(), roles })
+        Ok(Self { path, roles })
     }
 
     /// Whether there is a truth to judge by.
@@ -207,6 +208,24 @@ fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) 
         }
     }
     Ok(())
+}
+
+/// The recording that is meant by the folder which rosbag2 makes for it.
+fn file_of(path: &Path) -> Result<PathBuf, BagError> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
+    let mut found: Vec<PathBuf> = std::fs::read_dir(path)
+        .map_err(unreadable)?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "mcap"))
+        .collect();
+    found.sort();
+    match found.as_slice() {
+        [only] => Ok(only.clone()),
+        _ => Err(BagError::NotOneFile { count: found.len() }),
+    }
 }
 
 /// The topic for `role`: the one that the node calls so, or else, but for the truth, the only one of its type that is not

@@ -1,6 +1,6 @@
 //! The pilot on a recording, judged by its truth where it has one.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use surepose::{Belief, Body, Health, Map, Pose, Stamp};
@@ -24,9 +24,9 @@ pub(super) const REFERENCE_STD: [f64; 3] = [0.01, 0.01, 0.01];
 /// [`BagError`], where it is no recording, or is damaged.
 pub fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayReport, BagError> {
     let begun = Instant::now();
-    let bag = Bag::open(&file_of(path)?, names)?;
+    let bag = Bag::open(path, names)?;
     let mut report = ReplayReport::default();
-    let (poses, first) = truth(&bag, &mut report)?;
+    let (poses, first) = truth(&bag, |why| report.skip(Some(why.name())))?;
     let mut settings = settings.clone();
     if settings.start.is_none() {
         let start = first.and_then(|first| Reference::new(&poses).at(first.seconds()));
@@ -58,28 +58,10 @@ pub fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayR
     Ok(report)
 }
 
-/// The recording that is meant by the folder which rosbag2 makes for it.
-pub(super) fn file_of(path: &Path) -> Result<PathBuf, BagError> {
-    if !path.is_dir() {
-        return Ok(path.to_owned());
-    }
-    let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
-    let mut found: Vec<PathBuf> = std::fs::read_dir(path)
-        .map_err(unreadable)?
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "mcap"))
-        .collect();
-    found.sort();
-    match found.as_slice() {
-        [only] => Ok(only.clone()),
-        _ => Err(BagError::NotOneFile { count: found.len() }),
-    }
-}
-
-/// The reference poses in the order of time, and when the first odometry was; what is no pose is counted.
+/// The reference poses in the order of time, and when the first odometry was; `skip` hears of what is no pose.
 pub(super) fn truth(
     bag: &Bag,
-    report: &mut ReplayReport,
+    mut skip: impl FnMut(Refused),
 ) -> Result<(Vec<StampedPose>, Option<Stamp>), BagError> {
     let (mut poses, mut first) = (Vec::new(), None);
     if !bag.has_truth() {
@@ -91,7 +73,7 @@ pub(super) fn truth(
                 let time = stamp_of(told.header.stamp).seconds();
                 poses.push(StampedPose { time, x, y, heading: heading.radians() });
             }
-            Err(why) => report.skip(Some(why.name())),
+            Err(why) => skip(why),
         },
         Said::Odometry(odometry) => first = first.or(Some(stamp_of(odometry.header.stamp))),
         Said::Scan(_) | Said::Imu(_) => {}
