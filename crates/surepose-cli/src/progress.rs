@@ -12,6 +12,10 @@ use crate::output::Output;
 /// Steps of a bar.
 const STEPS: u64 = 1000;
 
+/// How often work is looked at; short work sooner, so that nobody waits for the look.
+const LOOK: Duration = Duration::from_millis(20);
+const FIRST_LOOK: Duration = Duration::from_millis(1);
+
 /// A bar for work called `name`.
 pub(crate) fn bar(output: Output, name: &'static str) -> ProgressBar {
     if output.json || !std::io::stderr().is_terminal() {
@@ -25,11 +29,9 @@ pub(crate) fn bar(output: Output, name: &'static str) -> ProgressBar {
     bar
 }
 
-/// Looks every `pause` at `work` while a thread of its own does it: shows the `part` that is done, and calls `stop` when the user
-/// asks for that.
+/// Looks at `work` while a thread of its own does it: shows the `part` that is done, and calls `stop` when the user asks for that.
 pub(crate) fn attended<T: Send>(
     bar: &ProgressBar,
-    pause: Duration,
     part: impl Fn() -> f64,
     stop: impl Fn(),
     work: impl FnOnce() -> T + Send,
@@ -37,12 +39,14 @@ pub(crate) fn attended<T: Send>(
     interrupt::listen();
     let done = std::thread::scope(|scope| {
         let running = scope.spawn(work);
+        let mut pause = FIRST_LOOK;
         while !running.is_finished() {
             if interrupt::asked() {
                 stop();
             }
             show(bar, part());
             std::thread::sleep(pause);
+            pause = (2 * pause).min(LOOK);
         }
         running.join()
     });

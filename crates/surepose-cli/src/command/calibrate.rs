@@ -1,7 +1,6 @@
 //! `surepose calibrate`: what a recording says of the robot that made it.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use surepose_data::Config;
@@ -58,9 +57,6 @@ enum Format {
     Mcap,
 }
 
-/// How often the progress is looked at.
-const LOOK: Duration = Duration::from_millis(20);
-
 impl CalibrateCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
@@ -71,7 +67,7 @@ impl CalibrateCommand {
         let (watch, bar) = (Watch::default(), progress::bar(output, "fitting"));
         let part = || watch.done() as f64 / STAGES as f64;
         let fit = || calibrate(&recording, &options, &watch);
-        let found = match progress::attended(&bar, LOOK, part, || watch.stop(), fit)? {
+        let found = match progress::attended(&bar, part, || watch.stop(), fit)? {
             // There is no half of a fit to be kept.
             Err(CalibrationError::Stopped) => return Ok(Exit::Interrupted),
             found => found.map_err(|why| Failure::Recording { path: self.path, what: why.to_string() })?,

@@ -1,7 +1,6 @@
 //! `surepose replay`: the estimator on a recording, judged against its reference.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use surepose::Belief;
@@ -199,11 +198,8 @@ fn watched<T: Send>(
 ) -> Result<T, Failure> {
     let (watch, bar) = (Watch::default(), progress::bar(output, "replaying"));
     let part = || watch.done() as f64 / scans.max(1) as f64;
-    progress::attended(&bar, LOOK, part, || watch.stop(), || replay(&watch))
+    progress::attended(&bar, part, || watch.stop(), || replay(&watch))
 }
-
-/// How often the progress is looked at.
-const LOOK: Duration = Duration::from_millis(20);
 
 /// What shows that the estimator was of no use.
 fn failing(report: &ReplayReport) -> Option<&'static str> {

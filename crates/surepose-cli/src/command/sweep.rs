@@ -1,7 +1,6 @@
 //! `surepose sweep`: many closed-loop trials at once, judged against the least possible time.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value as Json};
@@ -64,9 +63,6 @@ enum PrecisionName {
     F64,
 }
 
-/// How often the progress is looked at.
-const LOOK: Duration = Duration::from_millis(50);
-
 impl SweepCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let trials = self.trials.read(self.noise_unless_given())?;
@@ -82,9 +78,8 @@ impl SweepCommand {
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
 
         let (watch, bar, total) = (Watch::default(), progress::bar(output, "sweeping"), sweep.starts.len());
-        let pause = LOOK.min(Duration::from_millis(1 + total as u64 / 1000));
         let part = || watch.done() as f64 / total.max(1) as f64;
-        let report = progress::attended(&bar, pause, part, || watch.stop(), || sweep.run(&watch))?;
+        let report = progress::attended(&bar, part, || watch.stop(), || sweep.run(&watch))?;
 
         let mut json = object(&report);
         json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));

@@ -135,7 +135,7 @@ pub(super) fn name(choice: &impl ValueEnum) -> String {
 }
 
 /// The name of the bench's robot, as the origin of values.
-pub(super) const BENCH: &str = "bench";
+const BENCH: &str = "bench";
 
 impl LoopName {
     /// How far off its estimate the law is told to be from tick to tick \[m], as a robot's owner would tell it.

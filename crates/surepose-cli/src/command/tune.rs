@@ -3,7 +3,7 @@
 mod certificates;
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Args;
 use serde_json::{Map, Value as Json, json};
@@ -16,7 +16,7 @@ use surepose_lab::sweep::{Precision, Spread, Starts, SweepReport};
 use surepose_lab::tune::{Candidate, STRESS, Tune, Tuned, Watch};
 
 use super::certify::NoiseArgs;
-use super::trials::{BENCH, NoiseName, TrialArgs, Trials};
+use super::trials::{NoiseName, TrialArgs, Trials};
 use crate::certification::Bounds;
 use crate::exit::Exit;
 use crate::failure::Failure;
@@ -58,9 +58,6 @@ pub(crate) struct TuneCommand {
     trials: TrialArgs,
 }
 
-/// How often the progress is looked at.
-const LOOK: Duration = Duration::from_millis(50);
-
 /// Gains are looked for within this factor of those to begin from.
 const REACH: f64 = 20.0;
 
@@ -68,10 +65,7 @@ impl TuneCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let trials = self.trials.read(NoiseName::Bench)?;
         let config = &trials.config;
-        if [&param::WHEEL_RADIUS, &param::TRACK, &param::WHEEL_SPEED_LIMIT, &param::WHEEL_ACCELERATION_LIMIT]
-            .iter()
-            .any(|parameter| config.origin(parameter) != Origin::Preset(BENCH))
-        {
+        if trials.unheeded().iter().any(|name| name.starts_with("robot.")) {
             warning("[robot] counts for the certificate only: the trials are those of the bench's robot");
         }
         if let Some(path) = &self.out {
@@ -90,7 +84,7 @@ impl TuneCommand {
         let (clock, watch, bar) = (Instant::now(), Watch::default(), progress::bar(output, "tuning"));
         let part = || watch.done() as f64 / (tune.rounds + 1) as f64;
         let work = || tune.run(&certified, &watch);
-        let tuned = progress::attended(&bar, LOOK, part, || watch.stop(), work)?;
+        let tuned = progress::attended(&bar, part, || watch.stop(), work)?;
 
         if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
             write(path, &config.clone().with_preset(TUNED, &values(best)), noise)?;

@@ -82,8 +82,7 @@ pub fn parameter(name: &str) -> Result<&'static Parameter, String> {
     if let Some(found) = param::find_by_name(name) {
         return Ok(found);
     }
-    let several: Vec<_> =
-        ALL.iter().filter(|p| p.key == name).map(|p| format!("{}.{name}", p.section)).collect();
+    let several: Vec<_> = sections_of(name).into_iter().map(|section| format!("{section}.{name}")).collect();
     if !several.is_empty() {
         return Err(format!("several sections have it: {}", several.join(", ")));
     }

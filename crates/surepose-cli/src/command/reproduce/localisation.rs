@@ -1,7 +1,6 @@
 //! `surepose reproduce fig4 fig5`: one experiment, two figures.
 
 use std::ops::Range;
-use std::time::Duration;
 
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
@@ -19,9 +18,6 @@ use crate::folder::Folder;
 use crate::output::Output;
 use crate::progress;
 
-/// How often the progress is looked at.
-const LOOK: Duration = Duration::from_millis(20);
-
 /// The experiment: one run for the pictures, many for the figures.
 pub(super) struct Localisation {
     runs: Vec<Localised>,
@@ -37,7 +33,7 @@ impl Localisation {
         let (watch, bar) = (Watch::default(), progress::bar(output, "localising"));
         let part = || watch.done() as f64 / count as f64;
         let work = || Self::drive(&world, seed..seed.saturating_add(count), &watch);
-        progress::attended(&bar, LOOK, part, || watch.stop(), work)
+        progress::attended(&bar, part, || watch.stop(), work)
     }
 
     fn drive(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Self {
