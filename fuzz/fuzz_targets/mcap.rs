@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let config = Config::default();
     let reading = Reading::Lines;
     let settings = Settings { config, map: None, reading, start: None, compass: true, room: 0.4, hold: false };
-    if let Ok(report) = bag::replay(&path, &settings, &Names::default()) {
+    if let Ok(report) = bag::replay(&path, &settings, &Names::default(), |_| ()) {
         assert!(report.distance_m.is_finite() && report.duration_s.is_finite());
     }
 });

@@ -25,6 +25,10 @@ const WHEELS: [&str; 12] = [
 /// What builds interfaces that have no wheel, where somebody has put it beside the project.
 const BUILDER: &str = "../shared/ros2/build_interface.py";
 
+/// Those of Nav2's action and of transforms: package and file.
+const INTERFACES: [(&str, &str); 2] =
+    [("nav2_msgs", "action/NavigateToPose.action"), ("tf2_msgs", "msg/TFMessage.msg")];
+
 /// Lets rclpy talk to the node with a simulated robot.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     if Command::new(PYTHON).arg("--version").output().is_err() {
@@ -42,7 +46,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     let tests = root.join("crates/surepose-ros2/tests/rclpy");
     let mut libraries = vec![venv.join("lib")];
     let mut modules = Vec::new();
-    if let Some(built) = interface(root, &python, &tests, &folder)? {
+    for built in interfaces(root, &python, &tests, &folder)? {
         libraries.push(built.clone());
         modules.push(built);
     }
@@ -55,17 +59,24 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
         .env("LD_LIBRARY_PATH", joined(&libraries)?))
 }
 
-/// The interface of Nav2's action for Python, where its builder is there.
-fn interface(root: &Path, python: &Path, tests: &Path, folder: &Path) -> Result<Option<PathBuf>, String> {
+/// The interfaces that have no wheel, for Python, where their builder is there.
+fn interfaces(root: &Path, python: &Path, tests: &Path, folder: &Path) -> Result<Vec<PathBuf>, String> {
     let builder = root.join(BUILDER);
     if !builder.exists() {
-        eprintln!("ros2: {BUILDER} is not here, so rclpy does not try the action");
-        return Ok(None);
+        eprintln!("ros2: {BUILDER} is not here, so rclpy tries neither the action nor /tf");
+        return Ok(Vec::new());
     }
-    let out = folder.join("interfaces");
-    let action = tests.join("nav2_msgs/action/NavigateToPose.action");
-    run(Command::new(python).arg(builder).arg("nav2_msgs").arg(action).arg("--out").arg(&out))?;
-    Ok(Some(out))
+    INTERFACES
+        .iter()
+        .map(|(package, file)| {
+            let out = folder.join(package);
+            let file = tests.join(package).join(file);
+            let mut build = Command::new(python);
+            build.arg(tests.join("build.py")).arg(&builder).arg(package).arg(file).arg("--out").arg(&out);
+            run(&mut build)?;
+            Ok(out)
+        })
+        .collect()
 }
 
 fn target(root: &Path) -> PathBuf {

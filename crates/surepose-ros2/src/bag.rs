@@ -1,6 +1,7 @@
 //! Recordings in MCAP, as rosbag2 writes them: the pilot hears them as the node would have, and calibration reads them.
 
 mod calibration;
+mod prologue;
 mod reader;
 mod replay;
 #[cfg(test)]

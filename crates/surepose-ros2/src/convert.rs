@@ -36,6 +36,14 @@ pub enum Refused {
     /// An orientation that says of itself, by a covariance of −1, that it is not measured.
     #[error("its orientation is not measured, by its covariance of -1")]
     NotMeasured,
+    /// What a laser that leans sees are not the walls at one height.
+    #[error(
+        "its laser leans by {degrees:.0}°, by /tf_static: its plane must be level, to 10°; [laser] x_m, y_m, heading_deg overrule that"
+    )]
+    Leaning {
+        /// The angle between its plane and the level \[°].
+        degrees: f64,
+    },
     /// A goal where a robot cannot stand.
     #[error("{}", no_room(*.clearance, *.needed))]
     NoRoom {
@@ -57,6 +65,7 @@ impl Refused {
             Self::WrongFrame { .. } => "wrong_frame",
             Self::OutOfOrder => "out_of_order",
             Self::NotMeasured => "not_measured",
+            Self::Leaning { .. } => "leaning",
             Self::NoRoom { .. } => "no_room",
         }
     }

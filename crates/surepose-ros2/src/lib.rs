@@ -17,6 +17,7 @@
 pub mod bag;
 pub mod convert;
 pub mod message;
+mod mounting;
 mod names;
 pub mod network;
 pub mod node;

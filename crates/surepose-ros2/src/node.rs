@@ -19,6 +19,7 @@ use surepose_lab::optimal::fastest;
 
 use crate::convert::{Refused, belief_of, pose_of, stamp_of};
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
+use crate::mounting::LaserMount;
 use crate::names::Names;
 use crate::network::Network;
 use crate::pilot::{Ended, Pilot, Report, START_STD, Settings};
@@ -69,6 +70,7 @@ pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&st
     let spinning = spinning(&mut node)?;
     let mut run = Run {
         pilot: Pilot::new(settings.pilot.clone()),
+        mount: LaserMount::new(&settings.pilot.config),
         voice,
         action,
         deliveries: FuturesUnordered::new(),
@@ -86,6 +88,7 @@ pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&st
 /// A node at work.
 struct Run<Say> {
     pilot: Pilot,
+    mount: LaserMount,
     voice: Voice,
     action: Action,
     deliveries: FuturesUnordered<LocalBoxFuture<'static, ()>>,
@@ -127,6 +130,7 @@ impl<Say: FnMut(&str)> Run<Say> {
         let heard = match event {
             Event::Odometry(odometry) => self.rolled(&odometry).await,
             Event::Scan(scan) => self.seen(scan),
+            Event::Joints(told) => self.mount.learn(&told).map_err(|why| ("tf_static", why)),
             Event::Imu(imu) => self.turned(&imu),
             Event::Goal(goal) => self.sent(&goal),
             Event::Told(told) => self.told(&told),
@@ -164,6 +168,7 @@ impl<Say: FnMut(&str)> Run<Say> {
     async fn rolled(&mut self, odometry: &Odometry) -> Result<(), (&'static str, Refused)> {
         let refused = |why| ("odom", why);
         let at = sense::odometry(odometry).map_err(refused)?;
+        self.mount.sits_on(&odometry.child_frame_id);
         let report = self.pilot.roll(at).map_err(refused)?;
         self.diagnosis.rolled(at.stamp);
         self.last_rolled = Some(Instant::now());
@@ -185,7 +190,12 @@ impl<Say: FnMut(&str)> Run<Say> {
     }
 
     fn seen(&mut self, scan: LaserScan) -> Result<(), (&'static str, Refused)> {
-        self.pilot.hear(sense::scan(scan).map_err(|why| ("scan", why))?);
+        let refused = |why| ("scan", why);
+        let mounting = self.mount.of(&scan.header.frame_id).map_err(refused)?;
+        if let Some(source) = self.mount.news() {
+            self.say(&source);
+        }
+        self.pilot.hear(sense::scan(scan, mounting).map_err(refused)?);
         Ok(())
     }
 

@@ -294,6 +294,7 @@ impl Pilot {
         if let Some((_, scan)) = last_scan {
             let laser = &mut self.localiser.eye.laser;
             (laser.nearest, laser.farthest) = (scan.nearest, scan.farthest);
+            laser.body_from_laser = scan.body_from_laser;
         }
         let signals: Vec<_> = heard.iter().map(Heard::signal).collect();
         let travel = self.localiser.estimator.ekf().travel(rims);

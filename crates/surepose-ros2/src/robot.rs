@@ -20,7 +20,7 @@ use crate::names::Names;
 use crate::network::Network;
 use crate::pilot::Odom;
 use crate::velocity::Commanded;
-use crate::wire::{self, NodeError, everywhere, reliable, say, sensor, sent, spinning};
+use crate::wire::{self, NodeError, everywhere, latched, reliable, say, sensor, sent, spinning};
 
 /// From one odometry to the next \[s].
 const PERIOD: f64 = 0.02;
@@ -133,12 +133,15 @@ struct Voice {
     headings: Publisher<Imu>,
     truth: Publisher<PoseStamped>,
     map_frame: String,
-    body_from_laser: Pose<Body, surepose::Laser, f64>,
+    /// Where the laser sits was said once, and is told to whoever comes.
+    _joints: Publisher<TfMessage>,
 }
 
 impl Voice {
     fn new(node: &mut Node, settings: &RobotSettings) -> Result<Self, NodeError> {
         let names = &settings.names;
+        let joints = say(node, &everywhere("tf_static")?, ("tf2_msgs", "TFMessage"), latched(1))?;
+        sent(joints.publish(words::mounted(settings.scenario.config.laser().body_from_laser)));
         Ok(Self {
             odometry: say(node, &names.of("odom")?, ("nav_msgs", "Odometry"), reliable(10))?,
             transforms: say(node, &everywhere("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
@@ -146,14 +149,13 @@ impl Voice {
             headings: say(node, &names.of("imu")?, ("sensor_msgs", "Imu"), sensor(5))?,
             truth: say(node, &names.of("truth")?, ("geometry_msgs", "PoseStamped"), reliable(10))?,
             map_frame: settings.map_frame.clone(),
-            body_from_laser: settings.scenario.config.laser().body_from_laser,
+            _joints: joints,
         })
     }
 
     fn odometry(&self, stamp: Stamp, pose: Pose<Odom, Body, f64>, twist: Twist<f64>) {
         sent(self.odometry.publish(words::odometry(stamp, pose, twist)));
-        let transforms = words::transforms(stamp, pose, self.body_from_laser);
-        sent(self.transforms.publish(TfMessage { transforms }));
+        sent(self.transforms.publish(words::rolled(stamp, pose)));
     }
 
     fn truth(&self, stamp: Stamp, world: &World) {

@@ -5,6 +5,7 @@ use surepose_data::config::CompassMounting;
 
 use crate::convert::{Refused, heading_of, pose_of, stamp_of};
 use crate::message::{Imu, LaserScan, Odometry};
+use crate::mounting::Mounting;
 use crate::pilot::{self, Heard, Odom};
 
 /// No laser sees farther \[m].
@@ -18,12 +19,15 @@ pub(crate) fn odometry(message: &Odometry) -> Result<Stamped<Pose<Odom, Body, f6
     Ok(Stamped::new(stamp_of(message.header.stamp), pose_of(&message.pose.pose)?))
 }
 
-/// What a laser saw; what its ranges are worth is judged beam by beam.
+/// What a laser that sits so saw; what its ranges are worth is judged beam by beam.
 ///
 /// # Errors
 /// [`Refused::NotFinite`] for bearings that are none.
-pub(crate) fn scan(message: LaserScan) -> Result<Stamped<Heard>, Refused> {
-    let (first_bearing, bearing_step) = (f64::from(message.angle_min), f64::from(message.angle_increment));
+pub(crate) fn scan(message: LaserScan, mounting: Mounting) -> Result<Stamped<Heard>, Refused> {
+    let Mounting { body_from_laser, is_upside_down } = mounting;
+    let side = if is_upside_down { -1.0 } else { 1.0 };
+    let bearing = |angle: f32| side * f64::from(angle);
+    let (first_bearing, bearing_step) = (bearing(message.angle_min), bearing(message.angle_increment));
     if !first_bearing.is_finite() || !bearing_step.is_finite() {
         return Err(Refused::NotFinite);
     }
@@ -34,6 +38,7 @@ pub(crate) fn scan(message: LaserScan) -> Result<Stamped<Heard>, Refused> {
         bearing_step,
         nearest: known(message.range_min).unwrap_or(0.0).min(FARTHEST),
         farthest: known(message.range_max).unwrap_or(FARTHEST).min(FARTHEST),
+        body_from_laser,
         ranges: message.ranges.into_iter().map(f64::from).collect(),
     };
     Ok(Stamped::new(stamp_of(message.header.stamp), Heard::Scan(scan)))

@@ -64,8 +64,8 @@ pub(crate) fn reliable(depth: usize) -> QosProfile {
 }
 
 /// Reliable, and for whoever comes later, too.
-pub(crate) fn latched() -> QosProfile {
-    QosProfile { durability: Durability::TransientLocal, ..reliable(1) }
+pub(crate) fn latched(depth: usize) -> QosProfile {
+    QosProfile { durability: Durability::TransientLocal, ..reliable(depth) }
 }
 
 /// As sensors send; who listens so hears those that send reliably as well.

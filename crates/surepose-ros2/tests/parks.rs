@@ -19,7 +19,7 @@ use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
 use ros2_client::{
     ActionTypeName, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, Subscription,
 };
-use surepose::{Angle, Goal, Map, Pose};
+use surepose::{Angle, Goal, Map, Pose, param};
 use surepose_lab::rig::Scenario;
 use surepose_ros2::convert::{header, pose_message, pose_of};
 use surepose_ros2::message::{
@@ -52,9 +52,11 @@ fn reliable() -> QosProfile {
     }
 }
 
+/// A robot whose laser sits where nobody but its `/tf_static` says.
 fn settings() -> (RobotSettings, NodeSettings) {
-    let scenario = Scenario::default();
-    let pilot = Settings::in_scenario(&scenario);
+    let pilot = Settings::in_scenario(&Scenario::default());
+    let mounting = [(&param::LASER_X, 0.15), (&param::LASER_Y, -0.05), (&param::LASER_HEADING, 30.0)];
+    let scenario = Scenario::configured(pilot.config.clone().with_preset("mounting", &mounting));
     let (names, map_frame, stamped) = (Names::new("robot1", &[]).unwrap(), "map".to_owned(), true);
     let network = network();
     let node = NodeSettings {
@@ -178,5 +180,7 @@ fn a_client_of_the_action_parks_the_simulated_robot() {
     let said = node.join().unwrap();
     robot.join().unwrap();
     assert!(said.iter().any(|line| line.starts_with("rests ")), "{said:?}");
+    let sits = "the laser 'laser' sits on 'base_link' at (0.150, -0.050) facing 30.0°, by /tf_static";
+    assert!(said.iter().any(|line| line == sits), "{said:?}");
     drop((tester, spinning));
 }

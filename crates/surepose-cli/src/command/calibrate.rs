@@ -12,7 +12,7 @@ use surepose_ros2::bag::{self, Recorded};
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::output::{Output, object, table, warning, wrapped};
+use crate::output::{Output, object, say, table, warning, wrapped};
 use crate::progress;
 use crate::settings::{ConfigArgs, names_of};
 
@@ -115,9 +115,12 @@ impl CalibrateCommand {
     fn mcap(&self) -> Result<(Recording, Options), Failure> {
         let config = self.config.over(Config::default())?;
         let names = names_of(&self.remap)?;
-        let Recorded { recording, options, skipped } =
+        let Recorded { recording, options, skipped, mounted } =
             bag::recorded(&self.path, &config, &names, self.compass)
                 .map_err(|error| Failure::Recording { path: self.path.clone(), what: error.to_string() })?;
+        if let Some(line) = mounted {
+            say(&line);
+        }
         if !skipped.is_empty() {
             let counted: Vec<_> = skipped.iter().map(|(why, count)| format!("{count} {why}")).collect();
             warning(&format!("messages that are not used: {}", counted.join(", ")));

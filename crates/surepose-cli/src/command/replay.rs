@@ -15,7 +15,7 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::maps::{Known, known_in, walls_in, walls_to_read};
-use crate::output::{Output, object, table, warning, worded};
+use crate::output::{Output, object, say, table, warning, worded};
 use crate::settings::{ConfigArgs, PoseArg, names_of, whole};
 use crate::{interrupt, progress};
 
@@ -154,7 +154,7 @@ impl ReplayCommand {
             room: 0.0,
             hold: false,
         };
-        bag::replay(&self.path, &settings, &names)
+        bag::replay(&self.path, &settings, &names, |line| say(&line))
             .map_err(|error| Failure::Recording { path: self.path.clone(), what: error.to_string() })
     }
 

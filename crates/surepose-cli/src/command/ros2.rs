@@ -28,7 +28,8 @@ use crate::settings::{LawArgs, PoseArg, whole};
   surepose ros2 --map building.toml --compass           the same with a compass, looking for its place by itself
   surepose ros2 --config robot.toml --remap odom:=/diff_drive/odom --cmd-vel twist
 
-Hears odom (nav_msgs/Odometry), with --map also scan (sensor_msgs/LaserScan), with --compass imu (sensor_msgs/Imu, \
+Hears odom (nav_msgs/Odometry), with --map also scan (sensor_msgs/LaserScan) \
+and /tf_static, which says where the laser sits if [laser] does not; with --compass imu (sensor_msgs/Imu, \
 an absolute heading); goal_pose, initialpose (as RViz sends them), the action navigate_to_pose (nav2_msgs) and the \
 service reinitialize_global_localization (std_srvs/Empty). Says cmd_vel, while it has a goal; pose, walls, /tf (map to \
 odometry's frame) and /diagnostics. ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE mean what they mean to ROS. It needs \

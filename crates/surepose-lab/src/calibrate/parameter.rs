@@ -135,6 +135,16 @@ impl<S: Scalar> Geometry<S> {
         Drive { radius: Wheels::new(right, left), track: self.get(Parameter::Track) }
     }
 
+    /// The same robot, with its laser there.
+    #[must_use]
+    pub fn with_laser(mut self, body_from_laser: Pose<Body, Laser, S>) -> Self {
+        let Pose { x, y, heading, .. } = body_from_laser;
+        self.0[Parameter::LaserX as usize] = x;
+        self.0[Parameter::LaserY as usize] = y;
+        self.0[Parameter::LaserHeading as usize] = heading.radians();
+        self
+    }
+
     /// Where the laser sits.
     pub fn body_from_laser(&self) -> Pose<Body, Laser, S> {
         let heading = Angle::wrapped(self.get(Parameter::LaserHeading));

@@ -10,13 +10,13 @@ use surepose_data::Config;
 use surepose_data::config::CompassMounting;
 use surepose_data::recording::{Mount, Scan, StampedTicks};
 use surepose_lab::calibrate::{Options, Recording, StampedHeading};
-use surepose_lab::replay::Reference;
 
 use super::BagError;
+use super::prologue::{Prologue, REFERENCE_STD};
 use super::reader::{Bag, Said};
-use super::replay::{REFERENCE_STD, truth};
 use crate::convert::Refused;
 use crate::message::{LaserScan, Odometry};
+use crate::mounting::LaserMount;
 use crate::names::Names;
 use crate::pilot::{Heard, Odometer};
 use crate::sense;
@@ -40,6 +40,8 @@ pub struct Recorded {
     pub options: Options,
     /// What was not used, by name and count.
     pub skipped: BTreeMap<&'static str, u64>,
+    /// Where the laser is taken to sit at first, and who says so; nothing, without a scan.
+    pub mounted: Option<String>,
 }
 
 /// Reads the recording at `path`, of which the topics are called as in `names`, of a base that takes its wheels for those
@@ -52,10 +54,10 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
     let mut options = Options::of(config);
     (options.wall_distance_std, options.wall_direction_std) = WALL_STD;
     let mut skipped = BTreeMap::new();
-    let (poses, first) = truth(&bag, |why| *skipped.entry(why.name()).or_default() += 1)?;
-    let start = first.and_then(|first| Reference::new(&poses).at(first.seconds()));
+    let prologue = Prologue::of(&bag, config, |why| *skipped.entry(why.name()).or_default() += 1)?;
+    let start = prologue.start();
     options.start_heading = start.map(|start| Compass { heading: start.heading, std: REFERENCE_STD[2] });
-    let mut gathering = Gathering::new(config, options, skipped);
+    let mut gathering = Gathering::new(config, options, prologue.mount, skipped);
     // Where the compass' zero is, is to be found.
     let mounting = CompassMounting { offset: Angle::zero(), ..config.compass() };
     bag.messages(|said| {
@@ -63,7 +65,7 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
             Said::Odometry(odometry) => gathering.roll(&odometry),
             Said::Scan(scan) => gathering.see(scan),
             Said::Imu(imu) if compass => sense::heading(&imu, &mounting).map(|heard| gathering.turn(&heard)),
-            Said::Imu(_) | Said::Truth(_) => Ok(()),
+            Said::Imu(_) | Said::Truth(_) | Said::Joints(_) => Ok(()),
         };
         if let Err(why) = refused {
             gathering.skip(why.name());
@@ -75,6 +77,7 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
 /// A recording while it is read.
 struct Gathering {
     recorded: Recorded,
+    mount: LaserMount,
     controller: Controller<f64>,
     odometer: Option<Odometer>,
     /// How far the wheels turned since the first odometry \[rad].
@@ -82,7 +85,12 @@ struct Gathering {
 }
 
 impl Gathering {
-    fn new(config: &Config, options: Options, skipped: BTreeMap<&'static str, u64>) -> Self {
+    fn new(
+        config: &Config,
+        options: Options,
+        mount: LaserMount,
+        skipped: BTreeMap<&'static str, u64>,
+    ) -> Self {
         let recording = Recording {
             ticks_per_turn: TICKS_PER_TURN,
             ticks: Vec::new(),
@@ -90,7 +98,8 @@ impl Gathering {
             headings: Vec::new(),
         };
         Self {
-            recorded: Recorded { recording, options, skipped },
+            recorded: Recorded { recording, options, skipped, mounted: None },
+            mount,
             controller: config.controller(),
             odometer: None,
             turned: Wheels::rest(),
@@ -124,11 +133,14 @@ impl Gathering {
 
     fn see(&mut self, message: LaserScan) -> Result<(), Refused> {
         let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
-        let Stamped { stamp, value: Heard::Scan(scan) } = sense::scan(message)? else { return Ok(()) };
+        let mounting = self.mount.of(&message.header.frame_id)?;
+        let heard = sense::scan(message, mounting)?;
+        let Stamped { stamp, value: Heard::Scan(scan) } = heard else { return Ok(()) };
         let time = stamp.seconds();
         let Recorded { recording, options, .. } = &mut self.recorded;
         if recording.scans.is_empty() {
             (options.nearest, options.farthest) = (scan.nearest.max(options.nearest), scan.farthest);
+            options.nominal = options.nominal.with_laser(scan.body_from_laser);
             options.sweep_period =
                 Some(sweep).filter(|sweep| (0.0..LONGEST_SWEEP).contains(sweep)).unwrap_or(0.0);
         }
@@ -170,8 +182,8 @@ impl Gathering {
 
     /// In the order of time, for messages are recorded as they arrive; and only what odometry was there for, which a stamp
     /// that nobody filled in is not.
-    fn finished(self) -> Recorded {
-        let Recorded { mut recording, options, mut skipped } = self.recorded;
+    fn finished(mut self) -> Recorded {
+        let Recorded { mut recording, options, mut skipped, .. } = self.recorded;
         let Recording { ticks, scans, headings, .. } = &mut recording;
         let first = ticks.first().map_or(f64::INFINITY, |ticks| ticks.time);
         let last = ticks.last().map_or(f64::NEG_INFINITY, |ticks| ticks.time);
@@ -184,6 +196,6 @@ impl Gathering {
         }
         scans.sort_by(|a, b| a.time.total_cmp(&b.time));
         headings.sort_by(|a, b| a.time.total_cmp(&b.time));
-        Recorded { recording, options, skipped }
+        Recorded { recording, options, skipped, mounted: self.mount.news() }
     }
 }

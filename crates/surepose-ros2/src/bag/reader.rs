@@ -12,7 +12,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use serde::de::DeserializeOwned;
 
 use super::BagError;
-use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
+use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 use crate::names::Names;
 
 /// The types that are understood.
@@ -21,6 +21,10 @@ const SCAN: &str = "sensor_msgs/msg/LaserScan";
 const IMU: &str = "sensor_msgs/msg/Imu";
 const POSE: &str = "geometry_msgs/msg/PoseStamped";
 const POSE_WITH_COVARIANCE: &str = "geometry_msgs/msg/PoseWithCovarianceStamped";
+const JOINTS: &str = "tf2_msgs/msg/TFMessage";
+
+/// Where joints are told that do not move, by convention the same for all robots.
+const STATIC: &str = "/tf_static";
 
 /// What is longer, decompressed, is no record but a mistake [bytes].
 const LONGEST_RECORD: usize = 1 << 28;
@@ -34,6 +38,7 @@ pub(super) enum Said {
     Scan(LaserScan),
     Imu(Box<Imu>),
     Truth(Box<PoseStamped>),
+    Joints(TfMessage),
 }
 
 /// What a channel is for.
@@ -43,6 +48,7 @@ enum Role {
     Scan,
     Imu,
     Truth,
+    Joints,
 }
 
 impl Role {
@@ -53,6 +59,7 @@ impl Role {
             Self::Scan => "scan",
             Self::Imu => "imu",
             Self::Truth => "truth",
+            Self::Joints => STATIC,
         }
     }
 
@@ -63,6 +70,7 @@ impl Role {
             Self::Scan => &[SCAN],
             Self::Imu => &[IMU],
             Self::Truth => &[POSE, POSE_WITH_COVARIANCE, ODOMETRY],
+            Self::Joints => &[JOINTS],
         }
     }
 
@@ -107,6 +115,7 @@ impl Bag {
             (Role::Scan, of(Role::Scan)?),
             (Role::Imu, of(Role::Imu)?),
             (Role::Truth, truth),
+            (Role::Joints, Some(STATIC.to_owned())),
         ];
         let role = |channel: &Channel| {
             let plays = |(role, topic): &&(Role, Option<String>)| {
@@ -119,9 +128,9 @@ impl Bag {
         Ok(Self { path, roles })
     }
 
-    /// Whether there is a truth to judge by.
-    pub(super) fn has_truth(&self) -> bool {
-        self.roles.values().any(|(role, _)| *role == Role::Truth)
+    /// Whether anything is to be known beforehand: a truth to judge by, or how the laser sits.
+    pub(super) fn has_prologue(&self) -> bool {
+        self.roles.values().any(|(role, _)| matches!(role, Role::Truth | Role::Joints))
     }
 
     /// Gives `hear` the messages that say something, in the order of the file.
@@ -153,6 +162,7 @@ fn said(role: Role, kind: &str, data: &[u8]) -> Result<Said, String> {
         Role::Odometry => Said::Odometry(decoded(data)?),
         Role::Scan => Said::Scan(decoded(data)?),
         Role::Imu => Said::Imu(decoded(data)?),
+        Role::Joints => Said::Joints(decoded(data)?),
         Role::Truth => Said::Truth(Box::new(match kind {
             ODOMETRY => {
                 let told: Odometry = decoded(data)?;

@@ -8,32 +8,36 @@ use surepose_data::recording::StampedPose;
 use surepose_lab::replay::{Reference, ReplayReport, Score, motion_between};
 
 use super::BagError;
+use super::prologue::{Prologue, REFERENCE_STD};
 use super::reader::{Bag, Said};
-use crate::convert::{Refused, pose_of, stamp_of};
+use crate::convert::Refused;
 use crate::names::Names;
 use crate::pilot::{Odom, Pilot, Report, Settings};
 use crate::sense;
 
-/// How well a reference tells the start: standard deviations of x, y \[m] and heading \[rad].
-pub(super) const REFERENCE_STD: [f64; 3] = [0.01, 0.01, 0.01];
-
 /// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
-/// that of the reference; where there is none either, the robot looks for itself on the map.
+/// that of the reference; where there is none either, the robot looks for itself on the map. `say` is told where the laser
+/// sits, and who says so.
 ///
 /// # Errors
 /// [`BagError`], where it is no recording, or is damaged.
-pub fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayReport, BagError> {
+pub fn replay(
+    path: &Path,
+    settings: &Settings,
+    names: &Names,
+    mut say: impl FnMut(&str),
+) -> Result<ReplayReport, BagError> {
     let begun = Instant::now();
     let bag = Bag::open(path, names)?;
     let mut report = ReplayReport::default();
-    let (poses, first) = truth(&bag, |why| report.skip(Some(why.name())))?;
+    let prologue = Prologue::of(&bag, &settings.config, |why| report.skip(Some(why.name())))?;
     let mut settings = settings.clone();
     if settings.start.is_none() {
-        let start = first.and_then(|first| Reference::new(&poses).at(first.seconds()));
-        settings.start = start.map(|start| Belief::new(start, REFERENCE_STD));
+        settings.start = prologue.start().map(|start| Belief::new(start, REFERENCE_STD));
     }
+    let Prologue { poses, mut mount, .. } = prologue;
     let compass = settings.config.compass();
-    let hears_compass = settings.compass;
+    let (has_map, hears_compass) = (settings.map.is_some(), settings.compass);
     let mut judge = Judge::new(&poses);
     let mut pilot = Pilot::new(settings);
     bag.messages(|said| {
@@ -46,9 +50,16 @@ pub fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayR
                 }
                 Ok(())
             }),
-            Said::Scan(scan) => sense::scan(scan).map(|heard| pilot.hear(heard)),
+            Said::Scan(_) if !has_map => Ok(()),
+            Said::Scan(scan) => {
+                let mounting = mount.of(&scan.header.frame_id);
+                if let Some(line) = mount.news() {
+                    say(&line);
+                }
+                mounting.and_then(|mounting| sense::scan(scan, mounting)).map(|heard| pilot.hear(heard))
+            }
             Said::Imu(imu) if hears_compass => sense::heading(&imu, &compass).map(|heard| pilot.hear(heard)),
-            Said::Imu(_) | Said::Truth(_) => Ok(()),
+            Said::Imu(_) | Said::Truth(_) | Said::Joints(_) => Ok(()),
         };
         report.skip(refused.err().map(|why| why.name()));
     })?;
@@ -56,30 +67,6 @@ pub fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayR
     report.count(pilot.tally());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
-}
-
-/// The reference poses in the order of time, and when the first odometry was; `skip` hears of what is no pose.
-pub(super) fn truth(
-    bag: &Bag,
-    mut skip: impl FnMut(Refused),
-) -> Result<(Vec<StampedPose>, Option<Stamp>), BagError> {
-    let (mut poses, mut first) = (Vec::new(), None);
-    if !bag.has_truth() {
-        return Ok((poses, first));
-    }
-    bag.messages(|said| match said {
-        Said::Truth(told) => match pose_of::<Map, Body>(&told.pose) {
-            Ok(Pose { x, y, heading, .. }) => {
-                let time = stamp_of(told.header.stamp).seconds();
-                poses.push(StampedPose { time, x, y, heading: heading.radians() });
-            }
-            Err(why) => skip(why),
-        },
-        Said::Odometry(odometry) => first = first.or(Some(stamp_of(odometry.header.stamp))),
-        Said::Scan(_) | Said::Imu(_) => {}
-    })?;
-    poses.sort_by(|a, b| a.time.total_cmp(&b.time));
-    Ok((poses, first))
 }
 
 /// What is known of the recording's truth, and how far the estimates were from it.

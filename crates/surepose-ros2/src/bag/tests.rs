@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
@@ -10,12 +10,13 @@ use serde::Serialize;
 use surepose::{Body, Drive, Integration, Pose, Stamp, Twist, param};
 use surepose_lab::Watch;
 use surepose_lab::calibrate::calibrate;
+use surepose_lab::replay::ReplayReport;
 use surepose_lab::rig::Scenario;
 use surepose_sim::{Scan, Seed, World};
 
 use super::*;
 use crate::convert::{header, pose_message};
-use crate::message::PoseStamped;
+use crate::message::{PoseStamped, Quaternion};
 use crate::names::Names;
 use crate::pilot::{Odom, Settings};
 use crate::robot::words;
@@ -55,18 +56,33 @@ impl Recorder {
 
 /// The simulated robot on a round, for so many seconds.
 fn round(seconds: f64, odometry_topic: &str) -> Recorder {
-    let base = Scenario::default().world().drive;
-    recorded_by(base, seconds, odometry_topic, |_| Twist::new(0.2, 0.2))
+    let scenario = Scenario::default();
+    let base = scenario.world().drive;
+    recorded_by(&Robot { scenario, base, hangs: false }, seconds, odometry_topic, |_| Twist::new(0.2, 0.2))
 }
 
-/// The simulated robot as it is told by the time, for so many seconds; its base takes its wheels for those of `base`.
-fn recorded_by(
+/// Who is recorded.
+struct Robot {
+    scenario: Scenario,
+    /// What it takes its wheels for.
     base: Drive<f64>,
+    /// Its laser hangs upside down.
+    hangs: bool,
+}
+
+/// Turns to and fro while it drives, by the time.
+fn winding(t: f64) -> Twist<f64> {
+    Twist::new(0.15 + 0.1 * (0.3 * t).sin(), 0.5 * (0.17 * t).sin())
+}
+
+/// The simulated robot as it is told by the time, for so many seconds.
+fn recorded_by(
+    robot: &Robot,
     seconds: f64,
     odometry_topic: &str,
     told: impl Fn(f64) -> Twist<f64>,
 ) -> Recorder {
-    let scenario = Scenario::default();
+    let Robot { scenario, base, hangs } = robot;
     let mut world = World::new(scenario.world(), scenario.start(), Seed(5));
     let mut odometry: Pose<Odom, Body, f64> = Pose::identity();
     let mut recorder = Recorder::new();
@@ -87,7 +103,12 @@ fn recorded_by(
             recorder.write("/imu", "sensor_msgs/msg/Imu", now, &imu);
         }
         for scan in &sensed.scans {
-            let scan = words::scan(at(scan.stamp), &scan.value);
+            let mut scan = words::scan(at(scan.stamp), &scan.value);
+            if *hangs {
+                // What is on its right is on the robot's left.
+                scan.ranges.reverse();
+                (scan.angle_min, scan.angle_max) = (-scan.angle_max, -scan.angle_min);
+            }
             recorder.write("/scan", "sensor_msgs/msg/LaserScan", now, &scan);
         }
     }
@@ -97,6 +118,10 @@ fn recorded_by(
 /// Those of a robot that is told nothing of its start but by the truth.
 fn settings() -> Settings {
     Settings { start: None, ..Settings::in_scenario(&Scenario::default()) }
+}
+
+fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayReport, BagError> {
+    super::replay(path, settings, names, |_| ())
 }
 
 /// A file with these bytes, for as long as it is kept.
@@ -195,7 +220,7 @@ fn what_is_no_recording_is_refused_and_nothing_panics() {
         let read = recorded(&file.0, &settings().config, &Names::default(), true);
         let _fitted = read.map(|read| calibrate(&read.recording, &read.options, &Watch::default()));
     }
-    let absent = replay(std::path::Path::new("/nowhere.mcap"), &settings(), &Names::default());
+    let absent = replay(Path::new("/nowhere.mcap"), &settings(), &Names::default());
     assert!(matches!(absent, Err(BagError::Unreadable { .. })));
 }
 
@@ -228,8 +253,8 @@ fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
     let scenario = Scenario::default();
     let truth = scenario.world().drive;
     let base = Drive::new(1.03 * truth.radius.right, 1.05 * truth.track);
-    let told = |t: f64| Twist::new(0.15 + 0.1 * (0.3 * t).sin(), 0.5 * (0.17 * t).sin());
-    let mut recorder = recorded_by(base, 120.0, "/odom", told);
+    let robot = Robot { scenario: scenario.clone(), base, hangs: false };
+    let mut recorder = recorded_by(&robot, 120.0, "/odom", winding);
     // Scans that nobody stamped are of no moment of the drive.
     let unstamped = Scan { first_bearing: -1.5, bearing_step: 0.05, ranges: vec![1.0; 61] };
     for _ in 0..50 {
@@ -239,7 +264,7 @@ fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
     let file = File::new("calibrate", &recorder.finished());
     let preset = [(&param::WHEEL_RADIUS, base.radius.right), (&param::TRACK, base.track)];
     let config = scenario.config.with_preset("base", &preset);
-    let Recorded { recording, options, skipped } =
+    let Recorded { recording, options, skipped, .. } =
         recorded(&file.0, &config, &Names::default(), true).unwrap();
     // Besides them, what was measured before the first odometry came, at 0.05 s.
     let count = skipped["without_odometry"];
@@ -258,5 +283,46 @@ fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
         let (value, std) = (estimate.value.unwrap(), estimate.std_error.unwrap());
         let off = (value - truth).abs();
         assert!(off < nearer_than && off < 3.0 * std, "{name}: {value} ± {std}, truth {truth}");
+    }
+}
+
+/// The configuration says nothing of the laser, which sits on the robot's side and hangs upside down.
+#[test]
+fn how_the_laser_sits_is_known_by_tf_static() {
+    let options = ["laser.x_m=0.2", "laser.y_m=-0.1", "laser.heading_deg=-60"];
+    let config =
+        options.iter().fold(Scenario::default().config, |config, option| config.with_option(option).unwrap());
+    let sits = config.laser().body_from_laser;
+    let scenario = Scenario::configured(config);
+    let base = scenario.world().drive;
+    let robot = Robot { scenario, base, hangs: true };
+    let record = || recorded_by(&robot, 60.0, "/odom", winding);
+    let without = File::new("untold", &record().finished());
+    let mut told = words::mounted(sits);
+    // About its own x axis it is turned by 180°.
+    let Quaternion { z, w, .. } = told.transforms[0].transform.rotation;
+    told.transforms[0].transform.rotation = Quaternion { x: w, y: z, z: 0.0, w: 0.0 };
+    let mut recorder = record();
+    recorder.write("/tf_static", "tf2_msgs/msg/TFMessage", Stamp::from_seconds(1.7e9 + 1.0), &told);
+    let with = File::new("told", &recorder.finished());
+
+    let (settings, names) = (settings(), Names::default());
+    let judged = |file: &File| replay(&file.0, &settings, &names).unwrap();
+    let (untold, told) = (judged(&without), judged(&with));
+    assert!(untold.accepted < told.accepted / 2, "no walls are where it looks: {untold:?}");
+    assert!(told.position_rmse_m.unwrap() < 0.005 && told.heading_rmse_deg.unwrap() < 0.1, "{told:?}");
+    assert!((2.0..4.5).contains(&told.nees_mean.unwrap()), "{told:?}");
+
+    let Recorded { recording, options, mounted, .. } =
+        recorded(&with.0, &settings.config, &names, true).unwrap();
+    assert!(mounted.unwrap().ends_with("upside down, by /tf_static"));
+    let begins = options.nominal.body_from_laser();
+    assert!((begins.x - sits.x).hypot(begins.y - sits.y) < 1e-9, "{begins:?}");
+    let found = calibrate(&recording, &options, &Watch::default()).unwrap().parameters();
+    for (name, truth, nearer_than) in
+        [("laser_x_m", 0.2, 0.01), ("laser_y_m", -0.1, 0.01), ("laser_heading_deg", -60.0, 0.1)]
+    {
+        let value = found[name].value.unwrap();
+        assert!((value - truth).abs() < nearer_than, "{name}: {value}, truth {truth}");
     }
 }

@@ -65,7 +65,7 @@ impl Action {
             result_service: reliable(10),
             cancel_service: reliable(10),
             feedback_publisher: reliable(10),
-            status_publisher: latched(),
+            status_publisher: latched(1),
         };
         let kind = ActionTypeName::new("nav2_msgs", "NavigateToPose");
         let server = node

@@ -6,9 +6,9 @@ use futures::stream::{self, FusedStream, LocalBoxStream, StreamExt};
 use ros2_client::{Node, RmwRequestId, Server, ServiceMapping, ServiceTypeName, Subscription};
 use serde::de::DeserializeOwned;
 
-use crate::message::{Empty, Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
+use crate::message::{Empty, Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 
-use crate::wire::{NodeError, hear, refused, reliable, sensor};
+use crate::wire::{NodeError, everywhere, hear, latched, refused, reliable, sensor};
 
 use super::NodeSettings;
 use super::action::{CancelRequest, NewGoal, Served, cancels, goals};
@@ -17,6 +17,8 @@ use super::action::{CancelRequest, NewGoal, Served, cancels, goals};
 pub(super) enum Event {
     Odometry(Box<Odometry>),
     Scan(LaserScan),
+    /// How frames that do not move sit on others.
+    Joints(TfMessage),
     Imu(Box<Imu>),
     Goal(PoseStamped),
     Told(Box<PoseWithCovarianceStamped>),
@@ -34,6 +36,7 @@ pub(super) enum Event {
 pub(super) struct Ears {
     odometry: Subscription<Odometry>,
     scans: Option<Subscription<LaserScan>>,
+    joints: Option<Subscription<TfMessage>>,
     imu: Option<Subscription<Imu>>,
     goals: Subscription<PoseStamped>,
     told: Subscription<PoseWithCovarianceStamped>,
@@ -50,6 +53,12 @@ impl Ears {
             odometry: hear(node, &names.of("odom")?, ("nav_msgs", "Odometry"), sensor(50))?,
             scans: match &settings.pilot.map {
                 Some(_) => Some(hear(node, &names.of("scan")?, ("sensor_msgs", "LaserScan"), sensor(5))?),
+                None => None,
+            },
+            joints: match &settings.pilot.map {
+                Some(_) => {
+                    Some(hear(node, &everywhere("tf_static")?, ("tf2_msgs", "TFMessage"), latched(100))?)
+                }
                 None => None,
             },
             imu: if settings.pilot.compass {
@@ -94,6 +103,7 @@ impl Ears {
             beats.boxed_local(),
         ];
         all.extend(self.scans.as_ref().map(|scans| on("scan", scans, Event::Scan)));
+        all.extend(self.joints.as_ref().map(|joints| on("tf_static", joints, Event::Joints)));
         all.extend(self.imu.as_ref().map(|imu| on("imu", imu, |imu| Event::Imu(Box::new(imu)))));
         stream::select_all(all)
     }

@@ -45,7 +45,7 @@ impl Voice {
             commander: Commander::new(node, names, settings.stamped)?,
             pose: say(node, &names.of("pose")?, pose, reliable(1))?,
             transforms: say(node, &everywhere("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
-            walls: say(node, &names.of("walls")?, ("visualization_msgs", "Marker"), latched())?,
+            walls: say(node, &names.of("walls")?, ("visualization_msgs", "Marker"), latched(1))?,
             diagnostics: say(
                 node,
                 &everywhere("diagnostics")?,

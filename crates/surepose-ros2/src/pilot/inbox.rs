@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use surepose::closed_loop::Signal;
-use surepose::{Angle, Measurement, Scan, Stamp, Stamped};
+use surepose::{Angle, Body, Laser, Measurement, Pose, Scan, Stamp, Stamped};
 
 /// What a sensor said.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,8 @@ pub struct LaserScan {
     pub nearest: f64,
     /// Farther ones are none \[m].
     pub farthest: f64,
+    /// Where the laser sits.
+    pub body_from_laser: Pose<Body, Laser, f64>,
 }
 
 impl Heard {

@@ -72,6 +72,7 @@ impl Ride {
                 ranges,
                 nearest: 0.05,
                 farthest: 30.0,
+                body_from_laser: Pose::identity(),
             });
             self.pilot.hear(Stamped::new(self.stamp(scan.stamp), heard));
         }

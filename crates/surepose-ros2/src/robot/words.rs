@@ -5,7 +5,8 @@ use surepose_sim::Scan;
 
 use crate::convert::{header, pose_message, rotation_of, transform, twist_message};
 use crate::message::{
-    Imu, LaserScan, Odometry, PoseWithCovariance, TransformStamped, TwistWithCovariance, Vector3,
+    Imu, LaserScan, Odometry, PoseWithCovariance, TfMessage, Transform, TransformStamped,
+    TwistWithCovariance, Vector3,
 };
 use crate::pilot::Odom;
 
@@ -27,18 +28,20 @@ pub(crate) fn odometry(stamp: Stamp, pose: Pose<Odom, Body, f64>, twist: Twist<f
     }
 }
 
-/// Where the body is by odometry, and where the laser is on it.
-pub(super) fn transforms(
-    stamp: Stamp,
-    pose: Pose<Odom, Body, f64>,
-    body_from_laser: Pose<Body, Laser, f64>,
-) -> Vec<TransformStamped> {
-    let joint = |parent: &str, child: &str, transform| TransformStamped {
-        header: header(stamp, parent),
-        child_frame_id: child.to_owned(),
-        transform,
-    };
-    vec![joint(ODOM, BASE, transform(pose)), joint(BASE, LASER, transform(body_from_laser))]
+/// Where the body is by odometry.
+pub(super) fn rolled(stamp: Stamp, pose: Pose<Odom, Body, f64>) -> TfMessage {
+    joint(stamp, ODOM, BASE, transform(pose))
+}
+
+/// Where the laser is on the body, ever.
+pub(crate) fn mounted(body_from_laser: Pose<Body, Laser, f64>) -> TfMessage {
+    joint(Stamp::default(), BASE, LASER, transform(body_from_laser))
+}
+
+fn joint(stamp: Stamp, parent: &str, child: &str, transform: Transform) -> TfMessage {
+    let joint =
+        TransformStamped { header: header(stamp, parent), child_frame_id: child.to_owned(), transform };
+    TfMessage { transforms: vec![joint] }
 }
 
 /// A compass in a housing for more: nothing but the heading is measured.

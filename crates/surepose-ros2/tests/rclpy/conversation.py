@@ -9,11 +9,13 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
+import threading
 import time
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
@@ -59,7 +61,7 @@ class Conversation:
             (Imu, "imu", qos_profile_sensor_data), (DiagnosticArray, "/diagnostics", 10), (Marker, "walls", latched),
         ]
         if TFMessage:
-            topics.append((TFMessage, "/tf", 100))
+            topics += [(TFMessage, "/tf", 100), (TFMessage, "/tf_static", latched)]
         self.transforms = {}
         for kind, name, qos in topics:
             self.node.create_subscription(kind, name, lambda message, name=name: self.heard(name, message), qos)
@@ -120,6 +122,7 @@ def topics(talk):
     assert "cmd_vel" not in talk.last, "without a goal the wheels are nobody's"
     if TFMessage:
         talk.until(lambda: ("map", "odom") in talk.transforms, 5, "map to odom")
+        talk.until(lambda: ("base_link", "laser") in talk.transforms, 5, "where the laser sits")
         assert ("odom", "base_link") in talk.transforms
 
 
@@ -212,6 +215,45 @@ def action(talk):
     talk.has_parked(2, 2, 90, "navigate_to_pose")
 
 
+def mounting(talk, program, environment):
+    """A robot whose laser hangs upside down and looks back: the node has it from a /tf_static of before its time."""
+    hanging, sits = TransformStamped(), "the laser 'laser' sits on 'base' at (-0.200, 0.100) facing 180.0°, upside down"
+    hanging.header.frame_id, hanging.child_frame_id = "base", "laser"
+    hanging.transform.translation.x, hanging.transform.translation.y = -0.2, 0.1
+    hanging.transform.rotation.y, hanging.transform.rotation.w = 1.0, 0.0
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    joints = talk.node.create_publisher(TFMessage, "/tf_static", latched)
+    joints.publish(TFMessage(transforms=[hanging]))
+    odometry = talk.node.create_publisher(Odometry, "/other/odom", 10)
+    scans = talk.node.create_publisher(LaserScan, "/other/scan", qos_profile_sensor_data)
+    odom, scan = Odometry(), LaserScan(angle_min=-1.5, angle_increment=0.1, range_max=30.0, ranges=[1.0] * 31)
+    odom.child_frame_id, odom.pose.pose.orientation.w, scan.header.frame_id = "base", 1.0, "laser"
+    with tempfile.TemporaryDirectory() as folder:
+        walls = os.path.join(folder, "walls.toml")
+        with open(walls, "w") as file:
+            file.write("[[wall]]\nfrom_m = [0.0, 0.0]\nto_m = [6.0, 0.0]\n")
+        other = subprocess.Popen(
+            [program, "ros2", "--namespace", "other", "--map", walls], env=environment, stderr=subprocess.PIPE, text=True
+        )
+        said = []
+        listener = threading.Thread(target=lambda: said.extend(iter(other.stderr.readline, "")))
+        listener.start()
+
+        def is_told():
+            odom.header.stamp = scan.header.stamp = talk.node.get_clock().now().to_msg()
+            odometry.publish(odom)
+            scans.publish(scan)
+            return any(sits in line and "by /tf_static" in line for line in said)
+
+        try:
+            talk.until(is_told, 15, f"{sits}; said was {said}")
+        finally:
+            other.send_signal(signal.SIGTERM)
+            listener.join(timeout=10)
+            other.kill()
+    print("/tf_static:", sits)
+
+
 def ends_at_rest(talk, program):
     talk.goals.publish(pose_message(1, 1, 0))
     talk.until(lambda: not talk.rests(), 5, "a command to move")
@@ -234,8 +276,9 @@ def main():
         goal_by_topic(talk)
         if TFMessage:
             transforms(talk)
+            mounting(talk, sys.argv[1], environment)
         else:
-            print("skipped: /tf, tf2_msgs is not here")
+            print("skipped: /tf and /tf_static, tf2_msgs is not here")
         lost_and_found(talk)
         if NavigateToPose:
             action(talk)
