@@ -12,7 +12,7 @@ pub use follower::{Followed, Follower};
 pub use localiser::Localiser;
 pub use witness::{Sight, Witness};
 
-use crate::drive::{Drive, Twist, Wheels};
+use crate::drive::{Drive, FASTEST, Twist, Wheels};
 use crate::estimate::{Belief, Measurement, Stamp, Stamped, Travel};
 use crate::frame::{Body, Goal, Map};
 use crate::laser::{Scan, Wall};
@@ -72,9 +72,6 @@ pub struct Step<S: Scalar> {
     pub progress: Progress<S>,
 }
 
-/// No wheel turns as fast as this \[rad/s].
-const FASTEST: f64 = 1e6;
-
 impl<S: Scalar> Controller<S> {
     /// The default law for a robot, a period \[s] and an end that goes first.
     pub fn fitted(
@@ -106,17 +103,22 @@ impl<S: Scalar> Controller<S> {
         let wanted = Twist::select(arrival.reached(&self.tolerance), Twist::rest(), decision.twist);
         let granted = self.limits.grant(&self.drive, wanted, progress.granted, self.period);
 
-        // How do the wheels turn? Not at all where no wheel can turn so: constants that no robot has, a pose that is none.
-        let wheels = self.drive.rates_from_twist(granted);
-        let turns = |rate: S| rate.abs().lt(S::of(FASTEST));
-        let possible = turns(wheels.right).and(turns(wheels.left));
-        let (granted, wheels) = (
-            Twist::select(possible, granted, Twist::rest()),
-            Wheels::select(possible, wheels, Wheels::rest()),
-        );
+        // How do the wheels turn?
+        let (granted, wheels, _) = possible(&self.drive, granted);
         let progress = Progress { memory: decision.memory, arrival, granted };
         Step { navigation, wanted, granted, wheels, progress }
     }
+}
+
+/// A twist with the turn rates of its wheels \[rad/s], and where they are possible: elsewhere, with constants that no robot has
+/// or a pose that is none, the wheels rest.
+#[inline(always)]
+fn possible<S: Scalar>(drive: &Drive<S>, twist: Twist<S>) -> (Twist<S>, Wheels<S>, S::Mask) {
+    let wheels = drive.rates_from_twist(twist);
+    let turns = |rate: S| rate.abs().lt(S::of(FASTEST));
+    let possible = turns(wheels.right).and(turns(wheels.left));
+    let twist = Twist::select(possible, twist, Twist::rest());
+    (twist, Wheels::select(possible, wheels, Wheels::rest()), possible)
 }
 
 /// What the robot sensed since the last tick.
@@ -152,7 +154,7 @@ pub struct Tick<S: Scalar> {
 
 /// Carries the estimate one tick forward and says how to turn the wheels.
 ///
-/// What is refused is counted in the estimator's tally and changes nothing. `progress` is what the tick before gave,
+/// What is refused, a scan that cannot be read too, is counted in the estimator's tally and changes nothing. `progress` is what the tick before gave,
 /// its `granted` what the wheels were really told: less, where the supervisor said so.
 pub fn tick<S: Float, const N: usize, const BEAMS: usize>(
     controller: &Controller<S>,

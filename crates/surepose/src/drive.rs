@@ -4,6 +4,9 @@ use crate::frame::Frame;
 use crate::pose::Pose;
 use crate::scalar::Scalar;
 
+/// No wheel turns as fast as this \[rad/s]: a rate beyond it is of a broken encoder, or of constants that no robot has.
+pub(crate) const FASTEST: f64 = 1e6;
+
 /// How fast the robot moves: [Tran2012] Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist<S> {

@@ -52,7 +52,7 @@ pub enum Law<S> {
 impl<S: Scalar> Law<S> {
     /// The twist for the goal as seen now, and the memory for the next tick.
     ///
-    /// Finite for every input: a goal whose place is not a number is answered with rest, and so is one beyond 10⁹ m.
+    /// Finite for every input: a goal whose place is not a number, or that asks for 10³⁰ m/s, is answered with rest.
     #[inline(always)]
     pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
         self.decide_in_time(None, navigation, memory)

@@ -45,7 +45,7 @@ impl<S: Scalar> Limits<S> {
         let on_path = wanted.scaled(high);
 
         let apart = Wheels::new(target.right - from.right, target.left - from.left).largest();
-        let part = reach / apart.max(reach);
+        let part = reach.over_positive(apart.max(reach));
         let towards = Twist::new(
             before.v + (wanted.v - before.v) * part,
             before.omega + (wanted.omega - before.omega) * part,

@@ -1,5 +1,6 @@
 //! The wheels' speed controller: the PID of [Tran2012] Sec. 5.2, with anti-windup.
 
+use crate::drive::FASTEST;
 use crate::scalar::{Mask, Scalar};
 
 /// A PID controller of one wheel's turn rate that says what part of the supply the motor gets.
@@ -41,9 +42,6 @@ pub struct PidState<S> {
     /// The turn rate measured last \[rad/s].
     measured: S,
 }
-
-/// Turn rates beyond this \[rad/s] are broken encoders, not wheels.
-const FASTEST: f64 = 1e6;
 
 impl<S: Scalar> PidState<S> {
     /// At rest.

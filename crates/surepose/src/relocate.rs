@@ -9,8 +9,8 @@
 //!
 //! Memory is fixed: `N` hypotheses, `N` proposals, [`MOST_STRETCHES`] stretches of odometry, `FRAMES` scans. The work of a
 //! scan is bounded by [`MOST_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
-//! [`Glance::from`] for each that is not, and up to 2 · `FRAMES` + 2 for each hypothesis. The lattice is tried each time a
-//! scan is worth remembering: at most 8192 look-ups for each of its places.
+//! [`Glance::from`] for each that is not, up to 2 · `FRAMES` + 2 for each hypothesis and 5 · `FRAMES` + 5 for each new one.
+//! The lattice is tried each time a scan is worth remembering: at most 10⁴ look-ups for each of its places.
 
 mod chart;
 mod memory;
@@ -124,6 +124,7 @@ pub struct Relocaliser<S, const N: usize = 24, const FRAMES: usize = 24> {
 impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
     /// Knows nothing at `stamp`.
     pub fn new(ekf: Ekf<S>, certainty: Certainty<S>, stamp: Stamp) -> Self {
+        const { assert!(N > 0 && FRAMES > 0, "where nothing is held, nothing is found") };
         let trail = Trail::starting(stamp);
         let memory = Memory::empty();
         Self {
@@ -215,11 +216,11 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
         self.merge();
         self.drop_hopeless(walls);
         self.doubt_memory();
-        self.ahead = match self.best_by_far() {
-            Some(number) if number == self.ahead.0 => (number, self.ahead.1.saturating_add(1)),
-            Some(number) => (number, 1),
-            None => (0, 0),
-        };
+        self.ahead = self.best_by_far().map_or((0, 0), |(number, held)| {
+            let scans = if number == self.ahead.0 { self.ahead.1.saturating_add(1) } else { 1 };
+            // Another hypothesis may have had this number before.
+            (number, scans.min(held))
+        });
         self.settle_found(&view);
         self.finding()
     }
@@ -326,17 +327,17 @@ impl<S: Float, const N: usize, const FRAMES: usize> Relocaliser<S, N, FRAMES> {
         }
     }
 
-    /// The number of the hypothesis that explains all that is in mind far better than every other.
-    fn best_by_far(&self) -> Option<usize> {
+    /// The number of the hypothesis that explains all that is in mind far better than every other, and for how many scans it held.
+    fn best_by_far(&self) -> Option<(usize, u16)> {
         let certainty = &self.certainty;
         let misfits = || self.hypotheses.iter().map(|slot| misfit(slot.as_ref())).enumerate();
         let (number, least) = misfits().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let best = self.hypotheses.get(number).copied().flatten()?.agreement;
+        let Hypothesis { agreement: best, scans, .. } = self.hypotheses.get(number).copied().flatten()?;
         let explains =
             best.explained_share() >= certainty.explained && best.beyond_share() <= certainty.beyond;
         let enough = least + (certainty.margin + certainty.share * best.misfit).to_f64();
         let alone = misfits().all(|(other, misfit)| other == number || misfit > enough);
-        (explains && alone).then_some(number)
+        (explains && alone).then_some((number, scans))
     }
 }
 

@@ -111,10 +111,11 @@ impl<S: Float> Supervisor<S> {
         }
     }
 
-    /// What became of a stretch of odometry that ends at `stamp`.
+    /// What became of a stretch of odometry that ends at `stamp`: the time that counts from now on, if the clock was set back.
     pub fn rolled(&mut self, stamp: Stamp, outcome: Result<(), Refusal>) {
         if outcome.is_ok() {
-            self.rolled = self.rolled.max(stamp);
+            self.rolled = stamp;
+            self.aided = self.aided.min(stamp);
         }
     }
 
@@ -148,15 +149,19 @@ impl<S: Float> Supervisor<S> {
     /// the normalised innovation squared of what its beams together ask for, per row.
     pub fn looked(&mut self, agreement: &Agreement<S>, off: S) {
         let vigilance = &self.vigilance;
-        let told = agreement.beams.saturating_add(agreement.missing) >= vigilance.fewest_beams;
-        // One scan may be broken, and weighs no more than one that is just outside a gate.
-        let weight = S::of(1.0 / f64::from(vigilance.scans.max(1)));
-        self.off = self.off + (off.min(S::of(MOST_OFF)) - self.off) * weight;
+        if agreement.beams.saturating_add(agreement.missing) < vigilance.fewest_beams {
+            return;
+        }
+        // One scan may be broken, and weighs no more than one that is just outside a gate. A NaN compares false.
+        if off >= S::of(0.0) {
+            let weight = S::of(1.0 / f64::from(vigilance.scans.max(1)));
+            self.off = self.off + (off.min(S::of(MOST_OFF)) - self.off) * weight;
+        }
         let against = self.off > vigilance.innovation || self.is_against(agreement);
-        self.scans_against = match (told, against) {
-            (true, true) => (self.scans_against + 1).min(vigilance.scans),
-            (true, false) => self.scans_against.saturating_sub(1),
-            (false, _) => self.scans_against,
+        self.scans_against = if against {
+            (self.scans_against + 1).min(vigilance.scans)
+        } else {
+            self.scans_against.saturating_sub(1)
         };
         self.lost = self.lost || self.scans_against >= vigilance.scans;
     }
@@ -194,7 +199,7 @@ impl<S: Float> Supervisor<S> {
         match self.finding(now, belief) {
             None => Verdict::Go,
             Some(reason @ (Reason::Lost | Reason::OdometrySilent)) => Verdict::Stop(reason),
-            Some(reason @ Reason::Uncertain) if position_std(belief) > self.vigilance.hopeless => {
+            Some(reason @ Reason::Uncertain) if !is_within(belief, self.vigilance.hopeless) => {
                 Verdict::Stop(reason)
             }
             Some(reason) => Verdict::Slow(reason),
@@ -204,10 +209,12 @@ impl<S: Float> Supervisor<S> {
     /// What is wrong, the worst first.
     fn finding(&self, now: Stamp, belief: &Belief<S>) -> Option<Reason> {
         let vigilance = &self.vigilance;
+        // Odometry of the future is of a clock that was set back since, and says nothing of now.
+        let is_heard = (0.0..=vigilance.odometry_age).contains(&now.since(self.rolled));
         let wrong = [
             (self.lost, Reason::Lost),
-            (now.since(self.rolled) > vigilance.odometry_age, Reason::OdometrySilent),
-            (position_std(belief) > vigilance.vague, Reason::Uncertain),
+            (!is_heard, Reason::OdometrySilent),
+            (!is_within(belief, vigilance.vague), Reason::Uncertain),
             (self.innovation > vigilance.innovation, Reason::Inconsistent),
             (self.scans_against >= vigilance.scans.div_ceil(2), Reason::Inconsistent),
             (now.since(self.aided) > vigilance.unaided, Reason::Unaided),
@@ -220,8 +227,9 @@ impl<S: Float> Supervisor<S> {
 /// The most that one scan counts, per row: a consistent one of 10⁶ is farther off, the quantile of χ² with 3 rows.
 const MOST_OFF: f64 = 30.7 / 3.0;
 
-fn position_std<S: Float>(belief: &Belief<S>) -> S {
-    (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt()
+/// Whether the position is known to `std` \[m]; a NaN is not.
+fn is_within<S: Float>(belief: &Belief<S>, std: S) -> bool {
+    (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt() <= std
 }
 
 /// The mean over the last twenty values or so.

@@ -2,12 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+use std::f64::consts::FRAC_PI_2;
+
 use surepose::{
-    Aligned, Aligner, AlignerMemory, Alignment, Angle, Belief, Drive, Ekf, Gate, Integration, Matrix, Point,
-    Pose, PoseFix, RangeFinder, Scan, ScanRefusal, Wall,
+    Aligned, Aligner, AlignerMemory, Alignment, Angle, Belief, Drive, Ekf, Float, Gate, Integration, Matrix,
+    Measurement, Point, Pose, PoseFix, RangeFinder, Rays, Scan, ScanRefusal, Wall,
 };
 
 const BEAMS: usize = 181;
+const STEP: f64 = std::f64::consts::PI / 180.0;
 type Place = Pose<surepose::Map, surepose::Body, f64>;
 
 fn wall(from: (f64, f64), to: (f64, f64)) -> Wall<f64> {
@@ -118,6 +121,50 @@ fn knows_nothing_along_a_corridor() {
     let error = after.error(truth);
     assert!(error[1].abs() < 0.01 && error[2].abs() < 0.01, "{error:?}");
     assert!((error[0] - 0.3).abs() < 0.01 && after.covariance.std(0) > 0.38, "{error:?}");
+}
+
+/// Whichever way a corridor runs, what a scan says of it is information: what is nothing along it stays nothing, though it is the
+/// rounding of a million across.
+#[test]
+fn a_corridor_is_understood_whichever_way_it_runs() {
+    fn refused<S: Float>(range_std: f64) -> usize {
+        let of = S::of;
+        let laser = RangeFinder {
+            body_from_laser: Pose::identity(),
+            range_std: of(range_std),
+            bearing_std: of(0.004),
+            nearest: of(0.05),
+            farthest: of(20.0),
+        };
+        // Walls 1 m to the left and to the right.
+        let range = |beam: usize| {
+            let across = (STEP * beam as f64 - FRAC_PI_2).sin().abs();
+            of(if across < 0.03 { f64::INFINITY } else { 1.0 / across })
+        };
+        let ranges: Vec<S> = (0..BEAMS).map(range).collect();
+        let scan =
+            Scan { first_bearing: Angle::wrapped(of(-FRAC_PI_2)), bearing_step: of(STEP), ranges: &ranges };
+        let rays = Rays { least_share: of(0.4), scan_std: [of(0.06), of(0.06), of(0.01)] };
+        let is_refused = |quarters: &usize| {
+            let heading = Angle::from_degrees(of(0.25 * *quarters as f64));
+            let (sin, cos) = heading.sin_cos();
+            let wall = |side: f64| {
+                let end = |along: f64| {
+                    let (along, side) = (of(along), of(side));
+                    Point::new(of(5.0) + along * cos - side * sin, along * sin + side * cos)
+                };
+                Wall::between(end(-50.0), end(50.0)).unwrap()
+            };
+            let belief = Belief::new(Pose::new(of(5.0), of(0.0), heading), [0.005, 0.005, 0.002].map(S::of));
+            let fix = rays.fix(&laser, &scan, &belief, &[wall(1.0), wall(-1.0)]).unwrap();
+            let fix = fix.expect("two walls are in sight");
+            Measurement::Pose(fix).check().is_err()
+        };
+        (0..720).filter(is_refused).count()
+    }
+    for range_std in [0.03, 0.01] {
+        assert_eq!((refused::<f64>(range_std), refused::<f32>(range_std)), (0, 0), "at {range_std} m");
+    }
 }
 
 #[test]

@@ -128,7 +128,7 @@ fn follow<const N: usize>(
     let mut track = Vec::new();
     // Twice the time that the rounds take at half the speed: a robot that is stuck must end, too.
     let most = (4.0 * ROUNDS * path.length() / (SPEED * follower.period)) as usize;
-    while progress.along < ROUNDS * path.length() && track.len() < most {
+    while progress.rounds < ROUNDS && track.len() < most {
         let belief = rig.step(wheels, follower.period);
         (wheels, progress) = follower.step(progress, belief.pose);
         track.push(rig.world().pose().origin());

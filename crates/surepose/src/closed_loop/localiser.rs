@@ -1,6 +1,6 @@
 //! The first half of a tick: from what is sensed to where the robot is.
 
-use crate::estimate::{Belief, Estimator, Stamp, Stamped, Travel};
+use crate::estimate::{Belief, Estimator, Refusal, Stamp, Stamped, Travel};
 use crate::laser::{Eye, Scan, Wall};
 use crate::scalar::Float;
 
@@ -75,10 +75,12 @@ impl<S: Float, const N: usize, const BEAMS: usize> Localiser<S, N, BEAMS> {
         witness: &mut impl Witness<S, N>,
     ) {
         let Self { estimator, eye } = self;
-        // A scan from before the history cannot be matched, and is counted; one that cannot be read says nothing.
+        // A scan from before the history cannot be matched. That is counted, as is one that cannot be read.
         let Ok(belief) = estimator.recall(stamp) else { return };
         let laser = eye.laser;
-        let Ok(seen) = eye.see(estimator.ekf(), &belief, scan, walls) else { return };
+        let Ok(seen) = eye.see(estimator.ekf(), &belief, scan, walls) else {
+            return estimator.refuse(Refusal::UnreadableScan);
+        };
         for measurement in seen.measurements() {
             let measured = Stamped::new(stamp, measurement);
             witness.measured(&measured, estimator.measure(measured));

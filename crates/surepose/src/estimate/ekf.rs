@@ -5,7 +5,7 @@ use crate::drive::{Drive, Integration, Wheels};
 use crate::frame::{Body, Map};
 use crate::matrix::Matrix;
 use crate::pose::Pose;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 use super::measurement::Innovation;
 
@@ -137,19 +137,21 @@ impl<S: Scalar> Ekf<S> {
         let mut step = [S::of(0.0); 3];
         let mut covariance = belief.covariance;
         let mut nis = S::of(0.0);
+        let mut largest = S::of(0.0);
         for m in 0..M {
             let row = innovation.jacobian[m];
             let seen = covariance.observed(row, innovation.variance[m]);
             let predicted = row[0] * step[0] + row[1] * step[1] + row[2] * step[2];
             let residual = innovation.residual[m] - predicted;
             nis = nis + residual.squared() / seen.variance;
+            largest = largest.max(seen.variance);
             for (component, gain) in step.iter_mut().zip(&seen.gain) {
                 *component = *component + *gain * residual;
             }
             covariance = seen.covariance;
         }
-        // A NaN compares false, so it is refused.
-        let accepted = nis.lt(threshold);
+        // A NaN compares false, so it is refused; so is a row that overflows: everything agrees with it, and nothing is left.
+        let accepted = nis.lt(threshold).and(largest.lt(S::of(f64::INFINITY)));
         let pose = belief.pose;
         let keep = |value: S| S::select(accepted, value, S::of(0.0));
         Correction {

@@ -6,7 +6,7 @@ use crate::scalar::Float;
 use super::ekf::{Belief, Ekf, Travel};
 use super::gate::Gate;
 use super::history::{Entry, Event, History};
-use super::measurement::Measurement;
+use super::measurement::{Measurement, finite};
 use super::outcome::{Outcome, Refusal, Tally};
 use super::time::{Stamp, Stamped};
 
@@ -26,8 +26,12 @@ pub struct Estimator<S, const N: usize = 64> {
 }
 
 impl<S: Float, const N: usize> Estimator<S, N> {
-    /// Starts at `stamp` with `belief`; remembers at most `reach` seconds and at most `N` events.
+    /// Starts at `stamp` with `belief`; remembers at most `reach` seconds and at most `N` events, at least one.
+    ///
+    /// A belief that is not finite stays so: it refuses every measurement, and the [supervisor](crate::Supervisor) stops the
+    /// robot for it.
     pub fn new(ekf: Ekf<S>, gate: Gate<S>, reach: f64, stamp: Stamp, belief: Belief<S>) -> Self {
+        const { assert!(N > 0, "without a history nothing is remembered, not even odometry") };
         Self { ekf, gate, reach, history: History::starting(stamp, belief), tally: Tally::default() }
     }
 
@@ -76,7 +80,7 @@ impl<S: Float, const N: usize> Estimator<S, N> {
     pub(crate) fn recall(&mut self, stamp: Stamp) -> Result<Belief<S>, Refusal> {
         self.belief_at(stamp).ok_or_else(|| {
             let reason = if stamp > self.stamp() { Refusal::Future } else { Refusal::Stale };
-            self.tally.count(Outcome::Refused(reason));
+            self.refuse(reason);
             reason
         })
     }
@@ -108,9 +112,11 @@ impl<S: Float, const N: usize> Estimator<S, N> {
 
     /// The robot rolled by `rims` \[m] since the last call and it is now `stamp`.
     ///
+    /// It rolled, whatever the clock says: a `stamp` before that of the newest belief means that the clock was set back. Time
+    /// then starts anew at `stamp`, without a history, which the tally counts; what was measured by the old clock is refused.
+    ///
     /// # Errors
-    /// [`Refusal::NotFinite`] for a broken travel, [`Refusal::Stale`] for a stamp before the newest belief's; the
-    /// belief then stays as it was.
+    /// [`Refusal::NotFinite`] for a broken travel; the belief then stays as it was.
     pub fn roll(&mut self, stamp: Stamp, rims: Wheels<S>) -> Result<(), Refusal> {
         self.roll_by(stamp, self.ekf.travel(rims))
     }
@@ -120,10 +126,13 @@ impl<S: Float, const N: usize> Estimator<S, N> {
     /// # Errors
     /// As [`Estimator::roll`], and [`Refusal::BadVariance`] for a negative variance.
     pub fn roll_by(&mut self, stamp: Stamp, travel: Travel<S>) -> Result<(), Refusal> {
-        let checked = self.check_travel(stamp, &travel);
-        if let Err(reason) = checked {
-            self.tally.count(Outcome::Refused(reason));
+        if let Err(reason) = check_travel(&travel) {
+            self.refuse(reason);
             return Err(reason);
+        }
+        if stamp < self.stamp() {
+            self.tally.clock_set_back = self.tally.clock_set_back.saturating_add(1);
+            self.restart(stamp, self.belief());
         }
         let after = self.ekf.predict(self.belief(), travel);
         self.history.insert(self.history.len(), Entry { stamp, event: Event::Travel(travel), after });
@@ -132,6 +141,9 @@ impl<S: Float, const N: usize> Estimator<S, N> {
     }
 
     /// Corrects the belief by a measurement, at the time when it was taken.
+    ///
+    /// What was measured later is judged again: of two that contradict each other the earlier counts, whichever came first,
+    /// and one that was accepted may be left out for it.
     pub fn measure(&mut self, measured: Stamped<Measurement<S>>) -> Outcome {
         let outcome = match self.check_measurement(&measured) {
             Err(reason) => Outcome::Refused(reason),
@@ -141,14 +153,9 @@ impl<S: Float, const N: usize> Estimator<S, N> {
         outcome
     }
 
-    fn check_travel(&self, stamp: Stamp, travel: &Travel<S>) -> Result<(), Refusal> {
-        use super::measurement::finite;
-        finite(&[travel.rims.right, travel.rims.left])?;
-        finite(&[travel.variance.right, travel.variance.left]).map_err(|_| Refusal::BadVariance)?;
-        if travel.variance.right < S::of(0.0) || travel.variance.left < S::of(0.0) {
-            return Err(Refusal::BadVariance);
-        }
-        if stamp < self.stamp() { Err(Refusal::Stale) } else { Ok(()) }
+    /// Counts something that is not used.
+    pub(crate) fn refuse(&mut self, reason: Refusal) {
+        self.tally.count(Outcome::Refused(reason));
     }
 
     fn check_measurement(&self, measured: &Stamped<Measurement<S>>) -> Result<(), Refusal> {
@@ -164,30 +171,33 @@ impl<S: Float, const N: usize> Estimator<S, N> {
 
     /// Rewinds to the measurement's time, applies it, and does again what came after.
     fn apply(&mut self, measured: Stamped<Measurement<S>>) -> Outcome {
-        let mut count = self.history.count_until(measured.stamp);
+        let Stamped { stamp, value: measurement } = measured;
+        let count = self.history.count_until(stamp);
         let (start, mut belief) = self.history.after(count);
-        if measured.stamp > start {
-            // The robot was rolling: the stretch is split at the measurement.
-            if let Some(Entry { stamp: end, event: Event::Travel(travel), after }) = self.history.get(count) {
-                let part = fraction(start, measured.stamp, end);
-                belief = self.ekf.predict(belief, travel.part(part));
-                let rest = travel.part(S::of(1.0) - part);
-                self.history.set(count, Entry { stamp: end, event: Event::Travel(rest), after });
-                let first =
-                    Entry { stamp: measured.stamp, event: Event::Travel(travel.part(part)), after: belief };
-                count = self.history.insert(count, first).map_or(0, |index| index + 1);
+        // The robot may have been rolling: the measurement then splits a stretch.
+        let split = match self.history.get(count) {
+            Some(Entry { stamp: end, event: Event::Travel(travel), after }) if stamp > start => {
+                let part = fraction(start, stamp, end);
+                let (first, rest) = (travel.part(part), travel.part(S::of(1.0) - part));
+                belief = self.ekf.predict(belief, first);
+                let rest = Entry { stamp: end, event: Event::Travel(rest), after };
+                Some((Entry { stamp, event: Event::Travel(first), after: belief }, rest))
             }
+            _ => None,
+        };
+        let (after, nis, accepted) = self.correct(belief, &measurement);
+        if !accepted {
+            return Outcome::Refused(Refusal::Outlier);
         }
-        let (after, nis, accepted) = self.correct(belief, &measured.value);
-        let entry = Entry { stamp: measured.stamp, event: Event::Measurement(measured.value), after };
-        if accepted {
-            let index = self.history.insert(count, entry);
-            self.redo(index.map_or(0, |index| index + 1), after);
-            Outcome::Accepted { nis: nis.to_f64() }
-        } else {
-            self.redo(count, belief);
-            Outcome::Refused(Refusal::Outlier)
+        let mut index = Some(count);
+        if let Some((first, rest)) = split {
+            self.history.set(count, rest);
+            index = self.history.insert(count, first).map(|index| index + 1);
         }
+        let entry = Entry { stamp, event: Event::Measurement(measurement), after };
+        let index = self.history.insert(index.unwrap_or(0), entry);
+        self.redo(index.map_or(0, |index| index + 1), after);
+        Outcome::Accepted { nis: nis.to_f64() }
     }
 
     /// Applies the entries from `index` on to `belief`.
@@ -216,6 +226,14 @@ impl<S: Float, const N: usize> Estimator<S, N> {
         };
         (correction.belief, correction.nis, correction.accepted)
     }
+}
+
+/// Whether a robot can have rolled so, and somebody know it so well.
+fn check_travel<S: Float>(travel: &Travel<S>) -> Result<(), Refusal> {
+    finite(&[travel.rims.right, travel.rims.left])?;
+    let variances = [travel.variance.right, travel.variance.left];
+    finite(&variances).map_err(|_| Refusal::BadVariance)?;
+    if variances.iter().all(|variance| *variance >= S::of(0.0)) { Ok(()) } else { Err(Refusal::BadVariance) }
 }
 
 /// Which part of the time from `start` to `end` lies before `at`.

@@ -28,7 +28,7 @@ pub(super) struct Entry<S> {
 pub(super) struct History<S, const N: usize> {
     /// The belief, and its time, that the oldest entry starts from.
     base: (Stamp, Belief<S>),
-    /// A ring: entry `i` is at `(first + i) % N`; slots outside `len` hold stale copies.
+    /// A ring: entry `i` is at `(first + i) % N`; slots outside `len` are empty.
     ring: [Option<Entry<S>>; N],
     first: usize,
     len: usize,

@@ -25,11 +25,14 @@ pub enum Refusal {
     Future,
     /// Its innovation lies outside the χ² gate.
     Outlier,
+    /// A scan whose bearings are none, of a laser that is none, or with more beams than there is room for.
+    UnreadableScan,
 }
 
 impl Refusal {
     /// Every reason, in the order of [`Tally`].
-    pub const ALL: [Self; 5] = [Self::NotFinite, Self::BadVariance, Self::Stale, Self::Future, Self::Outlier];
+    pub const ALL: [Self; 6] =
+        [Self::NotFinite, Self::BadVariance, Self::Stale, Self::Future, Self::Outlier, Self::UnreadableScan];
 
     /// The name used in reports and JSON.
     pub const fn name(self) -> &'static str {
@@ -39,15 +42,19 @@ impl Refusal {
             Self::Stale => "stale",
             Self::Future => "future",
             Self::Outlier => "outlier",
+            Self::UnreadableScan => "unreadable_scan",
         }
     }
 }
 
-/// How many measurements were accepted, and how many refused for each reason.
+/// How many measurements were accepted; and how many of them, of the scans and of the stretches of odometry were refused, for
+/// each reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Measurements that corrected the belief.
     pub accepted: u32,
+    /// Stretches of odometry that ended before the newest belief: the clock was set back.
+    pub clock_set_back: u32,
     refused: [u32; Refusal::ALL.len()],
 }
 

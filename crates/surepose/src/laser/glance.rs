@@ -176,10 +176,10 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
         pose: Pose<Map, Body, S>,
         vague: &Vague<S>,
         walls: &[Wall<S>],
-    ) -> [Fate<S>; BEAMS] {
+    ) -> [BeamEnd<S>; BEAMS] {
         let beams = &self.beams[..self.len];
         let zero = S::of(0.0);
-        let mut fates = [Fate {
+        let mut fates = [BeamEnd {
             surely: zero,
             misfit: S::of(BEFORE),
             slope: zero,
@@ -221,7 +221,7 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
         fates
     }
 
-    fn compare(&self, fates: &[Fate<S>; BEAMS]) -> Agreement<S> {
+    fn compare(&self, fates: &[BeamEnd<S>; BEAMS]) -> Agreement<S> {
         let mut result = Agreement { beams: self.len as u16, ..Agreement::default() };
         for (beam, fate) in self.beams[..self.len].iter().zip(fates) {
             let (u, _, misfit) = fate.settled();
@@ -240,7 +240,7 @@ impl<S: Float, const BEAMS: usize> Glance<S, BEAMS> {
 
 /// What is known of a beam's end so far.
 #[derive(Clone, Copy)]
-pub(super) struct Fate<S> {
+pub(super) struct BeamEnd<S> {
     /// The inverse range of the nearest wall that is surely in its way, 0 for none, what that costs, and how the inverse
     /// range changes with the bearing.
     pub(super) surely: S,
@@ -252,7 +252,7 @@ pub(super) struct Fate<S> {
     slope_at: S,
 }
 
-impl<S: Float> Fate<S> {
+impl<S: Float> BeamEnd<S> {
     /// Inverse range, slope and cost of the wall at which the beam ends.
     #[inline]
     fn settled(&self) -> (S, S, S) {

@@ -96,7 +96,7 @@ struct Open<S> {
 }
 
 /// What can be said of an open line now.
-enum Verdict {
+enum Choice {
     Nothing,
     One(usize),
     Several,
@@ -118,7 +118,8 @@ impl<S: Float> Matcher<S> {
         walls: &[Wall<S>],
     ) -> Matched<S> {
         let lines = &lines[..lines.len().min(MOST_LINES)];
-        let mut now = View { matcher: self, ekf, belief: *belief, body_from_laser, walls };
+        let mut now =
+            View { matcher: self, ekf, belief: *belief, body_from_laser, walls, given: List::new() };
         let mut open = [None; MOST_LINES];
         for (slot, line) in open.iter_mut().zip(lines) {
             *slot = Some(now.first_look(line));
@@ -132,7 +133,7 @@ impl<S: Float> Matcher<S> {
                 if beams <= most {
                     continue;
                 }
-                if let Some(Verdict::One(number)) = open[k].as_mut().map(|open| now.verdict(open, line)) {
+                if let Some(Choice::One(number)) = open[k].as_mut().map(|open| now.verdict(open, line)) {
                     most = beams;
                     next = Some((k, number));
                 }
@@ -143,13 +144,14 @@ impl<S: Float> Matcher<S> {
                 now.learn(&sighting);
                 result.fates[k] = Fate::Wall { number, sighting };
             }
+            now.given.push(number);
             for line in open.iter_mut().flatten() {
                 line.candidates.retain(|other| *other != number);
             }
         }
         for (k, line) in lines.iter().enumerate() {
             let verdict = open[k].as_mut().map(|open| now.verdict(open, line));
-            if let Some(Verdict::Several) = verdict {
+            if let Some(Choice::Several) = verdict {
                 result.fates[k] = Fate::Ambiguous;
             }
         }
@@ -164,6 +166,8 @@ struct View<'a, S> {
     belief: Belief<S>,
     body_from_laser: &'a Pose<Body, Laser, S>,
     walls: &'a [Wall<S>],
+    /// Walls that lines were given, by number.
+    given: List<usize, MOST_LINES>,
 }
 
 impl<S: Float> View<'_, S> {
@@ -179,7 +183,7 @@ impl<S: Float> View<'_, S> {
         open.candidates.clear();
         open.crowded = false;
         let (ends, margin) = self.stretch(line);
-        for number in 0..self.walls.len() {
+        for number in (0..self.walls.len()).filter(|number| !self.given.contains(number)) {
             if self.misfit(open, number, ends, margin).is_some() {
                 open.crowded = open.crowded || open.candidates.is_full();
                 open.candidates.push(number);
@@ -187,7 +191,7 @@ impl<S: Float> View<'_, S> {
         }
     }
 
-    fn verdict(&self, open: &mut Open<S>, line: &SeenLine<S>) -> Verdict {
+    fn verdict(&self, open: &mut Open<S>, line: &SeenLine<S>) -> Choice {
         if open.crowded {
             self.gather(open, line);
         }
@@ -207,10 +211,10 @@ impl<S: Float> View<'_, S> {
             }
         }
         match (best, second) {
-            (None, _) => Verdict::Nothing,
-            (Some((least, _)), Some(next)) if next - least < self.matcher.distinct => Verdict::Several,
-            _ if open.crowded => Verdict::Several,
-            (Some((_, number)), _) => Verdict::One(number),
+            (None, _) => Choice::Nothing,
+            (Some((least, _)), Some(next)) if next - least < self.matcher.distinct => Choice::Several,
+            _ if open.crowded => Choice::Several,
+            (Some((_, number)), _) => Choice::One(number),
         }
     }
 

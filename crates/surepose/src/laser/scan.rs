@@ -36,7 +36,7 @@ pub struct Scan<'a, S> {
 /// Why a scan was not read at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ScanRefusal {
-    /// The laser's noise or reach is not positive and finite, or its mounting is not finite.
+    /// The laser's noise is not positive and finite, its reach is not positive, or its mounting is not finite.
     BadLaser,
     /// A bearing is not finite, the step is zero or beyond 45°, or the beams make more than one turn.
     BadBearings,
@@ -58,7 +58,9 @@ impl ScanRefusal {
 impl core::fmt::Display for ScanRefusal {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::BadLaser => "the laser's noise and reach must be positive and its mounting finite",
+            Self::BadLaser => {
+                "the laser's noise and reach must be positive, and its noise and mounting finite"
+            }
             Self::BadBearings => {
                 "bearings must be finite, steps between 0 and 45°, all beams within one turn"
             }

@@ -50,7 +50,9 @@ impl<S: Scalar> Arrival<S> {
         let close = navigation.rho.lt(tolerance.position * widening);
         let turned = navigation.heading_error().radians().abs().lt(tolerance.heading * widening);
         let inside = close.and(turned);
-        Self { inside_for: S::select(inside, self.inside_for + period, S::of(0.0)), inside }
+        // The period before the first sight inside was spent outside.
+        let held = S::select(self.inside, self.inside_for + period, S::of(0.0));
+        Self { inside_for: S::select(inside, held, S::of(0.0)), inside }
     }
 
     /// Where the hold time is over.
@@ -70,5 +72,29 @@ impl<S: Float> Arrival<S> {
         } else {
             Phase::Driving
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Arrival, Tolerance};
+    use crate::Angle;
+    use crate::navigation::Navigation;
+
+    /// However long a period is: the one before the first sight inside was spent outside.
+    #[test]
+    fn the_hold_time_is_held() {
+        let tolerance = Tolerance { position: 0.01, heading: 0.02, hold: 1.0, release: 1.5 };
+        let there = Navigation { rho: 0.005, alpha: Angle::zero(), phi: Angle::zero() };
+        for (period, ticks) in [(2.0, 1), (1.0, 1), (0.5, 2), (0.25, 4)] {
+            let mut arrival = Arrival::<f64>::fresh();
+            for _ in 0..ticks {
+                arrival = arrival.after(&there, &tolerance, period);
+                assert!(!arrival.reached(&tolerance), "{period} s");
+            }
+            assert!(arrival.after(&there, &tolerance, period).reached(&tolerance), "{period} s");
+        }
+        let instant = Tolerance { hold: 0.0, ..tolerance };
+        assert!(Arrival::<f64>::fresh().after(&there, &instant, 0.1).reached(&instant));
     }
 }

@@ -13,7 +13,7 @@ use super::gains::Gains;
 /// with `a`, and the exponential end of the drive.
 ///
 /// # Guarantee
-/// Along it the rim brakes with `a·v/(v + a/k) < a`, at every speed; and k(s) > 0, so that V̇ of (24) and (29) keeps its sign.
+/// Along it the rim brakes with `a·v/(v + a/k) < a`, at every speed; and k(s) > 0, so that V̇ of (20) and (29) keeps its sign.
 /// Tested by `braking::braking_is_never_harder_than_the_wheels_can`.
 ///
 /// # Departure

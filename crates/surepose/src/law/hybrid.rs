@@ -22,8 +22,8 @@ use super::rest::Rest;
 /// | where | law |
 /// |---|---|
 /// | ρ > ε | (23) with k_v → min(k_v, V/ρ), k_α → k_α(α), h → h·(ρ/2.7ε)²₊, and v = 0 where cos α < 0 |
-/// | ρ < ε | the same, its ω faded by (ρ/ε)²: the robot finishes the line it is on |
-/// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns as far as it has arrived: ω·max(0.1, 1 − (ρ cos α/0.35ε)²) |
+/// | ρ < ε | the same, its ω faded by (ρ/ε)²: the robot finishes the line it is on; where cos α < 0, v faded in by 1 − (ρ/ε)²: it backs up |
+/// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns as far as it has arrived: ω·max(0.1, 1 − (ρ cos α/0.35ε)²), and wholly where the heading is within 0.02 rad |
 ///
 /// (28) keeps the robot until ρ > 0.85ε; as it trims the heading, ρ² need only exceed what falls evenly to (0.58ε)² in 20
 /// ticks. With the direction of approach reversed, α, φ and v are those of a robot whose tail is its nose.

@@ -19,6 +19,8 @@ pub struct Rest<S> {
 /// The reach in standard deviations of the position, for a period of 1 s: the oftener the robot is told its place, the
 /// oftener noise calls it to move.
 const DEVIATIONS_AT_ONE_SECOND: f64 = 0.12;
+/// The least \[m]: nowhere to be seen.
+const LEAST: f64 = 1e-9;
 /// The most, in capture radii: a robot that rests is one that the local law turns, see [`super::HybridLaw`].
 const MOST_RADII: f64 = 0.13;
 /// How much farther the goal must be for the robot to turn its travel round.
@@ -28,7 +30,8 @@ impl<S: Scalar> Rest<S> {
     /// The zone for an estimate whose coordinates have the standard deviation `noise` \[m], white from one period \[s]
     /// to the next.
     pub fn of(noise: S, period: S) -> Self {
-        Self { reach: noise * S::of(DEVIATIONS_AT_ONE_SECOND) / period.sqrt() }
+        // A reach of 0 would be a quotient of nothing on the goal.
+        Self { reach: (noise * S::of(DEVIATIONS_AT_ONE_SECOND) / period.sqrt()).max(S::of(LEAST)) }
     }
 
     /// The same, no larger than what a goal that captures within `capture_radius` \[m] leaves room for.

@@ -122,3 +122,40 @@ fn walls_that_are_missing_make_it_lost() {
         assert_eq!(supervisor.health(START, &belief(0.01)) == Health::Lost, missing == 40, "{missing}");
     }
 }
+
+#[test]
+fn a_scan_that_says_nothing_changes_nothing() {
+    let few = Agreement { beams: 5, explained: 5, ..seen(0, 0) };
+    let mut supervisor = supervisor();
+    for _ in 0..20 {
+        supervisor.looked(&few, 20.0);
+        supervisor.looked(&seen(95, 0), f64::NAN);
+        assert_eq!(supervisor.verdict(START, &belief(0.01)), Verdict::Go);
+    }
+    // And what is no number leaves it able to tell.
+    for _ in 0..20 {
+        supervisor.looked(&seen(95, 0), f64::INFINITY);
+    }
+    assert_eq!(supervisor.health(START, &belief(0.01)), Health::Lost);
+}
+
+/// Odometry of an hour ahead, from one wrong stamp: nobody knows what the robot does now.
+#[test]
+fn odometry_of_the_future_is_silent_until_the_clock_that_counts_is_known() {
+    let (now, ahead) = (Stamp::from_seconds(1.0), Stamp::from_seconds(3600.0));
+    let mut supervisor = supervisor();
+    supervisor.rolled(ahead, Ok(()));
+    supervisor.measured(ahead, Outcome::Accepted { nis: 1.0 }, 1);
+    assert_eq!(supervisor.verdict(now, &belief(0.01)), Verdict::Stop(Reason::OdometrySilent));
+    supervisor.rolled(now, Ok(()));
+    assert_eq!(supervisor.verdict(now, &belief(0.01)), Verdict::Go);
+    // What helped the robot by the other clock does not help it for an hour.
+    let later = now.after(6.0);
+    supervisor.rolled(later, Ok(()));
+    assert_eq!(supervisor.verdict(later, &belief(0.01)), Verdict::Slow(Reason::Unaided));
+}
+
+#[test]
+fn a_belief_that_is_no_number_is_not_driven_by() {
+    assert_eq!(supervisor().verdict(START, &belief(f64::NAN)), Verdict::Stop(Reason::Uncertain));
+}

@@ -1,6 +1,5 @@
 //! Which measurements may touch the belief at all.
 
-use crate::covariance::Covariance;
 use crate::scalar::Float;
 
 use super::{Compass, LandmarkSighting, Measurement, PoseFix, PositionFix, WallSighting};
@@ -46,7 +45,8 @@ fn positive<S: Float>(variances: &[S]) -> Result<(), Refusal> {
 
 fn positive_definite<S: Float>(first: S, second: S, covariance: S) -> Result<(), Refusal> {
     positive(&[first, second])?;
-    positive(&[second - covariance.squared() / first])
+    // As the innovation takes the one out of the other: what passes here is positive there.
+    positive(&[second - covariance / first * covariance])
 }
 
 impl<S: Float> Compass<S> {
@@ -81,13 +81,10 @@ impl<S: Float> PositionFix<S> {
 impl<S: Float> PoseFix<S> {
     fn check(&self) -> Result<(), Refusal> {
         finite(&[self.pose.x, self.pose.y, self.pose.heading.radians()])?;
-        // Nothing known of any direction is no measurement; a negative information is none either.
-        let known = |i: usize| self.information[(i, i)].is_finite() && self.information[(i, i)] >= S::of(0.0);
-        let any = (0..3).any(|i| self.information[(i, i)] > S::of(0.0));
-        if (0..3).all(known) && any && Covariance::from_matrix(&self.information).is_ok() {
-            Ok(())
-        } else {
-            Err(Refusal::BadVariance)
-        }
+        // Nothing known of any direction is no measurement; neither is what no sensor knows.
+        let diagonal = [0, 1, 2].map(|i| self.information[(i, i)]);
+        let any = diagonal.iter().any(|known| *known > S::of(0.0));
+        let possible = diagonal.iter().all(|known| *known <= S::of(1.0 / VARIANCES.0));
+        if any && possible && self.is_informed() { Ok(()) } else { Err(Refusal::BadVariance) }
     }
 }

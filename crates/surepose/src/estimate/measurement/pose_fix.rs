@@ -58,19 +58,29 @@ impl<S: Scalar> PoseFix<S> {
     /// The same pose, where an error of these variances of x, y \[m²] and θ \[rad²] is added that all that was seen
     /// shares: the time of a scan, or how the robot leaned.
     ///
-    /// (Λ⁻¹ + σ²eeᵀ)⁻¹ = Λ − Λe·eᵀΛ/(σ⁻² + eᵀΛe) for each axis e: [ShermanMorrison1950], which needs no Λ⁻¹.
+    /// (Λ⁻¹ + σ²eeᵀ)⁻¹ = Λ − Λe·eᵀΛ/(σ⁻² + eᵀΛe) for each axis e: [ShermanMorrison1950], which needs no Λ⁻¹. On the axis
+    /// itself that is Λe/(1 + σ²eᵀΛe), without a difference of large numbers.
     #[must_use]
     pub fn blurred(mut self, variances: [S; 3]) -> Self {
         for (axis, variance) in variances.into_iter().enumerate() {
             let column = [0, 1, 2].map(|row| self.information[(row, axis)]);
-            let share = variance / (S::of(1.0) + variance * column[axis]);
+            let left = S::of(1.0) / (S::of(1.0) + variance * column[axis]);
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            for (row, k) in [(next, next), (next, last), (last, last)] {
+                let taken = variance * left * column[row] * column[k];
+                self.put(row, k, self.information[(row, k)] - taken);
+            }
             for row in 0..3 {
-                for k in 0..3 {
-                    self.information[(row, k)] = self.information[(row, k)] - share * column[row] * column[k];
-                }
+                self.put(row, axis, column[row] * left);
             }
         }
         self
+    }
+
+    /// Puts an entry of the information, on either side of the diagonal.
+    fn put(&mut self, row: usize, column: usize, entry: S) {
+        self.information[(row, column)] = entry;
+        self.information[(column, row)] = entry;
     }
 }
 
@@ -103,8 +113,46 @@ impl<S: Float> PoseFix<S> {
                 step[row] = step[row] - lower[k][row] * step[k];
             }
         }
+        if !step.iter().all(|s| s.is_finite()) {
+            return Err(NotACovariance);
+        }
         let pose = Pose::new(near.x + step[0], near.y + step[1], near.heading.turned(step[2]));
         Ok(Self { pose, information })
+    }
+
+    /// Whether the information is one: finite, symmetric, and positive semi-definite as far as rounding tells.
+    ///
+    /// Where walls show nothing along them what is left along them is the rounding of what they show across, and of what was
+    /// [taken from it](PoseFix::blurred), which may have been some ten thousand times as much.
+    pub(super) fn is_informed(&self) -> bool {
+        let slack = S::of(1e-6).max(S::EPSILON * S::of(32768.0));
+        let matrix = &self.information.0;
+        let size = |i: usize| matrix[i][i].abs().max(S::of(LEAST));
+        let between = |i: usize, j: usize| size(i).sqrt() * size(j).sqrt();
+        let agrees = |i: usize, j: usize| (matrix[i][j] - matrix[j][i]).abs() <= slack * between(i, j);
+        if !(0..3).all(|i| (0..3).all(|j| agrees(i, j))) {
+            return false;
+        }
+        let mut rest = *matrix;
+        for j in 0..3 {
+            let pivot = rest[j][j];
+            // A NaN compares false.
+            if !(pivot >= -slack * size(j) && pivot.is_finite()) {
+                return false;
+            }
+            let is_nothing = pivot <= slack * size(j);
+            for i in j + 1..3 {
+                // Next to nothing there is nothing: |Λᵢⱼ|² ≤ Λᵢᵢ·Λⱼⱼ.
+                if is_nothing && rest[i][j].abs() > S::of(2.0) * slack.sqrt() * between(i, j) {
+                    return false;
+                }
+                let factor = if is_nothing { S::of(0.0) } else { rest[i][j] / pivot };
+                for k in j + 1..3 {
+                    rest[i][k] = rest[i][k] - factor * rest[j][k];
+                }
+            }
+        }
+        true
     }
 }
 

@@ -1,0 +1,45 @@
+//! Which wall is each line? Guessing is none, and no wall is two lines.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use surepose::{
+    Angle, Belief, Drive, Ekf, Fate, Integration, Laser, Line, Matcher, Point, Pose, SeenLine, Wall,
+};
+
+fn ekf() -> Ekf<f64> {
+    Ekf { drive: Drive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc }
+}
+
+/// A line 10 m ahead, from `extent.0` to `extent.1` beside the foot.
+fn seen(extent: (f64, f64), beams: u16) -> SeenLine<f64> {
+    let line: Line<Laser, f64> = Line::new(10.0, Angle::zero());
+    SeenLine {
+        line,
+        distance_variance: 1e-4,
+        direction_variance: 1e-6,
+        covariance: 0.0,
+        extent,
+        beams,
+        roughness: 1.0,
+    }
+}
+
+/// A long wall among short ones, more than are held for one line at a time, of which a line may be any, and another is sure to
+/// be the long one: that is not given away again when the first is asked about anew.
+#[test]
+fn a_wall_is_given_away_once_in_a_crowd_too() {
+    let wall = |x: f64, from: f64, to: f64| Wall::between(Point::new(x, from), Point::new(x, to)).unwrap();
+    for shorts in [4, 6, 8, 12] {
+        let mut walls = vec![wall(10.0, -1.0, 8.0)];
+        for k in 0..shorts {
+            let apart = 0.25 * f64::from(1 + k / 2) * if k % 2 == 0 { 1.0 } else { -1.0 };
+            walls.push(wall(10.0 + apart, -1.0, 1.5));
+        }
+        let belief = Belief::new(Pose::identity(), [0.6, 0.05, 0.005]);
+        let lines = [seen((5.0, 7.0), 50), seen((0.0, 1.0), 20)];
+        let matched = Matcher::default().matched(&ekf(), &belief, &Pose::identity(), &lines, &walls);
+        let [first, second] = matched.fates() else { panic!("two lines") };
+        assert!(matches!(first, Fate::Wall { number: 0, .. }), "{shorts}: {first:?}");
+        assert!(!matches!(second, Fate::Wall { number: 0, .. }), "{shorts}: {second:?}");
+    }
+}
