@@ -86,7 +86,7 @@ pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
         });
         let signals =
             [compass, sighting].map(|measurement| Stamped::new(stamp, Signal::Measurement(measurement)));
-        let sensed = Sensed { stamp, travel: ekf.travel(rolled), signals: &signals };
+        let sensed = Sensed { stamp, travel: localiser.estimator.travel(stamp, rolled), signals: &signals };
 
         clock();
         let now = tick(&controller, &mut localiser, &[], progress, &sensed, goal, &mut ());

@@ -78,8 +78,9 @@ impl Rig {
         think: impl FnOnce(&mut Self, &Sensed<'_, f64>) -> T,
     ) -> T {
         let sensed = self.world.step(wheels, period);
-        let (ekf, compass) = (*self.localiser.estimator.ekf(), self.compass);
-        translated(&sensed, &ekf, &compass, |sensed| think(self, sensed))
+        let travel = self.localiser.estimator.travel(sensed.stamp, sensed.rims);
+        let compass = self.compass;
+        translated(&sensed, travel, &compass, |sensed| think(self, sensed))
     }
 
     /// The world, with the truth in it.

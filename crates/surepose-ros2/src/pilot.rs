@@ -297,7 +297,7 @@ impl Pilot {
             laser.body_from_laser = scan.body_from_laser;
         }
         let signals: Vec<_> = heard.iter().map(Heard::signal).collect();
-        let travel = self.localiser.estimator.ekf().travel(rims);
+        let travel = self.localiser.estimator.travel(stamp, rims);
         let sensed = Sensed { stamp, travel, signals: &signals };
         let ticked = self.think(&sensed);
         // Where things stand is known as well as where the robot was when it saw them: better now than before it thought.

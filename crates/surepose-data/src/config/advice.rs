@@ -2,7 +2,7 @@
 
 use surepose::param;
 
-use super::Config;
+use super::{Config, Value};
 
 impl Config {
     /// What a careful user wants to know of these values, as sentences.
@@ -16,6 +16,18 @@ impl Config {
                 "law.k_alpha × loop.period_s is {sampled:.3}: the bearing error {fate} from tick to tick; keep it well \
                  under 1"
             ));
+        }
+        for (noise, most) in [(&param::LASER_RANGE_STD, 0.1), (&param::LASER_BEARING_STD, 1.0)] {
+            let unit = noise.unit.symbol();
+            if let Value::Number(std) = self.value(noise)
+                && std > most
+            {
+                warnings.push(format!(
+                    "{}.{} is {std} {unit}: beyond {most} {unit} one wall is taken for another, and the filter is too sure \
+                     of itself",
+                    noise.section, noise.key
+                ));
+            }
         }
         let history = self.number(&param::HISTORY);
         for latency in [&param::COMPASS_LATENCY, &param::LASER_LATENCY] {

@@ -90,12 +90,22 @@ fn gains_that_are_set_are_meant_and_others_brake_evenly() {
     }
 }
 
+fn warnings<const N: usize>(options: [&str; N]) -> Vec<String> {
+    let put = |config: Config, option: &str| config.with_option(option).expect("valid");
+    options.into_iter().fold(Config::default(), put).warnings()
+}
+
+#[test]
+fn a_laser_that_is_too_noisy_for_walls_is_warned_of() {
+    assert_eq!(warnings(["laser.range_std_m=0.1", "laser.bearing_std_deg=1"]), Vec::<String>::new());
+    let found = warnings(["laser.range_std_m=0.11", "laser.bearing_std_deg=1.1"]);
+    let [range, bearing] = found.as_slice() else { panic!("{found:?}") };
+    assert!(range.starts_with("laser.range_std_m is 0.11 m: beyond 0.1 m"), "{range}");
+    assert!(bearing.starts_with("laser.bearing_std_deg is 1.1 °: beyond 1 °"), "{bearing}");
+}
+
 #[test]
 fn a_latency_that_the_history_does_not_reach_is_warned_of() {
-    let warnings = |options: [&str; 2]| {
-        let put = |config: Config, option: &str| config.with_option(option).expect("valid");
-        options.into_iter().fold(Config::default(), put).warnings()
-    };
     assert_eq!(warnings(["laser.latency_s=0.9", "filter.history_s=1"]), Vec::<String>::new());
     let found = warnings(["laser.latency_s=1.1", "filter.history_s=1"]);
     assert!(found.len() == 1 && found[0].contains("laser.latency_s is 1.1 s"), "{found:?}");

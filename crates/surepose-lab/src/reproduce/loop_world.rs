@@ -133,10 +133,10 @@ impl Run<'_> {
         sensed: &surepose_sim::Sensed,
         witness: &mut impl Witness<f64, HISTORY>,
     ) -> Belief<f64> {
-        let ekf = *robot.estimator.ekf();
+        let travel = robot.estimator.travel(sensed.stamp, sensed.rims);
         // Nobody tells the wheels anything here, and their encoders are never refused.
         let told = Travel::guessed(Wheels::rest());
-        translated(sensed, &ekf, &self.world.robot.compass(), |sensed| {
+        translated(sensed, travel, &self.world.robot.compass(), |sensed| {
             robot.sense(sensed, told, &self.world.walls, witness)
         })
     }

@@ -1,8 +1,8 @@
 //! The simulated robot's sensors, as the core's loop hears them.
 
 use surepose::closed_loop::{Localiser, Sensed, Signal};
-use surepose::{Angle, Belief, Compass, Ekf, Eye, Matcher, Measurement, RangeFinder, Rays, Recognition};
-use surepose::{Scan, Stamp, Stamped};
+use surepose::{Angle, Belief, Compass, Eye, Matcher, Measurement, RangeFinder, Rays, Recognition};
+use surepose::{Scan, Stamp, Stamped, Travel};
 use surepose_data::Config;
 use surepose_data::config::CompassMounting;
 
@@ -41,10 +41,10 @@ pub fn localisation(config: &Config, reading: Reading, belief: Belief<f64>) -> B
     Box::new(Localiser { estimator, eye: Eye::new(laser, recognition) })
 }
 
-/// Gives `then` what the simulated sensors say, in the core's words.
+/// Gives `then` what the simulated sensors say, in the core's words, of the robot having rolled by `travel`.
 pub fn translated<T>(
     sensed: &surepose_sim::Sensed,
-    ekf: &Ekf<f64>,
+    travel: Travel<f64>,
     mounting: &CompassMounting,
     then: impl FnOnce(&Sensed<'_, f64>) -> T,
 ) -> T {
@@ -54,7 +54,7 @@ pub fn translated<T>(
     });
     let scans = sensed.scans.iter().map(|scan| Stamped::new(scan.stamp, Signal::Scan(scan_of(&scan.value))));
     let signals: Vec<_> = headings.chain(scans).collect();
-    then(&Sensed { stamp: sensed.stamp, travel: ekf.travel(sensed.rims), signals: &signals })
+    then(&Sensed { stamp: sensed.stamp, travel, signals: &signals })
 }
 
 /// The core's view of a simulated scan.
