@@ -224,10 +224,13 @@ impl<L: Subject> Request<'_, L> {
     /// The longest period found with which the same gains are still certified, with the largest useful capture radius.
     fn max_period(&self, weight: Weight, boxes: &mut usize) -> f64 {
         let (mut shown, mut failed) = (self.period, self.longest_period);
-        // What is tried: twice the period as long as that works, then halves of what is left, three in all.
-        for _ in 0..3 {
-            let period = if 2.0 * shown < failed { 2.0 * shown } else { 0.5 * (shown + failed) };
-            if period <= shown * 1.05 {
+        // What is tried: twice the period as long as that works, then halves of what is left, at most twice.
+        let mut halves = 0;
+        loop {
+            let doubled = 2.0 * shown < failed;
+            let period = if doubled { 2.0 * shown } else { 0.5 * (shown + failed) };
+            halves += u32::from(!doubled);
+            if halves > 2 || period <= shown * 1.05 {
                 break;
             }
             let slower = Self { period, ..*self };

@@ -29,10 +29,11 @@ pub enum BagError {
         /// How many.
         count: usize,
     },
-    /// It is no MCAP, or a damaged one.
-    #[error(
-        "this is no MCAP recording, or a damaged one: {problem}; what was cut short can be mended by `mcap recover`"
-    )]
+    /// It is no MCAP.
+    #[error("this is no MCAP recording; other formats of rosbag2 become one by `ros2 bag convert`")]
+    NoMcap,
+    /// It is a damaged one.
+    #[error("this recording is damaged: {problem}; what was cut short can be mended by `mcap recover`")]
     Damaged {
         /// What is wrong with it.
         problem: mcap::McapError,

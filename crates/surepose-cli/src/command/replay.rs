@@ -113,6 +113,9 @@ impl ReplayCommand {
         if interrupt::asked() {
             return Ok(Exit::Interrupted);
         }
+        if let Some(why) = skipped(&report) {
+            warning(&why);
+        }
         let failing = failing(&report);
         if let Some(why) = failing {
             warning(why);
@@ -205,14 +208,30 @@ fn watched<T: Send>(
 fn failing(report: &ReplayReport) -> Option<&'static str> {
     // What no measurement moved is as good as dead reckoning, to the last digits.
     const SAME: f64 = 1e-6;
+    // The quantile of χ² with 3 rows for one estimate of 10⁶ is 31.
+    const SURE_OF_ITSELF: f64 = 100.0;
     if report.steps == 0 {
         return Some("the recording has not one step of odometry: nobody was followed");
     }
     if report.accepted == 0 {
         return Some("no measurement was accepted: this is dead reckoning");
     }
+    if report.nees_median.is_some_and(|nees| nees > SURE_OF_ITSELF) {
+        return Some(
+            "the estimate is not where it is sure to be: is the map of this place, and are the settings of this robot?",
+        );
+    }
     let (estimated, reckoned) = (report.position_rmse_m?, report.dead_reckoning_position_rmse_m?);
     (estimated > reckoned + SAME).then_some("the estimate is farther off than dead reckoning alone")
+}
+
+/// What was left out of a recording, where that is more than a little of it.
+fn skipped(report: &ReplayReport) -> Option<String> {
+    // A tenth of the records.
+    let much = report.steps / 10;
+    let (why, count) = report.skipped.iter().max_by_key(|(_, count)| **count)?;
+    (u64::from(*count) > much)
+        .then(|| format!("{count} records are not used, for {why}: see `skipped` in --json"))
 }
 
 /// The report's keys in words.

@@ -14,7 +14,7 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::interrupt;
-use crate::output::{Output, table};
+use crate::output::{Output, table, warning};
 use crate::settings::{ConfigArgs, whole};
 use localisation::Localisation;
 
@@ -73,6 +73,10 @@ impl ReproduceCommand {
         }
         figures.sort_unstable();
         figures.dedup();
+
+        if figures.contains(&Figure::Fig3) && self.config.is_given() {
+            warning("fig3 is of the paper's own gains and of the law alone: it heeds no configuration");
+        }
 
         interrupt::listen();
         // Fig. 4 and Fig. 5 show the same runs.

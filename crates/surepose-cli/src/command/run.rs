@@ -72,6 +72,9 @@ impl RunCommand {
                 a.x, a.y, b.x, b.y
             ));
         }
+        if let Some(said) = cramped(&scenario) {
+            warning(&said);
+        }
         // A folder that cannot be written to is found before the drive, not after it.
         let folder = self.out.as_deref().map(Folder::at).transpose()?;
 
@@ -141,6 +144,18 @@ impl RunCommand {
         scenario.has_room().map_err(|problem| no_room(&problem, &scenario))?;
         Ok(scenario)
     }
+}
+
+/// What is to be said of a goal at which a wheel stands in a wall: simulated walls stop the robot's middle only.
+fn cramped(scenario: &Scenario) -> Option<String> {
+    let (clearance, half) =
+        (scenario.arena.clearance(scenario.goal().origin()), 0.5 * scenario.config.drive().track);
+    (clearance < half).then(|| {
+        format!(
+            "the goal is {clearance:.2} m from a wall, and the wheels are {half} m beside the robot's middle: whether there is \
+             room to turn is not simulated"
+        )
+    })
 }
 
 /// Which option puts it right, and where else the pose may have come from.

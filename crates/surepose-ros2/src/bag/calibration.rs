@@ -13,7 +13,7 @@ use surepose_lab::calibrate::{Options, Recording, StampedHeading};
 
 use super::BagError;
 use super::prologue::{Prologue, REFERENCE_STD};
-use super::reader::{Bag, Said};
+use super::reader::{Bag, Role, Said};
 use crate::convert::Refused;
 use crate::message::{LaserScan, Odometry};
 use crate::mounting::LaserMount;
@@ -50,7 +50,8 @@ pub struct Recorded {
 /// # Errors
 /// [`BagError`], where it is no recording, or is damaged.
 pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> Result<Recorded, BagError> {
-    let bag = Bag::open(path, names)?;
+    let wanted: &[Role] = if compass { &[Role::Scan, Role::Imu] } else { &[Role::Scan] };
+    let bag = Bag::open(path, names, wanted)?;
     let mut options = Options::of(config);
     (options.wall_distance_std, options.wall_direction_std) = WALL_STD;
     let mut skipped = BTreeMap::new();

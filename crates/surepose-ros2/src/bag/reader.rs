@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
+use flate2::bufread::MultiGzDecoder;
+use mcap::McapError;
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use serde::de::DeserializeOwned;
@@ -29,6 +31,9 @@ const STATIC: &str = "/tf_static";
 /// What is longer, decompressed, is no record but a mistake [bytes].
 const LONGEST_RECORD: usize = 1 << 28;
 
+/// How a file begins that is compressed as a whole.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
 /// So much of the file is read at a time [bytes].
 const PIECE: usize = 1 << 16;
 
@@ -43,7 +48,7 @@ pub(super) enum Said {
 
 /// What a channel is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Role {
+pub(super) enum Role {
     Odometry,
     Scan,
     Imu,
@@ -95,23 +100,26 @@ pub(super) struct Bag {
 }
 
 impl Bag {
-    /// The recording at `path`, or the one in that folder, with the topics of `names`; a topic that is the only one of its type may have any name.
+    /// The recording at `path`, or the one in that folder, with the topics of `names`; a topic that is the only one of its type may
+    /// have any name, but for the truth. Besides odometry those that are `wanted` must be there.
     ///
     /// # Errors
     /// [`BagError`].
-    pub(super) fn open(path: &Path, names: &Names) -> Result<Self, BagError> {
+    pub(super) fn open(path: &Path, names: &Names, wanted: &[Role]) -> Result<Self, BagError> {
         let path = file_of(path)?;
         let channels = channels(&path)?;
         // A truth may be odometry by its type; then it is not the robot's own.
         let truth = topic(&channels, names, Role::Truth, None)?;
-        let of = |role| topic(&channels, names, role, truth.as_deref());
-        let odometry = of(Role::Odometry)?.ok_or_else(|| BagError::NoTopic {
-            name: Role::Odometry.name().to_owned(),
-            kind: ODOMETRY.to_owned(),
-            present: present(&channels),
-        })?;
+        let of = |role: Role| match topic(&channels, names, role, truth.as_deref())? {
+            None if role == Role::Odometry || wanted.contains(&role) => Err(BagError::NoTopic {
+                name: role.name().to_owned(),
+                kind: role.kinds().join(" or "),
+                present: present(&channels),
+            }),
+            found => Ok(found),
+        };
         let topics = [
-            (Role::Odometry, Some(odometry)),
+            (Role::Odometry, of(Role::Odometry)?),
             (Role::Scan, of(Role::Scan)?),
             (Role::Imu, of(Role::Imu)?),
             (Role::Truth, truth),
@@ -200,8 +208,14 @@ fn channels(path: &Path) -> Result<BTreeMap<u16, Channel>, BagError> {
 /// Gives `on` the records of a recording, those in chunks as well.
 fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> Result<(), BagError> {
     let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
-    let damaged = |problem| BagError::Damaged { problem };
+    let damaged = |problem| match problem {
+        McapError::BadMagic => BagError::NoMcap,
+        problem => BagError::Damaged { problem },
+    };
     let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
+    let is_compressed = file.fill_buf().map_err(unreadable)?.starts_with(&GZIP);
+    let mut file: Box<dyn Read> =
+        if is_compressed { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) };
     let options = LinearReaderOptions::default()
         .with_validate_chunk_crcs(true)
         .with_record_length_limit(LONGEST_RECORD);

@@ -9,7 +9,7 @@ use surepose_lab::replay::{Reference, ReplayReport, Score, motion_between};
 
 use super::BagError;
 use super::prologue::{Prologue, REFERENCE_STD};
-use super::reader::{Bag, Said};
+use super::reader::{Bag, Role, Said};
 use crate::convert::Refused;
 use crate::names::Names;
 use crate::pilot::{Odom, Pilot, Report, Settings};
@@ -28,7 +28,10 @@ pub fn replay(
     mut say: impl FnMut(&str),
 ) -> Result<ReplayReport, BagError> {
     let begun = Instant::now();
-    let bag = Bag::open(path, names)?;
+    let wanted = [(Role::Scan, settings.map.is_some()), (Role::Imu, settings.compass)];
+    let wanted: Vec<_> =
+        wanted.into_iter().filter_map(|(role, is_wanted)| is_wanted.then_some(role)).collect();
+    let bag = Bag::open(path, names, &wanted)?;
     let mut report = ReplayReport::default();
     let prologue = Prologue::of(&bag, &settings.config, |why| report.skip(Some(why.name())))?;
     let mut settings = settings.clone();

@@ -1,10 +1,12 @@
 //! Recordings of the simulated robot, and of what is none.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use mcap::records::MessageHeader;
 use serde::Serialize;
 use surepose::{Body, Drive, Integration, Pose, Stamp, Twist, param};
@@ -178,6 +180,42 @@ fn which_topic_is_meant_is_asked_where_it_is_not_plain() {
     let names = Names::new("", &["odom:=/nowhere".to_owned()]).unwrap();
     let said = replay(&file.0, &settings(), &names).unwrap_err().to_string();
     assert!(said.contains("no topic /nowhere") && said.contains("/visual/odom (nav_msgs"), "{said}");
+}
+
+/// Who says that there is a compass, or a map, wants them heard.
+#[test]
+fn what_is_wanted_must_be_there() {
+    let mut recorder = Recorder::new();
+    let now = Stamp::from_seconds(1.7e9);
+    recorder.write(
+        "/odom",
+        "nav_msgs/msg/Odometry",
+        now,
+        &words::odometry(now, Pose::identity(), Twist::rest()),
+    );
+    let file = File::new("odometry-only", &recorder.finished());
+    let (names, blind) = (Names::default(), Settings { map: None, compass: false, ..settings() });
+    assert_eq!(replay(&file.0, &blind, &names).unwrap().steps, 1);
+    let said = |settings: &Settings| replay(&file.0, settings, &names).unwrap_err().to_string();
+    let compass = said(&Settings { compass: true, ..blind.clone() });
+    assert!(compass.contains("no topic imu of type sensor_msgs/msg/Imu"), "{compass}");
+    let map = said(&Settings { map: settings().map, ..blind });
+    assert!(map.contains("no topic scan") && map.contains("/odom (nav_msgs"), "{map}");
+    let calibration = recorded(&file.0, &settings().config, &names, false).unwrap_err().to_string();
+    assert!(calibration.contains("no topic scan"), "{calibration}");
+}
+
+#[test]
+fn a_recording_may_be_compressed_as_a_whole() {
+    let bytes = round(1.0, "/odom").finished();
+    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+    packed.write_all(&bytes).unwrap();
+    let packed = packed.finish().unwrap();
+    let replayed = |name, bytes: &[u8]| replay(&File::new(name, bytes).0, &settings(), &Names::default());
+    assert_eq!(replayed("gzip", &packed).unwrap().steps, 20);
+    assert!(replayed("half-gzip", &packed[..packed.len() / 2]).is_err());
+    let none = replayed("text", b"not a recording at all").unwrap_err();
+    assert!(matches!(none, BagError::NoMcap), "{none}");
 }
 
 /// A simulator tells the truth as odometry, beside the robot's own; and a topic may have channels of another type.
