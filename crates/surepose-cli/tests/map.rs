@@ -77,6 +77,37 @@ fn a_map_is_written_whole_and_where_its_name_leads_to() {
     assert!(link.is_symlink() && std::fs::read_to_string(&walls).expect("written").contains("[[wall]]"));
 }
 
+/// A recording of hours is not lost to a slip of the hand, whatever name it goes by.
+#[test]
+fn what_is_read_is_not_written_over() {
+    let folder = folder("map-over-input");
+    let grid = room(&folder);
+    let log = file(&folder, "drive.log", b"FLASER 2 1.0 1.0 0 0 0 0 0 0 1 host 1\n");
+    let other = folder.join(".").join("..").join("map-over-input");
+    let at = |name: &str| other.join(name).to_str().expect("UTF-8").to_owned();
+    // A grid that a picture would take the name of.
+    let image = std::fs::read(folder.join("room.pgm")).expect("there");
+    file(&folder, "hall.png", &image);
+    let text = std::fs::read_to_string(&grid).expect("there").replace("room.pgm", "hall.png");
+    let hall = file(&folder, "rooms.yaml", text.as_bytes());
+    for (arguments, input) in [
+        (["map", "from-log", "carmen", &log, "--out", &at("drive.log")].as_slice(), "drive.log"),
+        (&["map", "from-grid", &grid, "--out", &at("room.yaml")], "room.yaml"),
+        (&["map", "from-grid", &grid, "--out", &at("room.pgm")], "room.pgm"),
+        (&["map", "from-grid", &hall, "--out", &at("hall.toml")], "hall.png"),
+    ] {
+        let before = std::fs::read(folder.join(input)).expect("there");
+        let run = surepose(arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        let said = run.stderr.replace("\n  │ ", " ");
+        assert!(said.contains("would be written over") && said.contains("give --out another name"), "{said}");
+        assert_eq!(std::fs::read(folder.join(input)).expect("there"), before, "{arguments:?}");
+    }
+    // With the picture elsewhere there is nothing in the way.
+    let run = surepose(&["map", "from-grid", &hall, "--out", &at("hall.toml"), "--picture", &at("pictures")]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+}
+
 /// A map of nothing helps nobody: it is an answer, and a negative one.
 #[test]
 fn a_grid_without_walls_exits_with_1_and_says_so() {

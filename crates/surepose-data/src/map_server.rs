@@ -72,13 +72,27 @@ impl fmt::Display for Renamed {
 /// # Errors
 /// A missing, unreadable or malformed file, by name and line.
 pub fn read(path: &Path) -> Result<(Grid, Option<Renamed>), DataError> {
+    let (description, image, renamed) = described(path)?;
+    Ok((description.grid(&pgm::read(&image)?), renamed))
+}
+
+/// The image that [`read`] takes the grid from.
+///
+/// # Errors
+/// A missing, unreadable or malformed YAML file, by name and line.
+pub fn image_of(path: &Path) -> Result<PathBuf, DataError> {
+    described(path).map(|(_, image, _)| image)
+}
+
+/// What the YAML file says, the image that is there, and whether that is another one than is named.
+fn described(path: &Path) -> Result<(Description, PathBuf, Option<Renamed>), DataError> {
     let description = parse(path, &read_all(path, LONGEST_DOCUMENT)?)?;
     let named = path.with_file_name("").join(&description.image);
     let same = path.with_extension("pgm");
     if named.exists() || !same.exists() {
-        return Ok((description.grid(&pgm::read(&named)?), None));
+        return Ok((description, named, None));
     }
-    Ok((description.grid(&pgm::read(&same)?), Some(Renamed { named, read: same })))
+    Ok((description, same.clone(), Some(Renamed { named, read: same })))
 }
 
 /// Reads the text of a YAML file; `file` is the name that errors give it.

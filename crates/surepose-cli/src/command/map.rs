@@ -1,19 +1,22 @@
 //! `surepose map`: wall maps from occupancy grids and from recordings.
 
-use std::path::{Path, PathBuf};
+mod place;
+
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
-use surepose_data::{carmen, wall_map};
+use surepose_data::{carmen, map_server, wall_map};
 use surepose_lab::mapping::{MapReport, Mapped, from_grid, from_log};
 use surepose_lab::picture::{self, Ground};
 use surepose_lab::replay::carmen::{map_of, views};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::folder::{Folder, no_folder_at, write_file};
+use crate::folder::{Folder, write_file};
 use crate::interrupt;
 use crate::maps::grid_in;
 use crate::output::{Output, object, table, warning};
+use place::{Place, keep, name_of, pictures_of};
 
 /// Make a wall map, or show one.
 #[derive(Debug, Args)]
@@ -81,20 +84,21 @@ impl MapCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
         let report = match self.what {
             What::FromGrid { grid, out, picture } => {
-                no_folder_at(&out)?;
+                let place = Place::new(out, picture, &[&grid, &map_server::image_of(&grid)?])?;
                 let grid = grid_in(&grid)?;
-                write(&from_grid::walls_of(&grid), Ground::Grid(&grid), &out, picture)?
+                write(&from_grid::walls_of(&grid), Ground::Grid(&grid), &place)?
             }
             What::FromLog { format: Format::Carmen, path, out, picture } => {
-                no_folder_at(&out)?;
+                let place = Place::new(out, picture, &[&path])?;
                 let (log, settings) = (carmen::read(&path)?, from_log::Settings::default());
                 let ends = from_log::ends_of(views(&log), &settings);
-                write(&map_of(&log, 1, &settings), Ground::Ends(&ends), &out, picture)?
+                write(&map_of(&log, 1, &settings), Ground::Ends(&ends), &place)?
             }
             What::Show { map, grid, out } => {
                 let walls = wall_map::read(&map)?;
                 let grid = grid.as_deref().map(grid_in).transpose()?;
                 if let Some(folder) = &out {
+                    keep(&[&map], pictures_of(&map, folder), "give --out another folder")?;
                     let ground = grid.as_ref().map_or(Ground::Nothing, Ground::Grid);
                     Folder::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls, ground))?;
                 }
@@ -126,22 +130,12 @@ impl MapCommand {
 }
 
 /// Writes the map, and its picture beside it or into a folder of its own.
-fn write(
-    mapped: &Mapped,
-    ground: Ground<'_>,
-    out: &Path,
-    pictures: Option<PathBuf>,
-) -> Result<MapReport, Failure> {
-    let text = mapped.map.to_toml(out)?;
-    let folder = Folder::at(out.parent().unwrap_or(Path::new("")))?;
-    let pictures = pictures.map_or_else(|| Ok(folder.clone()), |path| Folder::at(&path))?;
+fn write(mapped: &Mapped, ground: Ground<'_>, place: &Place) -> Result<MapReport, Failure> {
+    let text = mapped.map.to_toml(&place.map)?;
+    let pictures = place.made()?;
     // A map comes with its picture: from here on, Ctrl-C waits for it.
     interrupt::listen();
-    write_file(out, &text)?;
-    pictures.picture(&name_of(out), &picture::wall_map(&mapped.map, ground))?;
+    write_file(&place.map, &text)?;
+    pictures.picture(&name_of(&place.map), &picture::wall_map(&mapped.map, ground))?;
     Ok(mapped.report)
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "map".to_owned(), |name| name.to_string_lossy().into_owned())
 }

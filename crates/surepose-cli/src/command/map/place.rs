@@ -1,0 +1,60 @@
+//! Where a wall map and its picture go: over nothing that is read.
+
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+use crate::folder::{Folder, no_folder_at};
+
+/// The endings of its picture.
+const ENDINGS: [&str; 2] = ["svg", "png"];
+
+/// A wall map that is to be written, and its picture.
+pub(super) struct Place {
+    /// The wall map.
+    pub(super) map: PathBuf,
+    /// The folder of its picture.
+    pictures: PathBuf,
+}
+
+impl Place {
+    /// The map, and its picture in the folder `pictures`, or beside it; refused where it would be written over one of `inputs`.
+    pub(super) fn new(map: PathBuf, pictures: Option<PathBuf>, inputs: &[&Path]) -> Result<Self, Failure> {
+        no_folder_at(&map)?;
+        let beside = || map.with_file_name("");
+        let pictures = pictures.unwrap_or_else(beside);
+        let written = pictures_of(&map, &pictures).into_iter().chain([map.clone()]);
+        keep(inputs, written, "give --out another name, or --picture another folder")?;
+        Ok(Self { map, pictures })
+    }
+
+    /// The folder of the picture, once it and the map's are there.
+    pub(super) fn made(&self) -> Result<Folder, Failure> {
+        Folder::at(&self.map.with_file_name(""))?;
+        Folder::at(&self.pictures)
+    }
+}
+
+/// The files of a map's picture in a folder.
+pub(super) fn pictures_of(map: &Path, folder: &Path) -> [PathBuf; 2] {
+    ENDINGS.map(|ending| folder.join(format!("{}.{ending}", name_of(map))))
+}
+
+/// What a map's picture is called.
+pub(super) fn name_of(map: &Path) -> String {
+    map.file_stem().map_or_else(|| "map".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Fails where one of `inputs` would be `written` over, by whatever name; `help` says what would be right.
+pub(super) fn keep(
+    inputs: &[&Path],
+    written: impl IntoIterator<Item = PathBuf>,
+    help: &str,
+) -> Result<(), Failure> {
+    // What is not there yet has no such path, and is no input.
+    let read: Vec<_> = inputs.iter().filter_map(|input| std::fs::canonicalize(input).ok()).collect();
+    let is_read = |path: &PathBuf| std::fs::canonicalize(path).is_ok_and(|path| read.contains(&path));
+    written.into_iter().find(is_read).map_or(Ok(()), |path| {
+        let what = format!("{}: it is read, and would be written over", path.display());
+        Err(Failure::Usage { what, help: help.to_owned() })
+    })
+}
