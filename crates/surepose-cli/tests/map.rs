@@ -108,6 +108,20 @@ fn what_is_read_is_not_written_over() {
     assert_eq!(run.code, 0, "{}", run.stderr);
 }
 
+/// Its picture would take the name away from it.
+#[test]
+fn a_map_is_not_called_as_its_picture() {
+    let folder = folder("map-as-picture");
+    let grid = room(&folder);
+    for name in ["walls.png", "walls.SVG"] {
+        let out = folder.join(name);
+        let run = surepose(&["map", "from-grid", &grid, "--out", out.to_str().expect("UTF-8")]);
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.stderr.contains("a name that ends in .toml"), "{}", run.stderr);
+        assert!(!out.exists());
+    }
+}
+
 /// A map of nothing helps nobody: it is an answer, and a negative one.
 #[test]
 fn a_grid_without_walls_exits_with_1_and_says_so() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::failure::Failure;
 use crate::folder::{Folder, no_folder_at};
 
-/// The endings of its picture.
+/// The endings of its picture, which no map can have.
 const ENDINGS: [&str; 2] = ["svg", "png"];
 
 /// A wall map that is to be written, and its picture.
@@ -19,6 +19,7 @@ pub(super) struct Place {
 impl Place {
     /// The map, and its picture in the folder `pictures`, or beside it; refused where it would be written over one of `inputs`.
     pub(super) fn new(map: PathBuf, pictures: Option<PathBuf>, inputs: &[&Path]) -> Result<Self, Failure> {
+        no_picture(&map)?;
         no_folder_at(&map)?;
         let beside = || map.with_file_name("");
         let pictures = pictures.unwrap_or_else(beside);
@@ -32,6 +33,16 @@ impl Place {
         Folder::at(&self.map.with_file_name(""))?;
         Folder::at(&self.pictures)
     }
+}
+
+/// Fails where the map would have the name of a picture.
+fn no_picture(map: &Path) -> Result<(), Failure> {
+    let ending = map.extension().unwrap_or_default();
+    if !ENDINGS.iter().any(|picture| ending.eq_ignore_ascii_case(picture)) {
+        return Ok(());
+    }
+    let what = format!("{}: a wall map is text, and its picture has this ending", map.display());
+    Err(Failure::Usage { what, help: "give --out a name that ends in .toml".to_owned() })
 }
 
 /// The files of a map's picture in a folder.
