@@ -8,13 +8,17 @@ use std::time::{Duration, Instant};
 use serde_json::{Map, Value, json};
 
 use crate::exit::Exit;
-use crate::output::{Output, warning};
+use crate::failure::Failure;
+use crate::output::{Output, text, warning};
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static ASKED: OnceLock<Instant> = OnceLock::new();
 
 /// The key that says so in a result.
 const INTERRUPTED: &str = "interrupted";
+
+/// What is said where nothing else is.
+const NOTHING: &str = "interrupted: nothing was done that could be kept";
 
 /// What comes sooner after the first is the same Ctrl-C: programs that start others send it to the program *and* to its group.
 const SAME: Duration = Duration::from_millis(300);
@@ -25,12 +29,12 @@ pub(crate) fn install(output: Output) {
     let heard = ctrlc::set_handler(move || {
         let asks_again = ASKED.get_or_init(Instant::now).elapsed() > SAME;
         if !listens() {
-            warning("interrupted: nothing was done that could be kept");
+            warning(NOTHING);
             // Held until the end: there is one result.
             let mut out = std::io::stdout().lock();
             if output.json && !listens() {
                 // Whoever cannot be told so has the exit code.
-                drop(writeln!(out, "{}", json!({ INTERRUPTED: true })));
+                drop(out.write_all(empty().as_bytes()));
             }
             std::process::exit(Exit::Interrupted as i32);
         }
@@ -54,6 +58,23 @@ fn listens() -> bool {
 /// Whether the user asked to stop.
 pub(crate) fn asked() -> bool {
     ASKED.get().is_some()
+}
+
+/// Ends a command that stopped when it was asked to, with nothing to keep.
+///
+/// # Errors
+/// Those of standard output.
+pub(crate) fn nothing(output: Output) -> Result<Exit, Failure> {
+    warning(NOTHING);
+    if output.json {
+        text(&empty())?;
+    }
+    Ok(Exit::Interrupted)
+}
+
+/// The result in which nothing else is.
+fn empty() -> String {
+    format!("{}\n", json!({ INTERRUPTED: true }))
 }
 
 /// Says in a result that it is only of what was done when the user asked to stop.

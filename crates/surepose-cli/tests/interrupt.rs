@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use common::{Run, file, folder, surepose};
+use common::{Run, file, folder, rover, surepose};
 
 /// Runs the program, and interrupts it once `when` returns; with how long it took to end then.
 fn interrupted(arguments: &[&str], when: impl FnOnce()) -> (Run, Duration) {
@@ -170,5 +170,17 @@ fn a_command_with_nothing_to_keep_has_a_result_too() {
         let run = interrupted(&arguments, after(300)).0;
         assert_eq!(run.stdout, result, "{arguments:?}");
         assert!(run.stderr.contains("nothing was done"), "{arguments:?}: {}", run.stderr);
+    }
+}
+
+/// The same where the work is stopped, and does not just end.
+#[test]
+fn a_calibration_that_is_interrupted_has_a_result_too() {
+    let log = file(&folder("interrupted-calibration"), "rover.dat", &rover(2000, 100_000));
+    for (json, result) in [(&["--json"][..], "{\"interrupted\":true}\n"), (&[], "")] {
+        let arguments = [&["calibrate", "ticks", &log], json].concat();
+        let run = interrupted(&arguments, after(700)).0;
+        assert_eq!(run.stdout, result, "{}", run.stderr);
+        assert_eq!(run.stderr.matches("warning: interrupted: nothing was done").count(), 1, "{}", run.stderr);
     }
 }

@@ -13,8 +13,8 @@ use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::output::{Output, object, say, table, warning, wrapped};
-use crate::progress;
 use crate::settings::{ConfigArgs, names_of};
+use crate::{interrupt, progress};
 
 /// Fit wheel radii, track, noise, laser mounting and latency to a recording, with standard errors.
 #[derive(Debug, Args)]
@@ -69,7 +69,7 @@ impl CalibrateCommand {
         let fit = || calibrate(&recording, &options, &watch);
         let found = match progress::attended(&bar, part, || watch.stop(), fit)? {
             // There is no half of a fit to be kept.
-            Err(CalibrationError::Stopped) => return Ok(Exit::Interrupted),
+            Err(CalibrationError::Stopped) => return interrupt::nothing(output),
             found => found.map_err(|why| Failure::Recording { path: self.path, what: why.to_string() })?,
         };
         if let Some(folder) = &folder {

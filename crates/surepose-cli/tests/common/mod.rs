@@ -68,6 +68,29 @@ pub(crate) fn file(folder: &Path, name: &str, bytes: &[u8]) -> String {
     path.to_str().expect("UTF-8").to_owned()
 }
 
+/// The mines rover's recording of a turn on the spot in a room of 4 × 3 m: `lines` of it, each `step_us` after the one before.
+pub(crate) fn rover(lines: u32, step_us: u32) -> Vec<u8> {
+    use std::f64::consts::TAU;
+    use std::fmt::Write as _;
+    let (turn_rate, ahead, rim) = (0.3, 0.145, 0.33 / 2.0 / 0.077 * 2000.0 / TAU);
+    let mut text = String::new();
+    for line in 0..lines {
+        let heading = turn_rate * f64::from(line) * 0.1;
+        let ticks = (rim * heading).round();
+        let _ = write!(text, "{} 0 {} {ticks}{}", line * step_us, -ticks, " 0".repeat(20));
+        let (y, x) = heading.sin_cos();
+        for beam in 0..682 {
+            let (sin, cos) = (heading + (44.0 + f64::from(beam) - 384.0) * TAU / 1024.0).sin_cos();
+            let to_wall =
+                |at: f64, along: f64, wall: f64| (wall - at * along.signum()) / along.abs().max(1e-9);
+            let range = to_wall(ahead * x, cos, 2.0).min(to_wall(ahead * y, sin, 1.5));
+            let _ = write!(text, " {:.0}", 1e3 * range);
+        }
+        text.push('\n');
+    }
+    text.into_bytes()
+}
+
 /// Where the real recordings are, if they are there.
 pub(crate) fn recordings() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
