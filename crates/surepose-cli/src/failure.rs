@@ -68,7 +68,7 @@ pub(crate) enum Wanted {
 impl Wanted {
     fn help(self) -> &'static str {
         match self {
-            Self::Folder => "give --out a folder that can be written to",
+            Self::Folder => "give a folder that can be written to",
             Self::File => "give --out the name of a file, in a folder that can be written to",
         }
     }

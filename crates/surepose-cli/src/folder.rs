@@ -1,5 +1,6 @@
 //! The folder that results are written to.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -12,16 +13,17 @@ use crate::failure::{Failure, Wanted};
 /// Keys of what is of this machine and this moment.
 const TIMING: [&str; 2] = ["wall_s", "steps_per_s"];
 
-/// A folder that exists.
+/// A folder that exists, and that can be written to.
 #[derive(Clone, Debug)]
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    /// The folder at `path`, made where it is absent.
+    /// The folder at `path`, made where it is absent. One that cannot be written to is better found before the work than after it.
     pub(crate) fn at(path: &Path) -> Result<Self, Failure> {
         // The parent of a bare file name is the empty path: the folder that one is in.
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-        std::fs::create_dir_all(path).map_err(|problem| failed(path, problem.into()))?;
+        let ready = std::fs::create_dir_all(path).and_then(|()| try_out(&path.join(trial_name())));
+        ready.map_err(|problem| failed(path, problem.into()))?;
         Ok(Self(path.to_owned()))
     }
 
@@ -88,14 +90,14 @@ impl Folder {
 
 /// Fails where a file could not be written: better before the work than after it. Its folder has to be there.
 pub(crate) fn file_at(path: &Path) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    folder.map(std::fs::metadata).transpose().map_err(|problem| no_file(path, problem))?;
-    no_folder_at(path)
+    begin(path).map_err(|problem| no_file(path, problem))
 }
 
-/// Fails where a folder has the name that a file is to have.
-pub(crate) fn no_folder_at(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() { Err(no_file(path, std::io::ErrorKind::IsADirectory.into())) } else { Ok(()) }
+/// The same, and makes its folder where that is absent.
+pub(crate) fn file_in_folder_at(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+    folder.map_err(|problem| no_file(path, problem))?;
+    file_at(path)
 }
 
 /// Writes a file that the user named.
@@ -107,17 +109,63 @@ pub(crate) fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
 /// Lets `write` write a file, which has its name once it is whole: a full disk leaves no half of it, and what was there before
 /// stays.
 fn whole<E: From<std::io::Error>>(path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+    match way(path) {
+        Way::Straight(path) => write(&path),
+        Way::Renamed { part, path } => {
+            write(&part).and_then(|()| Ok(std::fs::rename(&part, path)?)).inspect_err(|_| {
+                drop(std::fs::remove_file(&part));
+            })
+        }
+    }
+}
+
+/// A name that no other run of the program, and nobody else, gives a file.
+fn trial_name() -> String {
+    format!("surepose-{}.part", std::process::id())
+}
+
+/// Begins a file as [`whole`] does, and leaves nothing of it.
+fn begin(path: &Path) -> std::io::Result<()> {
+    match way(path) {
+        // Whoever opens a pipe waits for its other end.
+        Way::Straight(path) if path.is_file() => open(&path),
+        Way::Straight(path) if path.is_dir() => Err(std::io::ErrorKind::IsADirectory.into()),
+        Way::Straight(_) => Ok(()),
+        Way::Renamed { part, .. } => try_out(&part),
+    }
+}
+
+/// Makes a file and takes it away again; what another run left of it stays.
+fn try_out(part: &Path) -> std::io::Result<()> {
+    match File::create_new(part) {
+        Err(problem) if problem.kind() == std::io::ErrorKind::AlreadyExists => open(part),
+        made => made.map(drop).and_then(|()| std::fs::remove_file(part)),
+    }
+}
+
+/// Opens a file that is there for writing, and writes nothing.
+fn open(path: &Path) -> std::io::Result<()> {
+    File::options().append(true).open(path).map(drop)
+}
+
+/// How a file is written.
+enum Way {
+    /// To where it is.
+    Straight(PathBuf),
+    /// Beside its name, which it is given once it is whole.
+    Renamed { part: PathBuf, path: PathBuf },
+}
+
+fn way(path: &Path) -> Way {
     // Where the name is a link, the file that it leads to is replaced, and not the link.
-    let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     // A pipe or a device is not replaced, nor a file that is not to be written to.
-    if std::fs::metadata(path).is_ok_and(|there| !there.is_file() || there.permissions().readonly()) {
-        return write(path);
+    if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() || there.permissions().readonly()) {
+        return Way::Straight(path);
     }
     let mut part = path.clone().into_os_string();
     part.push(".part");
-    write(part.as_ref()).and_then(|()| Ok(std::fs::rename(&part, path)?)).inspect_err(|_| {
-        drop(std::fs::remove_file(&part));
-    })
+    Way::Renamed { part: part.into(), path }
 }
 
 fn no_file(path: &Path, problem: std::io::Error) -> Failure {

@@ -132,10 +132,9 @@ impl MapCommand {
 /// Writes the map, and its picture beside it or into a folder of its own.
 fn write(mapped: &Mapped, ground: Ground<'_>, place: &Place) -> Result<MapReport, Failure> {
     let text = mapped.map.to_toml(&place.map)?;
-    let pictures = place.made()?;
     // A map comes with its picture: from here on, Ctrl-C waits for it.
     interrupt::listen();
     write_file(&place.map, &text)?;
-    pictures.picture(&name_of(&place.map), &picture::wall_map(&mapped.map, ground))?;
+    place.pictures.picture(&name_of(&place.map), &picture::wall_map(&mapped.map, ground))?;
     Ok(mapped.report)
 }

@@ -128,6 +128,7 @@ impl ReplayCommand {
     /// Follows the robot through Wean Hall, looks for it first where nobody says where it starts, and draws it.
     fn wean(&self, output: Output) -> Result<ReplayReport, Failure> {
         let config = self.config.over(wean::preset())?;
+        let folder = self.out.as_deref().map(Folder::at).transpose()?;
         let hall = match self.map.as_deref().map(known_in).transpose()? {
             Some(Known::Grid(grid)) => Hall::of_grid(grid),
             Some(Known::Walls(map)) => Hall::of_map(&map),
@@ -137,8 +138,8 @@ impl ReplayCommand {
         let (start, settings) = (self.start.map(PoseArg::pose), wean::settings(&config));
         let replay = |watch: &Watch| wean::replay(&log, &hall, start, &settings, watch);
         let followed = watched(output, log.scans.len(), replay)?;
-        if let Some(out) = &self.out {
-            Folder::at(out)?.picture("replay", &picture::hall(&hall, &log, &followed))?;
+        if let Some(folder) = folder {
+            folder.picture("replay", &picture::hall(&hall, &log, &followed))?;
         }
         Ok(followed.report)
     }

@@ -1,9 +1,9 @@
-//! Where a wall map and its picture go: over nothing that is read.
+//! Where a wall map and its picture go: to where they can be written, and over nothing that is read.
 
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
-use crate::folder::{Folder, no_folder_at};
+use crate::folder::{Folder, file_in_folder_at};
 
 /// The endings of its picture, which no map can have.
 const ENDINGS: [&str; 2] = ["svg", "png"];
@@ -13,25 +13,20 @@ pub(super) struct Place {
     /// The wall map.
     pub(super) map: PathBuf,
     /// The folder of its picture.
-    pictures: PathBuf,
+    pub(super) pictures: Folder,
 }
 
 impl Place {
-    /// The map, and its picture in the folder `pictures`, or beside it; refused where it would be written over one of `inputs`.
+    /// The map, and its picture in the folder `pictures`, or beside it; refused before any work, where it cannot be written, or
+    /// would be over one of `inputs`.
     pub(super) fn new(map: PathBuf, pictures: Option<PathBuf>, inputs: &[&Path]) -> Result<Self, Failure> {
         no_picture(&map)?;
-        no_folder_at(&map)?;
         let beside = || map.with_file_name("");
         let pictures = pictures.unwrap_or_else(beside);
         let written = pictures_of(&map, &pictures).into_iter().chain([map.clone()]);
         keep(inputs, written, "give --out another name, or --picture another folder")?;
-        Ok(Self { map, pictures })
-    }
-
-    /// The folder of the picture, once it and the map's are there.
-    pub(super) fn made(&self) -> Result<Folder, Failure> {
-        Folder::at(&self.map.with_file_name(""))?;
-        Folder::at(&self.pictures)
+        file_in_folder_at(&map)?;
+        Ok(Self { pictures: Folder::at(&pictures)?, map })
     }
 }
 
