@@ -183,6 +183,11 @@ fn given_starts_are_driven_and_damaged_ones_exit_with_3() {
     let good = file(&folder, "starts.csv", b"x_m,y_m,heading_deg\n-1,0.3,20\n2,2,180\n");
     let run = surepose(&["sweep", "--starts", &good, "--period", "0.1", "--json"]);
     assert_eq!(run.json()["runs"], 2, "{}", run.stderr);
+    // As Excel saves it.
+    let marked =
+        file(&folder, "bom.csv", "\u{feff}x_m,y_m,heading_deg\r\n-1,0.3,20\r\n2,2,180\r\n".as_bytes());
+    let run = surepose(&["sweep", "--starts", &marked, "--period", "0.1", "--json"]);
+    assert_eq!(run.json()["runs"], 2, "{}", run.stderr);
 
     for (name, bytes) in
         [("short.csv", &b"1,2,3\n1,2\n"[..]), ("nan.csv", b"1,2,3\n1,nan,2\n"), ("empty.csv", b"")]

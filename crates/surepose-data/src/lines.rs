@@ -17,6 +17,9 @@ pub const LONGEST_LINE: usize = 1 << 20;
 /// Longest text that is read, after decompression \[bytes\].
 pub const LONGEST_TEXT: u64 = 1 << 28;
 
+/// U+FEFF in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// A text file, read line by line.
 pub struct Lines<'a> {
     file: PathBuf,
@@ -97,8 +100,11 @@ impl<'a> Lines<'a> {
         Ok(read > 0)
     }
 
+    /// The line that was read, without the mark that some editors put at a text's start.
     fn current(&self) -> Line<'_> {
-        Line { file: &self.file, number: self.number, text: self.line.trim_ascii() }
+        let marked = if self.number == 1 { self.line.strip_prefix(BYTE_ORDER_MARK) } else { None };
+        let text = marked.unwrap_or(&self.line).trim_ascii();
+        Line { file: &self.file, number: self.number, text }
     }
 
     fn line_error(&self, problem: Problem) -> DataError {

@@ -40,6 +40,16 @@ fn plain_and_gzip_give_the_same_lines() {
     assert_eq!(all(&gzip(text)).unwrap(), wanted);
 }
 
+/// As spreadsheets write it; inside of a text it is damage.
+#[test]
+fn a_byte_order_mark_at_the_start_is_no_part_of_the_text() {
+    let marked = "\u{feff}# head\n1\n\u{feff}2".as_bytes();
+    let wanted = vec![(2, b"1".to_vec()), (3, "\u{feff}2".as_bytes().to_vec())];
+    assert_eq!(all(marked).unwrap(), wanted);
+    assert_eq!(all(&gzip(marked)).unwrap(), wanted);
+    assert!(all("\u{feff}".as_bytes()).unwrap().is_empty());
+}
+
 #[test]
 fn concatenated_gzip_members_are_one_text() {
     let members = [gzip(b"1\n"), gzip(b"2\n")].concat();
