@@ -1,8 +1,5 @@
 //! Values over one axis, stacked in panels: time series, mostly.
 
-use std::sync::Arc;
-
-use kuva::TickFormat;
 use kuva::plot::Histogram;
 use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
 use kuva::plot::legend::LegendPosition;
@@ -12,6 +9,7 @@ use kuva::render::plots::Plot;
 use crate::map::line;
 use crate::picture::{Cell, Picture, below};
 use crate::style::{Color, Stroke};
+use crate::ticks::{decimal, plain};
 
 /// Panels over a common axis.
 #[derive(Clone, Debug, Default)]
@@ -209,8 +207,7 @@ impl Chart {
             let label = if i == last { Some(x_label.as_str()) } else { None };
             let mut cell = panel.cell(range, size, right, label);
             if logarithmic {
-                cell.layout =
-                    cell.layout.with_log_x().with_x_tick_format(TickFormat::Custom(Arc::new(decimal)));
+                cell.layout = cell.layout.with_log_x().with_x_tick_format(decimal());
             }
             cell
         };
@@ -238,6 +235,7 @@ impl Panel {
             .with_x_axis_max(right)
             .with_y_axis_min(low)
             .with_y_axis_max(high)
+            .with_tick_format(plain())
             .with_box_axes()
             .with_force_margins(margin_left, margin_right)
             .with_force_margins_y(top, bottom)
@@ -252,7 +250,7 @@ impl Panel {
         if self.logarithmic {
             // The decimals are wider than the library reckons with.
             layout = layout.with_y_label_offset(-8.0, 0.0);
-            layout = layout.with_log_y().with_y_tick_format(TickFormat::Custom(Arc::new(decimal)));
+            layout = layout.with_log_y().with_y_tick_format(decimal());
         }
         for (from, to, color) in &self.shaded {
             layout = layout.with_shaded_region(
@@ -283,14 +281,5 @@ impl Panel {
             plots.push(line("", std::iter::once((left, low)), Stroke::thin(Color::Mist)));
         }
         Cell { plots, layout, width, height, underlay: None }
-    }
-}
-
-/// 0.01 rather than 1e-2, down to where zeros can no longer be counted at a glance.
-fn decimal(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
-        format!("{}", (value * 1e9).round() / 1e9)
-    } else {
-        format!("{value:e}")
     }
 }

@@ -10,6 +10,7 @@ mod picture;
 mod raster;
 mod scale;
 mod style;
+mod ticks;
 mod tiles;
 
 pub use chart::{Chart, Mark, Panel, Series};

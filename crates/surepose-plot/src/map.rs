@@ -10,6 +10,7 @@ use crate::items::{Arrow, DotPaint, Dots, Outline, Trace};
 use crate::picture::{Cell, Picture, Underlay, beside};
 use crate::scale::Scale;
 use crate::style::{Color, Stroke};
+use crate::ticks::plain;
 use crate::tiles::{Tile, Tiles};
 
 /// A map to be drawn \[m].
@@ -186,6 +187,7 @@ impl Map {
             .with_x_axis_max(high.0 * scale)
             .with_y_axis_min(low.1 * scale)
             .with_y_axis_max(high.1 * scale)
+            .with_tick_format(plain())
             .with_equal_aspect()
             .with_box_axes()
             .with_force_margins(left, right + legend)

@@ -64,6 +64,17 @@ fn metres_are_as_long_upwards_as_sideways() {
     assert!(width > 10.0 && (width - height).abs() < 0.1, "{width} × {height}");
 }
 
+/// A longer one would run over what stands beside it.
+#[test]
+fn ticks_of_tiny_and_of_huge_values_are_short() {
+    for size in [2e-5, 3e-7, 0.3, 3e7, 2e200] {
+        let svg = chart(vec![(0.0, 0.0), (1.0, 0.5 * size), (2.0, size)]).svg();
+        let numbers = svg.split(['<', '>']).filter(|text| text.trim().parse::<f64>().is_ok());
+        let longest = numbers.map(str::trim).max_by_key(|text| text.len()).unwrap();
+        assert!(longest.len() <= 8, "{size}: {longest}");
+    }
+}
+
 #[test]
 fn no_numbers_break_it() {
     let odd = [
