@@ -40,12 +40,12 @@ pub fn start_map(trials: &[Trial]) -> Picture {
     // One scale for both, so that they can be compared.
     let medians: Vec<f64> = by_place.values().into_iter().chain(by_direction.values()).collect();
     let (ratio, most) = ratio_scale(medians, trials.len() >= CROWD);
-    let timed = Map::new(format!("Time over the least possible; darkest: {most:.2} or more"));
+    let timed = Map::new(format!("Time over the least possible; darkest: {} or more", short(most)));
     let failed = |at: &[(f64, f64)]| -> Vec<_> {
         at.iter().zip(trials).filter(|(_, trial)| !trial.success).map(|(at, _)| *at).collect()
     };
     let ran = trials.iter().filter(|trial| trial.success).count();
-    let title = format!("Success over the start: {ran} of {} trials", trials.len());
+    let title = format!("Success over the start: {ran} of {}", counted(trials.len()));
     let directed = Map::new("The same over the directions at the start")
         .axes(1f64.to_degrees(), "bearing of the goal α [°]", "direction of approach φ [°]")
         .numbered_every(45.0);
@@ -64,21 +64,21 @@ pub fn spreads(trials: &[Trial]) -> Picture {
     stacked(vec![
         histogram(
             "Time over the least possible",
-            "time / least possible",
+            ("time / least possible", ""),
             &all(Trial::time_ratio),
             1.0,
             None,
         ),
         histogram(
-            "Final distance from the goal",
-            "final position error [mm]",
+            "Final distance",
+            ("final position error [mm]", " mm"),
             &all(|trial| Some(1e3 * trial.final_position_error_m)),
             0.0,
             Some((position, tolerances(position))),
         ),
         histogram(
             "Final heading error",
-            "final heading error [°]",
+            ("final heading error [°]", "°"),
             &all(|trial| Some(trial.final_heading_error_deg)),
             0.0,
             Some((heading, tolerances(heading))),
@@ -211,10 +211,11 @@ fn square_around(places: &[(f64, f64)]) -> Square {
     Square { low: (0.5 * (low.0 + high.0 - side), 0.5 * (low.1 + high.1 - side)), side }
 }
 
-/// Counts of `values` from `least` on, up to what nearly all have at most, or as far as the tolerance is of interest.
+/// Counts of `values` from `least` on, up to what nearly all have at most, or as far as the tolerance is of interest; a `unit`
+/// follows every number but those of the axis.
 fn histogram(
     title: &str,
-    label: &str,
+    (label, unit): (&str, &str),
     values: &[f64],
     least: f64,
     tolerance: Option<(f64, f64)>,
@@ -230,14 +231,16 @@ fn histogram(
     let mut counts = vec![0.0; BARS];
     let mut beyond = 0;
     for value in &sorted {
-        match counts.get_mut(((value - low) / width) as usize) {
-            Some(count) => *count += 1.0,
-            None => beyond += 1,
+        // What ends the axis is on it.
+        let bar = (((value - low) / width) as usize).min(BARS - 1);
+        match counts.get_mut(bar) {
+            Some(count) if *value <= most => *count += 1.0,
+            _ => beyond += 1,
         }
     }
     let top = 1.08 * counts.iter().fold(1.0, |most: f64, count| most.max(*count));
-    let mut beyond = if beyond > 0 { vec![format!("{beyond} trials")] } else { Vec::new() };
-    let trials = sorted.len();
+    let mut beyond = if beyond > 0 { vec![counted(beyond)] } else { Vec::new() };
+    let trials = counted(sorted.len());
     let spread = Spread::of(sorted);
     let marks = [
         ("median", spread.map(|spread| spread.p50), Color::Black),
@@ -247,23 +250,32 @@ fn histogram(
     let mut panel = Panel::default();
     for (name, at, color) in marks {
         let Some(at) = at else { continue };
-        if at < most {
+        let number = format!("{}{unit}", short(at));
+        if at <= most {
             let line = vec![(at, 0.0), (at, top)];
-            panel = panel.series(format!("{name}: {}", short(at)), line, Stroke::solid(color));
+            panel = panel.series(format!("{name}: {number}"), line, Stroke::solid(color));
         } else {
             // A legend's line would be looked for in vain.
-            beyond.push(format!("{name} {}", short(at)));
+            beyond.push(format!("{name} {number}"));
         }
     }
     let rest =
         if beyond.is_empty() { String::new() } else { format!("; beyond the axis: {}", beyond.join(", ")) };
-    let title = format!("{title}: {trials} trials{rest}");
+    let title = format!("{title}: {trials}{rest}");
     let panel = panel.titled(title, "trials").range(0.0, top).bars(edges, counts, Color::Sky);
     Chart::over(label).panel(panel).cells()
 }
 
+/// So many trials.
+fn counted(trials: usize) -> String {
+    format!("{trials} {}", if trials == 1 { "trial" } else { "trials" })
+}
+
 /// Three significant digits.
 fn short(value: f64) -> String {
+    if value.abs() >= 1e6 {
+        return format!("{value:.2e}");
+    }
     let before_point = value.abs().max(1e-9).log10().floor() + 1.0;
     format!("{value:.*}", (3.0 - before_point).clamp(0.0, 4.0) as usize)
 }
@@ -277,9 +289,29 @@ mod tests {
     #[test]
     fn legend_names_no_line_beyond_the_axis() {
         let values: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
-        let drawn = |tolerance| stacked(vec![histogram("Errors", "mm", &values, 0.0, Some(tolerance))]).svg();
+        let drawn = |tolerance| drawn(&values, Some(tolerance));
         let (far, near) = (drawn((10.0, 30.0)), drawn((1.0, 3.0)));
-        assert!(far.contains("tolerance 10.0") && !far.contains("tolerance: "), "beyond the axis");
-        assert!(near.contains("tolerance: 1.00") && !near.contains("tolerance 1.00"), "on the axis");
+        assert!(far.contains("tolerance 10.0 mm") && !far.contains("tolerance: "), "beyond the axis");
+        assert!(near.contains("tolerance: 1.00 mm") && !near.contains("tolerance 1.00"), "on the axis");
+    }
+
+    /// The largest value of all ends the axis, and is on it.
+    #[test]
+    fn one_trial_is_drawn() {
+        let svg = drawn(&[1.5], None);
+        assert!(svg.contains("Errors: 1 trial<") && svg.contains("median: 1.50 mm"), "{svg}");
+    }
+
+    /// Errors of robots that run away.
+    #[test]
+    fn titles_are_no_wider_than_their_panel() {
+        let svg = drawn(&[1.234e300; 1000], Some((10.0, 30.0)));
+        let title = svg.split(['<', '>']).find(|text| text.starts_with("Errors")).expect("a title");
+        assert!(title.contains("beyond the axis: 1000 trials, median 1.23e300 mm"), "{title}");
+        assert!(title.len() < 100, "{title}");
+    }
+
+    fn drawn(values: &[f64], tolerance: Option<(f64, f64)>) -> String {
+        stacked(vec![histogram("Errors", ("error [mm]", " mm"), values, 0.0, tolerance)]).svg()
     }
 }
