@@ -43,6 +43,23 @@ fn what_the_trials_are_and_what_they_do_not_heed_is_said() {
     assert_eq!(run.json()["noise"], "bench");
 }
 
+/// What a sweep wrote says all that it was, which is no news to the next one.
+#[test]
+fn the_configuration_of_a_sweep_is_read_again_without_a_word() {
+    let out = folder("sweep-again-by-its-own");
+    let config = out.join("config.toml");
+    let sweep = |more: &[&str]| {
+        let run = surepose(&[&["sweep", "--runs", "10", "--period", "0.1", "--json"], more].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        (run.stderr, run.stdout.split_once("wall_s").map(|(before, _)| before.to_owned()))
+    };
+    let config = config.to_str().expect("UTF-8");
+    let first = sweep(&["--out", out.to_str().expect("UTF-8")]);
+    assert_eq!(sweep(&["--config", config]), first);
+    let (stderr, _) = sweep(&["--config", config, "--set", "goal.hold_s=2"]);
+    assert!(stderr.contains("do not heed goal.hold_s\n"), "{stderr}");
+}
+
 #[test]
 fn threads_change_nothing_but_the_time() {
     let trials = |name: &str, threads: &str| {

@@ -35,6 +35,7 @@ pub(super) struct TrialArgs {
 /// The same, read: the configuration of the bench's robot with the user's over it, and how it is driven.
 pub(super) struct Trials<'a> {
     pub(super) config: Config,
+    bench: Config,
     noise: NoiseName,
     arguments: &'a TrialArgs,
 }
@@ -71,11 +72,12 @@ impl TrialArgs {
             (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
             (&param::PERIOD, 0.02),
         ];
-        let mut config = self.config.over(Config::default().with_preset(BENCH, &bench))?;
+        let bench = Config::default().with_preset(BENCH, &bench);
+        let mut config = self.config.over(bench.clone())?;
         if let Some(period) = &self.period {
             config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
         }
-        Ok(Trials { config, noise, arguments: self })
+        Ok(Trials { config, bench, noise, arguments: self })
     }
 }
 
@@ -90,7 +92,7 @@ impl Trials<'_> {
         ]
     }
 
-    /// What the user set and the trials do not heed, being the bench's: `SECTION.KEY` each.
+    /// What the user set otherwise than the bench has it, and the trials do not heed: `SECTION.KEY` each.
     pub(super) fn unheeded(&self) -> Vec<String> {
         let counts = |setting: &Setting| match setting.parameter.section {
             "law" | "loop" => true,
@@ -100,8 +102,12 @@ impl Trials<'_> {
             _ => false,
         };
         let is_set = |setting: &Setting| matches!(setting.origin, Origin::File { .. } | Origin::CommandLine);
-        let unheeded = self.config.settings().iter().filter(|setting| is_set(setting) && !counts(setting));
-        unheeded.map(|setting| format!("{}.{}", setting.parameter.section, setting.parameter.key)).collect()
+        // Both are in the order of the table.
+        let settings = self.config.settings().iter().zip(self.bench.settings());
+        settings
+            .filter(|(set, bench)| is_set(set) && set.value != bench.value && !counts(set))
+            .map(|(set, _)| format!("{}.{}", set.parameter.section, set.parameter.key))
+            .collect()
     }
 
     /// The sweep of these trials.
