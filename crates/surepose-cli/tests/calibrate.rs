@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::surepose;
+use common::{file, folder, rover, surepose};
 
 #[test]
 fn what_is_no_recording_is_named_with_exit_code_3() {
@@ -16,6 +16,16 @@ fn what_is_no_recording_is_named_with_exit_code_3() {
     assert_eq!(surepose(&["calibrate", "tocks", &path]).code, 2);
     let mcap = surepose(&["calibrate", "mcap", &path]);
     assert!(mcap.code == 3 && mcap.stderr.contains("this is no MCAP recording"), "{}", mcap.stderr);
+}
+
+/// Who is told that there are too few records counts them, and there are many.
+#[test]
+fn a_clock_that_stands_still_is_named() {
+    let log = file(&folder("calibrate-clock"), "still.dat", &rover(20, 0));
+    let run = surepose(&["calibrate", "ticks", &log]);
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    let said = run.stderr.replace("\n  │ ", " ");
+    assert!(said.contains("no two records of different times"), "{said}");
 }
 
 #[test]

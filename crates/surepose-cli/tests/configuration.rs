@@ -53,6 +53,15 @@ fn fitted_gains_of_a_shown_configuration_go_on_being_fitted() {
     }
 }
 
+/// What nobody can count is not written out.
+#[test]
+fn a_huge_number_keeps_its_exponent() {
+    let run = surepose(&["run", "--set", "law.k_v=1e300"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("law.k_v = 1e300"), "{}", run.stderr);
+    assert!(run.stderr.lines().all(|line| line.len() < 200), "{}", run.stderr);
+}
+
 #[test]
 fn each_value_says_where_it_came_from() {
     let path = file(&folder("origin"), "robot.toml", b"[law]\nk_v = 3\n");

@@ -22,6 +22,8 @@ pub use build::{CompassMounting, LaserMounting};
 pub use key::parameter;
 pub use problem::{ConfigError, ConfigProblem};
 
+use crate::quantity::exact;
+
 /// Every parameter's value, with where it came from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
@@ -246,7 +248,7 @@ fn option_as_toml(text: &str) -> Option<String> {
     };
     let bare = value.chars().all(|c| c.is_ascii_alphabetic() || c == '_');
     Some(match value.parse::<f64>() {
-        Ok(number) => format!("{name} = {}", number.to_string().to_lowercase()),
+        Ok(number) => format!("{name} = {}", exact(number).to_lowercase()),
         Err(_) if bare && !["true", "false"].contains(&value) => format!("{name} = \"{value}\""),
         Err(_) => format!("{name} = {value}"),
     })

@@ -14,7 +14,7 @@ use crate::document::{utf8, wrong};
 use crate::error::DataError;
 use crate::grid::{Grid, Origin};
 use crate::pgm::{self, Image};
-use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION};
+use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION, plain};
 use crate::source::{LONGEST_DOCUMENT, read_all};
 
 /// What the YAML file says about the image.
@@ -102,14 +102,13 @@ fn described(path: &Path) -> Result<(Description, PathBuf, Option<Renamed>), Dat
 pub fn parse(file: &Path, bytes: &[u8]) -> Result<Description, DataError> {
     let document: Document = serde_saphyr::from_str(utf8(file, bytes)?).map_err(|error| {
         let line = error.location().map(|location| location.line());
-        let message = error.without_snippet().to_string();
-        wrong(file, line, message)
+        wrong(file, line, complaint(error.without_snippet()))
     })?;
     let check = |name: &str, value: &Spanned<f64>, quantity: &Quantity| {
         if quantity.admits(value.value) {
             return Ok(value.value);
         }
-        let message = format!("{name} is {}, outside {quantity}", value.value);
+        let message = format!("{name} is {}, outside {quantity}", plain(value.value));
         Err(wrong(file, Some(value.referenced.line()), message))
     };
     let [x, y, heading] = &document.origin;
@@ -131,6 +130,17 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<Description, DataError> {
         return Err(wrong(file, line, "free_thresh must be below occupied_thresh"));
     }
     Ok(description)
+}
+
+/// What is wrong with the text, in words for whoever wrote it: the parser's own on keys are for its caller.
+fn complaint(error: &serde_saphyr::Error) -> String {
+    match error {
+        serde_saphyr::Error::DuplicateMappingKey { key, .. } => {
+            let key = key.as_deref().unwrap_or("a key");
+            format!("{key} is given twice; keep one of the two lines")
+        }
+        other => other.to_string(),
+    }
 }
 
 impl Description {

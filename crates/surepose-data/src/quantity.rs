@@ -46,3 +46,17 @@ impl fmt::Display for Quantity {
         write!(f, "{:e} to {:e} {}", self.min, self.max, self.unit)
     }
 }
+
+/// A number as a person would write it: 0.05 rather than 0.050000000000000003, and 1e300 rather than its 301 digits.
+pub(crate) fn plain(number: f64) -> String {
+    exact(format!("{number:.8e}").parse().unwrap_or(number))
+}
+
+/// The same to the last bit.
+pub(crate) fn exact(number: f64) -> String {
+    if number != 0.0 && !(1e-6..1e15).contains(&number.abs()) {
+        format!("{number:e}")
+    } else {
+        format!("{number}")
+    }
+}

@@ -25,7 +25,7 @@ use toml::Spanned;
 
 use crate::document::{line_of, utf8, wrong};
 use crate::error::DataError;
-use crate::quantity::{COVARIANCE, POSITION};
+use crate::quantity::{COVARIANCE, POSITION, plain};
 use crate::source::{LONGEST_DOCUMENT, read_all};
 
 /// Shortest wall that is one \[m\]; below it, the direction is rounding.
@@ -43,8 +43,7 @@ pub struct WallMap {
 }
 
 /// One straight wall.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Wall {
     /// What the wall is called.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,7 +81,8 @@ impl WallMap {
     /// A map that [`parse`] would refuse, named by its wall; `file` is the name that errors give it.
     pub fn to_toml(&self, file: &Path) -> Result<String, DataError> {
         for (index, wall) in self.walls.iter().enumerate() {
-            check(wall).map_err(|message| wrong(file, None, format!("wall {}: {message}", index + 1)))?;
+            check(wall)
+                .map_err(|(_, message)| wrong(file, None, format!("wall {}: {message}", index + 1)))?;
         }
         toml::to_string(self).map_err(|error| wrong(file, None, error.to_string()))
     }
@@ -117,9 +117,21 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<WallMap, DataError> {
     if document.wall.is_empty() {
         return Err(wrong(file, None, "holds no [[wall]]; is this the right file?"));
     }
-    let walls = document.wall.into_iter().map(|wall| match check(wall.get_ref()) {
-        Ok(()) => Ok(wall.into_inner()),
-        Err(message) => Err(wrong(file, at(wall.span().start), message)),
+    let walls = document.wall.into_iter().map(|written| {
+        let place = written.span().start;
+        let Written { name, from, to, covariance } = written.into_inner();
+        let places = [&from, &to].map(|[x, y]| [x.span().start, y.span().start]);
+        let covariance_at = covariance.as_ref().map_or(place, |covariance| covariance.span().start);
+        let [from, to] = [from, to].map(|end| end.map(Spanned::into_inner));
+        let wall = Wall { name, from, to, covariance: covariance.map(Spanned::into_inner) };
+        check(&wall).map(|()| wall).map_err(|(part, message)| {
+            let offset = match part {
+                Part::Coordinate { end, axis } => places[end][axis],
+                Part::Whole => place,
+                Part::Covariance => covariance_at,
+            };
+            wrong(file, at(offset), message)
+        })
     });
     Ok(WallMap { name: document.name, walls: walls.collect::<Result<_, _>>()? })
 }
@@ -130,28 +142,59 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<WallMap, DataError> {
 struct Document {
     name: Option<String>,
     #[serde(default)]
-    wall: Vec<Spanned<Wall>>,
+    wall: Vec<Spanned<Written>>,
 }
 
-/// Says what is wrong with a wall, if anything is.
-fn check(wall: &Wall) -> Result<(), String> {
-    for (name, [x, y]) in [("from_m", wall.from), ("to_m", wall.to)] {
-        if !POSITION.admits(x) || !POSITION.admits(y) {
-            return Err(format!("{name} is [{x}, {y}], outside {POSITION}"));
+/// A wall as it is written, with the places of its values.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    name: Option<String>,
+    #[serde(rename = "from_m")]
+    from: [Spanned<f64>; 2],
+    #[serde(rename = "to_m")]
+    to: [Spanned<f64>; 2],
+    covariance: Option<Spanned<LineCovariance>>,
+}
+
+/// The part of a wall that is wrong.
+enum Part {
+    /// Of its first end or its second one, x or y.
+    Coordinate {
+        end: usize,
+        axis: usize,
+    },
+    Whole,
+    Covariance,
+}
+
+/// Says what is wrong with a wall, and where, if anything is.
+fn check(wall: &Wall) -> Result<(), (Part, String)> {
+    for (end, (name, at)) in [("from_m", wall.from), ("to_m", wall.to)].into_iter().enumerate() {
+        if let Some(axis) = at.iter().position(|&value| !POSITION.admits(value)) {
+            let [x, y] = at.map(plain);
+            return Err((
+                Part::Coordinate { end, axis },
+                format!("{name} is [{x}, {y}], outside {POSITION}"),
+            ));
         }
     }
     if wall.length() < SHORTEST {
-        return Err(format!("the wall is shorter than {SHORTEST} m; its two ends must differ"));
+        let message = format!("the wall is shorter than {SHORTEST} m; its two ends must differ");
+        return Err((Part::Whole, message));
     }
-    wall.covariance.as_ref().map_or(Ok(()), check_covariance)
+    let covariance = wall.covariance.as_ref().map_or(Ok(()), check_covariance);
+    covariance.map_err(|message| (Part::Covariance, message))
 }
 
 fn check_covariance(covariance: &LineCovariance) -> Result<(), String> {
     let LineCovariance { r_r, r_psi, psi_psi } = *covariance;
     if ![r_r, r_psi, psi_psi].iter().all(|&value| COVARIANCE.admits(value)) {
+        let [r_r, r_psi, psi_psi] = [r_r, r_psi, psi_psi].map(plain);
         return Err(format!("covariance is [{r_r}, {r_psi}, {psi_psi}], outside {COVARIANCE}"));
     }
     if r_r < 0.0 || psi_psi < 0.0 {
+        let [r_r, psi_psi] = [r_r, psi_psi].map(plain);
         return Err(format!("covariance has a negative variance: r_r_m2 {r_r}, psi_psi_rad2 {psi_psi}"));
     }
     if r_psi.abs() > (r_r * psi_psi).sqrt() * (1.0 + 1e-9) {

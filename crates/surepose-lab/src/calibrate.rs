@@ -93,7 +93,7 @@ pub enum CalibrationError {
     )]
     BadOptions,
     /// The wheels' counters have no two records of different times.
-    #[error("the wheel counters have fewer than two records")]
+    #[error("the wheel counters have no two records of different times; are the stamps right?")]
     NoTicks,
     /// Too few walls were seen.
     #[error("walls were seen {found} times, and it takes {FEWEST}: calibration needs a laser among walls")]

@@ -126,7 +126,8 @@ impl Arena {
         let nearest = self.nearest_wall(point).map_or(f64::INFINITY, |wall| wall.distance_to(point));
         let [low, high] = self.corners;
         let inside = point.x > low.0 && point.x < high.0 && point.y > low.1 && point.y < high.1;
-        if inside { nearest } else { -nearest }
+        // On a wall there is no distance, and it has no sign.
+        if inside { nearest } else { 0.0 - nearest }
     }
 
     /// The wall or plate nearest to `point`, where there are any.
@@ -165,6 +166,8 @@ mod tests {
         {
             assert!((arena.clearance(Point::new(x, y)) - clearance).abs() < 1e-12, "at {x}, {y}");
         }
+        let on_a_corner = arena.clearance(Point::new(0.0, 0.0));
+        assert_eq!(format!("{on_a_corner:.2}"), "0.00");
     }
 
     #[test]

@@ -9,6 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::key::{self, Misnomer};
 use super::problem::{ConfigError, Problems, line_of};
 use super::{Origin, Setting, Value};
+use crate::quantity::plain;
 
 /// Longest file that is read \[bytes]: a configuration of every parameter, with comments, is a hundredth of it.
 pub(super) const LONGEST: usize = 1 << 20;
@@ -252,16 +253,6 @@ fn bare_point(text: &str, place: usize) -> Option<String> {
     let written = &text[start..text.len() - rest.len()];
     let number: f64 = written.parse().ok().filter(|number: &f64| number.is_finite())?;
     written.contains('.').then(|| format!("a point stands between two digits: write {}", plain(number)))
-}
-
-/// A number as a person would write it: 0.05 rather than 0.050000000000000003.
-fn plain(number: f64) -> String {
-    let rounded: f64 = format!("{number:.8e}").parse().unwrap_or(number);
-    if rounded != 0.0 && !(1e-6..1e15).contains(&rounded.abs()) {
-        format!("{rounded:e}")
-    } else {
-        format!("{rounded}")
-    }
 }
 
 fn spaced(symbol: &str) -> String {

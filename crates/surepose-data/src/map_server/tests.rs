@@ -78,6 +78,14 @@ fn each_damage_names_line_and_remedy() {
     assert!(message("-10.0, 2, 0.5", "-10.0, 2").starts_with("map.yaml:4: "));
     assert!(message("0.65", "1.65").starts_with("map.yaml:6: occupied_thresh is 1.65, outside"));
     assert_eq!(message("0.25", "0.75"), "map.yaml:7: free_thresh must be below occupied_thresh");
+    assert!(
+        message("resolution: 0.05", "resolution: 1e300")
+            .starts_with("map.yaml:3: resolution is 1e300, outside")
+    );
+    assert_eq!(
+        message("negate: 0", "resolution: 0.1"),
+        "map.yaml:5: resolution is given twice; keep one of the two lines"
+    );
     assert!(message("mode: trinary", "mode: foggy").contains("map.yaml:2: "));
     assert!(message("image: depot.pgm\n", "").contains("image"));
     assert!(message("negate: 0", "negate: maybe").starts_with("map.yaml:5: "));

@@ -51,22 +51,29 @@ fn each_damage_names_line_and_remedy() {
     assert!(message("from_m = [0.0, 0]", "from_m = [0.0]").starts_with("map.toml:5: "));
     assert!(
         message("from_m = [0.0, 0]", "from_m = [nan, 0]")
-            .starts_with("map.toml:3: from_m is [NaN, 0], outside")
+            .starts_with("map.toml:5: from_m is [NaN, 0], outside")
     );
     assert!(
         message("from_m = [0.0, 0]", "from_m = [inf, 0]")
-            .starts_with("map.toml:3: from_m is [inf, 0], outside")
+            .starts_with("map.toml:5: from_m is [inf, 0], outside")
     );
-    assert!(message("from_m = [0.0, 0]", "from_m = [1e300, 0]").starts_with("map.toml:3: from_m is [1"));
+    assert!(
+        message("from_m = [0.0, 0]", "from_m = [1e300, 0]")
+            .starts_with("map.toml:5: from_m is [1e300, 0], outside")
+    );
+    assert!(
+        message("from_m = [0.0, 0]", "from_m = [\n0.0,\n-1e9\n]")
+            .starts_with("map.toml:7: from_m is [0, -1000000000], outside")
+    );
     assert!(
         message("to_m = [6.0, 0.0]", "to_m = [0, 0]").starts_with("map.toml:3: the wall is shorter than")
     );
     assert!(message("to_m = [6.0, 0.0]\n", "").contains("missing field `to_m`"));
     assert!(message("from_m = [0.0, 0]", "from = [0.0, 0]").starts_with("map.toml:5: unknown field `from`"));
     assert!(message("[[wall]]\nfrom", "[[wal]]\nfrom").starts_with("map.toml:8: unknown field `wal`"));
-    assert!(message("1e-6", "-1e-6").starts_with("map.toml:8: covariance has a negative variance"));
-    assert!(message("-1e-8", "1e-6").starts_with("map.toml:8: covariance is impossible"));
-    assert!(message("1e-6", "nan").starts_with("map.toml:8: covariance is [NaN"));
+    assert!(message("1e-6", "-1e-6").starts_with("map.toml:11: covariance has a negative variance"));
+    assert!(message("-1e-8", "1e-6").starts_with("map.toml:11: covariance is impossible"));
+    assert!(message("1e-6", "nan").starts_with("map.toml:11: covariance is [NaN"));
     assert!(message("arena\"", "arena").starts_with("map.toml:1: "));
     assert!(map("name = 'empty'\n").unwrap_err().to_string().starts_with("map.toml: holds no [[wall]]"));
     assert!(map(&format!("a = {}", "[".repeat(100_000))).is_err());
