@@ -6,6 +6,7 @@ use std::thread;
 use clap::{Args, ValueEnum};
 use surepose::Belief;
 use surepose_data::Config;
+use surepose_data::wall_map::WallMap;
 use surepose_lab::rig::{Reading, Scenario};
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
@@ -69,7 +70,7 @@ pub(crate) struct Ros2Command {
     #[arg(long, value_name = "FROM:=TO")]
     remap: Vec<String>,
     /// The frame of the map
-    #[arg(long, value_name = "NAME", default_value = "map")]
+    #[arg(long, value_name = "NAME", default_value = "map", value_parser = frame)]
     map_frame: String,
     #[command(flatten)]
     config: LawArgs,
@@ -126,8 +127,11 @@ impl Ros2Command {
         network: Network,
     ) -> Result<(Option<RobotSettings>, NodeSettings), Failure> {
         let stamped = self.cmd_vel == CommandType::Stamped;
-        let warnings = certification::warnings(&config);
+        let mut warnings = certification::warnings(&config);
         let map = self.map.as_deref().map(walls_to_read).transpose()?;
+        if let (Some((map, _)), Some(start)) = (&map, self.start) {
+            warnings.extend(outside(map, start));
+        }
         if map.is_none() && self.start.is_some() && !self.simulate {
             let help = "give --map, or leave out --start: without a map the robot starts at 0,0,0".to_owned();
             return Err(Failure::Usage { what: "there is no map to start on".to_owned(), help });
@@ -161,10 +165,63 @@ fn room(text: &str) -> Result<f64, String> {
     room.ok_or_else(|| "write metres, from 0 to 5".to_owned())
 }
 
+/// tf2 knows no frame whose name begins with `/`.
+fn frame(text: &str) -> Result<String, String> {
+    let fits = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+    if text.is_empty() || text.starts_with('/') || !text.chars().all(fits) {
+        return Err("write letters, digits, _, -, . and /, and no / at the beginning: map".to_owned());
+    }
+    Ok(text.to_owned())
+}
+
+/// How far beyond the reach of all walls a start is taken for a slip \[m]; a robot may well stand beside the only one.
+const FAR: f64 = 5.0;
+
+/// Says so where the robot is to start far beyond all walls of the map: what it sees will fit none of them.
+fn outside(map: &WallMap, start: PoseArg) -> Option<String> {
+    let reach = |axis: usize| {
+        let ends = map.walls.iter().flat_map(|wall| [wall.from, wall.to]).map(|end| end[axis]);
+        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
+    };
+    let ((left, right), (bottom, top)) = (reach(0), reach(1));
+    let near = |low: f64, high: f64| low - FAR..=high + FAR;
+    if map.walls.is_empty() || near(left, right).contains(&start.x) && near(bottom, top).contains(&start.y) {
+        return None;
+    }
+    Some(format!(
+        "the start ({}, {}) lies far outside the map, whose walls reach from ({left:.2}, {bottom:.2}) to \
+         ({right:.2}, {top:.2})",
+        start.x, start.y
+    ))
+}
+
 fn usage(error: &dyn std::fmt::Display, help: &str) -> Failure {
     Failure::Usage { what: error.to_string(), help: help.to_owned() }
 }
 
 fn failure(error: &NodeError) -> Failure {
     usage(error, "is the network up, and is the domain free? See ROS_DOMAIN_ID")
+}
+
+#[cfg(test)]
+mod tests {
+    use surepose_data::wall_map::{Wall, WallMap};
+
+    use super::{PoseArg, outside};
+
+    #[test]
+    fn a_start_far_beyond_all_walls_is_told() {
+        let wall = |from, to| Wall { name: None, from, to, covariance: None };
+        let walls = vec![wall([-1.0, 0.0], [3.0, 0.0]), wall([3.0, 0.0], [3.0, 2.5])];
+        let map = WallMap { name: None, walls };
+        let at = |x, y| outside(&map, PoseArg { x, y, heading_deg: 0.0 });
+        assert_eq!((at(0.0, 1.0), at(3.0, -1.0)), (None, None));
+        let said = at(100.0, 1.0).expect("outside");
+        assert!(
+            said.contains("(100, 1) lies far outside") && said.contains("(-1.00, 0.00) to (3.00, 2.50)"),
+            "{said}"
+        );
+        assert!(at(0.0, -5.1).is_some());
+        assert_eq!(outside(&WallMap::default(), PoseArg { x: 9.0, y: 9.0, heading_deg: 0.0 }), None);
+    }
 }
