@@ -16,9 +16,13 @@ pub(crate) enum Known {
     Grid(Grid),
 }
 
-/// A map file, which its name tells the kind of: `.toml`, `.yaml`, or Wean Hall's own.
+/// A map file, which its name tells the kind of, compressed or not: `.toml`, `.yaml`, or Wean Hall's own.
 pub(crate) fn known_in(path: &Path) -> Result<Known, DataError> {
-    let is = |extension: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    let ends_in = |path: &Path, extension: &str| {
+        path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+    };
+    let name = if ends_in(path, "gz") { &path.with_extension("") } else { path };
+    let is = |extension: &str| ends_in(name, extension);
     Ok(if is("toml") {
         Known::Walls(wall_map::read(path)?)
     } else if is("yaml") || is("yml") {

@@ -100,6 +100,22 @@ fn a_recording_without_a_step_exits_with_1() {
     assert_eq!((two.code, &two.json()["steps"]), (0, &1.into()), "{}{}", two.stdout, two.stderr);
 }
 
+/// Also of a compressed map the name tells the kind; what is not compressed is read all the same.
+#[test]
+fn a_compressed_wall_map_is_no_grid() {
+    let folder = folder("replay-compressed-map");
+    let log = file(&folder, "damaged.log", b"damaged\n");
+    for (name, map, blamed) in [
+        ("room.toml.gz", &b"[[wall]]\nfrom_m = [0, 0]\nto_m = [4, 0]\n"[..], "damaged.log:1"),
+        ("room.yaml.gz", b"image: 1\nresolution: wide\n", "room.yaml.gz:2"),
+        ("room.dat.gz", b"[[wall]]\n", "is not a record of this format"),
+    ] {
+        let map = file(&folder, name, map);
+        let run = surepose(&["replay", "wean", &log, "--map", &map]);
+        assert!(run.code == 3 && run.stderr.contains(blamed), "{blamed} in {}", run.stderr);
+    }
+}
+
 #[test]
 fn a_robot_s_number_is_refused_where_there_is_one_robot() {
     for format in ["carmen", "ticks"] {
