@@ -236,3 +236,17 @@ fn the_four_sets_of_sensors_are_compared_under_the_contracts_keys() {
     let finer = finer.json()["fig4"]["odometry+laser+compass"]["position_rmse_m"].as_f64().expect("a number");
     assert!(finer < 0.9 * rmse("odometry+laser+compass"), "twice the beams: {finer} in {json}");
 }
+
+/// The page and the pictures show what can be seen, the table holds all.
+#[test]
+fn a_long_drive_is_thinned_where_it_is_drawn() {
+    let out = folder("run-long");
+    let set = ["loop.period_s=0.001", "law.k_v=0.000001", "scenario.timeout_s=10"];
+    let set: Vec<&str> = set.into_iter().flat_map(|it| ["--set", it]).collect();
+    let run = surepose(&[&["run", "--out", out.to_str().expect("UTF-8")], &set[..]].concat());
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let text = |name: &str| std::fs::read_to_string(out.join(name)).expect("written");
+    assert!(text("time_series.csv").lines().count() >= 10_000);
+    let shown = text("drive.html").matches("\"time_s\":").count();
+    assert!((1000..=4000).contains(&shown), "{shown} samples");
+}

@@ -7,6 +7,7 @@ mod hall;
 mod localisation;
 mod margin;
 mod sweep;
+mod thinned;
 mod walls;
 
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
@@ -17,4 +18,5 @@ pub use localisation::{Localised, fig4, fig5};
 pub use margin::{margin, margin_over_distance};
 pub use surepose_plot::{Picture, PlotError};
 pub use sweep::{spreads, start_map};
+pub use thinned::thinned;
 pub use walls::{Ground, wall_map};

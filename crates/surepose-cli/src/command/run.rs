@@ -182,16 +182,17 @@ fn no_room(problem: &NoRoom, scenario: &Scenario) -> Failure {
 /// Writes all but the summary; a Ctrl-C that comes meanwhile leaves out the pictures that are not drawn yet.
 fn write(folder: &Folder, scenario: &Scenario, samples: &[Sample]) -> Result<(), Failure> {
     let stopped = interrupt::asked();
-    let film = picture::film(scenario, samples).map_err(std::io::Error::other);
+    let drawn = &picture::thinned(samples);
+    let film = picture::film(scenario, drawn).map_err(std::io::Error::other);
     folder.text_of("drive.html", film)?;
     folder.table("time_series.csv", samples)?;
     folder.text("config.toml", &toml_of(&scenario.config.fitted()))?;
     let pictures: [(&str, &dyn Fn() -> Picture); 5] = [
-        ("overview", &|| picture::overview(scenario, samples)),
-        ("trajectory", &|| picture::trajectory(scenario, samples)),
-        ("velocities", &|| picture::velocities(samples)),
-        ("heading_error", &|| picture::heading_error(scenario, samples)),
-        ("lyapunov", &|| picture::lyapunov(samples)),
+        ("overview", &|| picture::overview(scenario, drawn)),
+        ("trajectory", &|| picture::trajectory(scenario, drawn)),
+        ("velocities", &|| picture::velocities(drawn)),
+        ("heading_error", &|| picture::heading_error(scenario, drawn)),
+        ("lyapunov", &|| picture::lyapunov(drawn)),
     ];
     for (name, picture) in pictures {
         if interrupt::asked() == stopped {
