@@ -250,3 +250,26 @@ fn a_long_drive_is_thinned_where_it_is_drawn() {
     let shown = text("drive.html").matches("\"time_s\":").count();
     assert!((1000..=4000).contains(&shown), "{shown} samples");
 }
+
+/// Two beams make no line: the robot parks by compass and wheels alone, and that is said. So is a goal that is too near to a
+/// wall for the wheels.
+#[test]
+fn what_the_robot_does_without_is_said() {
+    let saw_none = "the laser saw no wall";
+    let usual = surepose(&["run", "--json"]);
+    assert!(usual.json()["walls"].as_u64().is_some_and(|walls| walls > 100), "{}", usual.stdout);
+    assert!(!usual.stderr.contains(saw_none) && !usual.stderr.contains("room to turn"), "{}", usual.stderr);
+    let blind = surepose(&["run", "--json", "--set", "laser.beams=2"]);
+    assert_eq!(blind.json()["walls"], 0);
+    assert!(blind.stderr.contains(saw_none), "{}", blind.stderr);
+    let cramped = surepose(&["run", "--goal", "4.2,2,90", "--json"]);
+    assert!(cramped.stderr.contains("the goal is 0.30 m from a wall"), "{}", cramped.stderr);
+}
+
+#[test]
+fn a_figure_that_heeds_no_configuration_says_so() {
+    let out = folder("figure3");
+    let path = out.to_str().expect("UTF-8");
+    let run = surepose(&["reproduce", "fig3", "--out", path, "--json", "--set", "law.k_v=1"]);
+    assert!(run.code == 0 && run.stderr.contains("it heeds no configuration"), "{}", run.stderr);
+}

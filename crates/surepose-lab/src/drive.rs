@@ -144,6 +144,7 @@ impl Drive {
             wheel_speed_max_m_s: self.fastest_rim,
             wheel_acceleration_max_m_s2: self.hardest_rim,
             accepted: tally.accepted,
+            walls: self.rig.sightings(),
             rejected: tally.refused_in_all(),
             seed: self.seed,
         }

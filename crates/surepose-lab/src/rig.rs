@@ -113,6 +113,11 @@ impl Rig {
         &self.walls
     }
 
+    /// How often a wall that the laser saw corrected the estimate.
+    pub fn sightings(&self) -> u32 {
+        self.watch.sightings()
+    }
+
     /// What became of the measurements.
     pub fn tally(&self) -> &Tally {
         self.localiser.estimator.tally()

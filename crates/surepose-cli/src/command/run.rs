@@ -89,6 +89,11 @@ impl RunCommand {
         bar.finish_and_clear();
 
         let summary = drive.summary();
+        if summary.walls == 0 && summary.time_s > 1.0 {
+            warning(
+                "the laser saw no wall that could be used, from the first to the last scan: is it set up as it is meant to be?",
+            );
+        }
         let mut json = object(&summary);
         if let Some(folder) = &folder {
             write(folder, &scenario, &samples)?;
@@ -150,7 +155,7 @@ impl RunCommand {
 fn cramped(scenario: &Scenario) -> Option<String> {
     let (clearance, half) =
         (scenario.arena.clearance(scenario.goal().origin()), 0.5 * scenario.config.drive().track);
-    (clearance < half).then(|| {
+    (clearance <= half).then(|| {
         format!(
             "the goal is {clearance:.2} m from a wall, and the wheels are {half} m beside the robot's middle: whether there is \
              room to turn is not simulated"
@@ -223,7 +228,7 @@ fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
     if let Some(nees) = summary.nees_mean {
         row("NEES (3 is consistent)".to_owned(), format!("{nees:.2}"));
     }
-    let (accepted, rejected) = (summary.accepted, summary.rejected);
-    row("measurements".to_owned(), format!("{accepted} used, {rejected} refused"));
+    let Summary { accepted, walls, rejected, .. } = summary;
+    row("measurements".to_owned(), format!("{accepted} used, of them {walls} walls, {rejected} refused"));
     row("seed".to_owned(), summary.seed.to_string());
 }

@@ -55,6 +55,8 @@ pub struct Summary {
     pub wheel_acceleration_max_m_s2: f64,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
+    /// How many of them were walls that the laser saw.
+    pub walls: u32,
     /// Measurements that the filter refused.
     pub rejected: u32,
     /// What to say again to have the same drive again.

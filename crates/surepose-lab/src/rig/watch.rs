@@ -34,6 +34,8 @@ pub struct Watch {
     period: f64,
     /// Whether the relocaliser is at work.
     searching: bool,
+    /// How often what a scan told was used.
+    sightings: u32,
 }
 
 /// How far off a pose is that was found on a map of short walls, besides what its covariance says: x, y \[m] and
@@ -69,7 +71,13 @@ impl Watch {
             drive: config.drive(),
             period: config.number(&param::PERIOD),
             searching: false,
+            sightings: 0,
         }
+    }
+
+    /// How often a wall in a scan, or a whole scan, corrected the estimate.
+    pub fn sightings(&self) -> u32 {
+        self.sightings
     }
 
     /// What the wheels may do.
@@ -134,6 +142,11 @@ impl<const N: usize> Witness<f64, N> for Watch {
 
     fn measured(&mut self, measured: &Stamped<Measurement<f64>>, outcome: Outcome) {
         self.supervisor.measured(measured.stamp, outcome, measured.value.rows());
+        if let (Measurement::Wall(_) | Measurement::Pose(_), Outcome::Accepted { .. }) =
+            (measured.value, outcome)
+        {
+            self.sightings = self.sightings.saturating_add(1);
+        }
         if let Measurement::Compass(heading) = measured.value
             && self.searching
         {
