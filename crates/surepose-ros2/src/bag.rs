@@ -1,6 +1,7 @@
 //! Recordings in MCAP, as rosbag2 writes them: the pilot hears them as the node would have, and calibration reads them.
 
 mod calibration;
+mod files;
 mod prologue;
 mod reader;
 mod replay;
@@ -23,10 +24,10 @@ pub enum BagError {
         /// Why.
         problem: std::io::Error,
     },
-    /// It is a folder, and which file in it is meant is not plain.
+    /// It is a folder, and which files in it are meant is not plain.
     #[error("{}", not_one(*.count))]
-    NotOneFile {
-        /// How many.
+    NotOneRecording {
+        /// How many files.
         count: usize,
     },
     /// It is no MCAP.
@@ -37,6 +38,14 @@ pub enum BagError {
     Damaged {
         /// What is wrong with it.
         problem: mcap::McapError,
+    },
+    /// One of its files cannot be used.
+    #[error("in {file}: {problem}")]
+    Part {
+        /// Which one.
+        file: String,
+        /// Why.
+        problem: Box<Self>,
     },
     /// The topic that is asked for is not there.
     #[error("no topic {name} of type {kind}; there are: {present}")]
@@ -77,5 +86,7 @@ fn not_one(count: usize) -> String {
         return "there is no .mcap file in the folder; other formats become MCAP by `ros2 bag convert`"
             .to_owned();
     }
-    format!("there are {count} .mcap files in the folder: name one of them")
+    format!(
+        "there are {count} .mcap files in the folder, which are not the parts NAME_0.mcap, NAME_1.mcap, … of one: name one of them"
+    )
 }

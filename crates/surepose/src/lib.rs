@@ -28,6 +28,10 @@
 //! Two different maps are the same type, and so are a turn rate, a rim speed and a travel of [`Wheels`]: the
 //! function's name says which it takes. Time stamps share one origin because the caller sees to it.
 //!
+//! A pose in `f32` has steps of 1 µm at 10 m and of 8 µm at 100 m, to which each period's way is rounded. Odometry alone
+//! loses less than a hundredth of it from 1 cm/s on, within 100 m, at a period of 20 ms; at 1 ms it may lose a quarter. So
+//! firmware that ticks faster adds up its ticks between two calls.
+//!
 //! # What is claimed
 //! The filter is consistent while its noise is what its parameters say. The local law leaves a sideways error that
 //! is bounded by the capture radius and does not vanish. What holds for sampled, noisy, saturated loops is the

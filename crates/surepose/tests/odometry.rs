@@ -77,3 +77,29 @@ fn noisy_wheels_and_a_heading_leave_no_bias() {
     // Two tests in one: the sizes above mean nothing if (15) had them too.
     assert!(papers < -0.15 && papers_error < 0.003 && papers_nees > 20.0, "{papers} m, {papers_nees}");
 }
+
+/// Of a way along x, from `x` \[m] on at `speed` \[m/s], the part by which `f32` is off.
+fn rounded_away(x: f64, speed: f64, period: f64) -> f64 {
+    let ekf = Ekf { drive: Drive::new(0.05_f32, 0.6), delta: 0.0025, integration: Integration::Arc };
+    let mut belief = Belief::new(Pose::new(x as f32, 0.0, Angle::zero()), [0.01; 3]);
+    let rim = (speed * period) as f32;
+    let ticks = (10.0 / period) as u32;
+    for _ in 0..ticks {
+        belief = ekf.predict(belief, ekf.travel(Wheels::new(rim, rim)));
+    }
+    let way = f64::from(belief.pose.x) - f64::from(x as f32);
+    (1.0 - way / (speed * period * f64::from(ticks))).abs()
+}
+
+/// What the crate's page says of `f32`.
+#[test]
+fn single_precision_is_enough_for_periods_that_are_no_shorter_than_said() {
+    for x in [0.0, 3.0, 10.0, -40.0, 99.0] {
+        for speed in [0.01, 0.013, 0.02, 0.05, 0.3, 1.0] {
+            let lost = rounded_away(x, speed, 0.02);
+            assert!(lost < 0.01, "at {x} m and {speed} m/s: {lost}");
+        }
+    }
+    let lost = rounded_away(99.0, 0.01, 0.001);
+    assert!((0.1..0.3).contains(&lost), "{lost}");
+}

@@ -1,6 +1,6 @@
 //! From a recording in MCAP to its messages.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -14,6 +14,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use serde::de::DeserializeOwned;
 
 use super::BagError;
+use super::files::files_of;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 use crate::names::Names;
 
@@ -93,8 +94,13 @@ struct Channel {
     encoding: String,
 }
 
-/// A recording, and what is meant by its channels.
+/// A recording.
 pub(super) struct Bag {
+    parts: Vec<Part>,
+}
+
+/// One file of it, and what is meant by its channels.
+struct Part {
     path: PathBuf,
     roles: BTreeMap<u16, (Role, Channel)>,
 }
@@ -106,8 +112,10 @@ impl Bag {
     /// # Errors
     /// [`BagError`].
     pub(super) fn open(path: &Path, names: &Names, wanted: &[Role]) -> Result<Self, BagError> {
-        let path = file_of(path)?;
-        let channels = channels(&path)?;
+        let files = files_of(path)?;
+        let read = |file: &PathBuf| channels(file).map_err(|problem| in_part(files.len(), file, problem));
+        let of_files: Vec<_> = files.iter().map(read).collect::<Result<_, _>>()?;
+        let channels: Vec<_> = of_files.iter().flat_map(|channels| channels.values().cloned()).collect();
         // A truth may be odometry by its type; then it is not the robot's own.
         let truth = topic(&channels, names, Role::Truth, None)?;
         let of = |role: Role| match topic(&channels, names, role, truth.as_deref())? {
@@ -131,37 +139,53 @@ impl Bag {
             };
             topics.iter().find(plays).map(|(role, _)| *role)
         };
-        let roles =
-            channels.into_iter().filter_map(|(id, channel)| Some((id, (role(&channel)?, channel)))).collect();
-        Ok(Self { path, roles })
+        let part = |(path, channels): (PathBuf, BTreeMap<u16, Channel>)| {
+            let roles =
+                channels.into_iter().filter_map(|(id, channel)| Some((id, (role(&channel)?, channel))));
+            Part { path, roles: roles.collect() }
+        };
+        Ok(Self { parts: files.into_iter().zip(of_files).map(part).collect() })
     }
 
     /// Whether anything is to be known beforehand: a truth to judge by, or how the laser sits.
     pub(super) fn has_prologue(&self) -> bool {
-        self.roles.values().any(|(role, _)| matches!(role, Role::Truth | Role::Joints))
+        let mut roles = self.parts.iter().flat_map(|part| part.roles.values());
+        roles.any(|(role, _)| matches!(role, Role::Truth | Role::Joints))
     }
 
-    /// Gives `hear` the messages that say something, in the order of the file.
+    /// Gives `hear` the messages that say something, in the order of the files.
     ///
     /// # Errors
     /// Where the recording is damaged, or a message is not what its type says.
     pub(super) fn messages(&self, mut hear: impl FnMut(Said)) -> Result<(), BagError> {
-        let mut numbers = BTreeMap::<u16, u64>::new();
-        records(&self.path, |record| {
-            let Record::Message { header, data } = record else { return Ok(()) };
-            let Some((role, channel)) = self.roles.get(&header.channel_id) else { return Ok(()) };
-            let number = numbers.entry(header.channel_id).or_default();
-            *number += 1;
-            let said = said(*role, &channel.kind, &data).map_err(|problem| BagError::Message {
-                number: *number,
-                topic: channel.topic.escape_debug().to_string(),
-                kind: channel.kind.clone(),
-                problem,
-            })?;
-            hear(said);
-            Ok(())
+        let mut numbers = BTreeMap::<&str, u64>::new();
+        self.parts.iter().try_for_each(|part| {
+            records(&part.path, |record| {
+                let Record::Message { header, data } = record else { return Ok(()) };
+                let Some((role, channel)) = part.roles.get(&header.channel_id) else { return Ok(()) };
+                let number = numbers.entry(&channel.topic).or_default();
+                *number += 1;
+                let said = said(*role, &channel.kind, &data).map_err(|problem| BagError::Message {
+                    number: *number,
+                    topic: channel.topic.escape_debug().to_string(),
+                    kind: channel.kind.clone(),
+                    problem,
+                })?;
+                hear(said);
+                Ok(())
+            })
+            .map_err(|problem| in_part(self.parts.len(), &part.path, problem))
         })
     }
+}
+
+/// What is wrong with a file, by its name if there are several `parts`.
+fn in_part(parts: usize, path: &Path, problem: BagError) -> BagError {
+    if parts == 1 {
+        return problem;
+    }
+    let file = path.file_name().unwrap_or_default().to_string_lossy().escape_debug().to_string();
+    BagError::Part { file, problem: Box::new(problem) }
 }
 
 /// What a message says. The truth may be told in several ways.
@@ -185,7 +209,7 @@ fn said(role: Role, kind: &str, data: &[u8]) -> Result<Said, String> {
     })
 }
 
-/// Every channel of a recording, by its number.
+/// Every channel of a file, by its number.
 fn channels(path: &Path) -> Result<BTreeMap<u16, Channel>, BagError> {
     let (mut kinds, mut channels) = (BTreeMap::new(), BTreeMap::new());
     records(path, |record| {
@@ -205,7 +229,7 @@ fn channels(path: &Path) -> Result<BTreeMap<u16, Channel>, BagError> {
     Ok(channels)
 }
 
-/// Gives `on` the records of a recording, those in chunks as well.
+/// Gives `on` the records of a file, those in chunks as well.
 fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> Result<(), BagError> {
     let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
     let damaged = |problem| match problem {
@@ -234,34 +258,16 @@ fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) 
     Ok(())
 }
 
-/// The recording that is meant by the folder which rosbag2 makes for it.
-fn file_of(path: &Path) -> Result<PathBuf, BagError> {
-    if !path.is_dir() {
-        return Ok(path.to_owned());
-    }
-    let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
-    let mut found: Vec<PathBuf> = std::fs::read_dir(path)
-        .map_err(unreadable)?
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "mcap"))
-        .collect();
-    found.sort();
-    match found.as_slice() {
-        [only] => Ok(only.clone()),
-        _ => Err(BagError::NotOneFile { count: found.len() }),
-    }
-}
-
 /// The topic for `role`: the one that the node calls so, or else, but for the truth, the only one of its type that is not
 /// `taken`.
 fn topic(
-    channels: &BTreeMap<u16, Channel>,
+    channels: &[Channel],
     names: &Names,
     role: Role,
     taken: Option<&str>,
 ) -> Result<Option<String>, BagError> {
     let mut candidates: Vec<_> = channels
-        .values()
+        .iter()
         .filter(|channel| role.fits(channel) && Some(channel.topic.as_str()) != taken)
         .map(|channel| channel.topic.clone())
         .collect();
@@ -288,10 +294,12 @@ fn topic(
 }
 
 /// The topics that there are.
-fn present(channels: &BTreeMap<u16, Channel>) -> String {
+fn present(channels: &[Channel]) -> String {
     let described =
         |channel: &Channel| format!("{} ({})", channel.topic.escape_debug(), channel.kind.escape_debug());
-    let listed = channels.values().map(described).collect::<Vec<_>>().join(", ");
+    // Each file of a recording has the same ones, as a rule.
+    let listed = channels.iter().map(described).collect::<BTreeSet<_>>();
+    let listed = listed.into_iter().collect::<Vec<_>>().join(", ");
     if listed.is_empty() { "none".to_owned() } else { listed }
 }
 

@@ -1,121 +1,27 @@
 //! Recordings of the simulated robot, and of what is none.
 
-use std::collections::BTreeMap;
-use std::io::{Cursor, Write};
-use std::path::{Path, PathBuf};
+mod recorder;
 
-use byteorder::LittleEndian;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use mcap::records::MessageHeader;
-use serde::Serialize;
-use surepose::{Body, Drive, Integration, Pose, Stamp, Twist, param};
+use surepose::{Drive, Pose, Stamp, Twist, param};
 use surepose_lab::Watch;
 use surepose_lab::calibrate::calibrate;
 use surepose_lab::replay::ReplayReport;
 use surepose_lab::rig::Scenario;
-use surepose_sim::{Scan, Seed, World};
+use surepose_sim::Scan;
 
 use super::*;
-use crate::convert::{header, pose_message};
-use crate::message::{PoseStamped, Quaternion};
+use crate::message::Quaternion;
 use crate::names::Names;
-use crate::pilot::{Odom, Settings};
+use crate::pilot::Settings;
 use crate::robot::words;
 
-/// Writes a recording.
-struct Recorder {
-    writer: mcap::Writer<Cursor<Vec<u8>>>,
-    channels: BTreeMap<String, u16>,
-}
-
-impl Recorder {
-    fn new() -> Self {
-        Self { writer: mcap::Writer::new(Cursor::new(Vec::new())).unwrap(), channels: BTreeMap::new() }
-    }
-
-    fn write(&mut self, topic: &str, kind: &str, time: Stamp, message: &impl Serialize) {
-        let mut data = vec![0, 1, 0, 0];
-        data.extend(cdr_encoding::to_vec::<_, LittleEndian>(message).unwrap());
-        self.write_bytes(topic, kind, time, &data);
-    }
-
-    fn write_bytes(&mut self, topic: &str, kind: &str, time: Stamp, data: &[u8]) {
-        let channel_id = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
-            let schema = self.writer.add_schema(kind, "ros2msg", b"").unwrap();
-            self.writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).unwrap()
-        });
-        let time = time.nanoseconds() as u64;
-        let header = MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
-        self.writer.write_to_known_channel(&header, data).unwrap();
-    }
-
-    fn finished(mut self) -> Vec<u8> {
-        self.writer.finish().unwrap();
-        self.writer.into_inner().into_inner()
-    }
-}
-
-/// The simulated robot on a round, for so many seconds.
-fn round(seconds: f64, odometry_topic: &str) -> Recorder {
-    let scenario = Scenario::default();
-    let base = scenario.world().drive;
-    recorded_by(&Robot { scenario, base, hangs: false }, seconds, odometry_topic, |_| Twist::new(0.2, 0.2))
-}
-
-/// Who is recorded.
-struct Robot {
-    scenario: Scenario,
-    /// What it takes its wheels for.
-    base: Drive<f64>,
-    /// Its laser hangs upside down.
-    hangs: bool,
-}
-
-/// Turns to and fro while it drives, by the time.
-fn winding(t: f64) -> Twist<f64> {
-    Twist::new(0.15 + 0.1 * (0.3 * t).sin(), 0.5 * (0.17 * t).sin())
-}
-
-/// The simulated robot as it is told by the time, for so many seconds.
-fn recorded_by(
-    robot: &Robot,
-    seconds: f64,
-    odometry_topic: &str,
-    told: impl Fn(f64) -> Twist<f64>,
-) -> Recorder {
-    let Robot { scenario, base, hangs } = robot;
-    let mut world = World::new(scenario.world(), scenario.start(), Seed(5));
-    let mut odometry: Pose<Odom, Body, f64> = Pose::identity();
-    let mut recorder = Recorder::new();
-    let origin = Stamp::from_seconds(1.7e9);
-    let at = |moment: Stamp| origin.after(moment.seconds());
-    while world.now().seconds() < seconds {
-        let drive = world.model().drive;
-        let sensed = world.step(drive.rates_from_twist(told(world.now().seconds())), 0.05);
-        let rims = base.rims_from_turns(drive.turns_from_rims(sensed.rims));
-        odometry = odometry.moved(base.motion_from_travel(rims), Integration::Arc);
-        let now = at(sensed.stamp);
-        let rolled = words::odometry(now, odometry, Twist::rest());
-        recorder.write(odometry_topic, "nav_msgs/msg/Odometry", now, &rolled);
-        let truth = PoseStamped { header: header(now, "map"), pose: pose_message(world.pose()) };
-        recorder.write("/truth", "geometry_msgs/msg/PoseStamped", now, &truth);
-        for heading in &sensed.headings {
-            let imu = words::heading(at(heading.stamp), heading.value, 0.1_f64.to_radians());
-            recorder.write("/imu", "sensor_msgs/msg/Imu", now, &imu);
-        }
-        for scan in &sensed.scans {
-            let mut scan = words::scan(at(scan.stamp), &scan.value);
-            if *hangs {
-                // What is on its right is on the robot's left.
-                scan.ranges.reverse();
-                (scan.angle_min, scan.angle_max) = (-scan.angle_max, -scan.angle_min);
-            }
-            recorder.write("/scan", "sensor_msgs/msg/LaserScan", now, &scan);
-        }
-    }
-    recorder
-}
+use recorder::{File, Recorder, Robot, recorded_by, round, winding};
 
 /// Those of a robot that is told nothing of its start but by the truth.
 fn settings() -> Settings {
@@ -124,23 +30,6 @@ fn settings() -> Settings {
 
 fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayReport, BagError> {
     super::replay(path, settings, names, |_| ())
-}
-
-/// A file with these bytes, for as long as it is kept.
-struct File(PathBuf);
-
-impl File {
-    fn new(name: &str, bytes: &[u8]) -> Self {
-        let path = std::env::temp_dir().join(format!("surepose-{}-{name}.mcap", std::process::id()));
-        std::fs::write(&path, bytes).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for File {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
 }
 
 #[test]
@@ -272,16 +161,50 @@ fn a_message_that_is_none_is_named() {
     assert!(said.starts_with("message 21 of /odom is no nav_msgs/msg/Odometry"), "{said}");
 }
 
+/// rosbag2 splits long recordings, each part with its own channels.
 #[test]
 fn a_folder_stands_for_the_one_recording_in_it() {
     let folder = std::env::temp_dir().join(format!("surepose-{}-folder", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let replayed = || replay(&folder, &settings(), &Names::default());
-    assert!(matches!(replayed(), Err(BagError::NotOneFile { count: 0 })));
-    std::fs::write(folder.join("drive_0.mcap"), round(1.0, "/odom").finished()).unwrap();
-    assert_eq!(replayed().unwrap().steps, 20);
-    std::fs::write(folder.join("drive_1.mcap"), b"").unwrap();
-    assert!(matches!(replayed(), Err(BagError::NotOneFile { count: 2 })));
+    assert!(matches!(replayed(), Err(BagError::NotOneRecording { count: 0 })));
+    let robot = || {
+        let scenario = Scenario::default();
+        let base = scenario.world().drive;
+        Robot { scenario, base, hangs: false }
+    };
+    // The parts of one drive: what is recorded later goes into the next file. The tenth comes after the ninth.
+    let whole = recorded_by(&robot(), 6.0, "/odom", |_| Twist::new(0.2, 0.2)).finished();
+    let begin = 1.7e9;
+    for (part, from, to) in [(8, 0.0, 2.0), (9, 2.0, 4.0), (10, 4.0, 7.0)] {
+        let mut recorder = Recorder::new();
+        // Another order of the channels.
+        if part == 9 {
+            let now = Stamp::from_seconds(begin);
+            recorder.write("/other", "std_msgs/msg/String", now, &"nothing");
+        }
+        for message in mcap::MessageStream::new(&whole).unwrap().map(Result::unwrap) {
+            let time = Stamp::from_nanoseconds(message.log_time.cast_signed());
+            if (from..to).contains(&(time.seconds() - begin)) {
+                let kind = message.channel.schema.as_ref().unwrap().name.clone();
+                recorder.write_bytes(&message.channel.topic, &kind, time, &message.data);
+            }
+        }
+        std::fs::write(folder.join(format!("drive_{part}.mcap")), recorder.finished()).unwrap();
+    }
+    let parts = replayed().unwrap();
+    let one = replay(&File::new("whole", &whole).0, &settings(), &Names::default()).unwrap();
+    assert_eq!(
+        (parts.steps, parts.accepted, parts.position_rmse_m),
+        (one.steps, one.accepted, one.position_rmse_m)
+    );
+    assert!(parts.steps == 120 && parts.skipped.is_empty(), "{parts:?}");
+
+    std::fs::write(folder.join("drive_9.mcap"), b"no part of it").unwrap();
+    let said = replayed().unwrap_err().to_string();
+    assert!(said.starts_with("in drive_9.mcap: this is no MCAP recording"), "{said}");
+    std::fs::write(folder.join("other_0.mcap"), b"").unwrap();
+    assert!(matches!(replayed(), Err(BagError::NotOneRecording { count: 4 })));
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

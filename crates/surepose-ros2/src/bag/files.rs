@@ -1,0 +1,39 @@
+//! Which files a recording has: one, or the parts in which rosbag2 splits a long one.
+
+use std::path::{Path, PathBuf};
+
+use super::BagError;
+
+/// The files of the recording at `path`, in the order of time: itself; or, in the folder that rosbag2 makes for it, the one that
+/// is there, or its parts `drive_0.mcap`, `drive_1.mcap` and so on.
+///
+/// # Errors
+/// [`BagError::Unreadable`], and [`BagError::NotOneRecording`] where which files are meant is not plain.
+pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
+    let found: Vec<PathBuf> = std::fs::read_dir(path)
+        .map_err(unreadable)?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "mcap"))
+        .collect();
+    if found.len() == 1 {
+        return Ok(found);
+    }
+    let count = found.len();
+    let mut parts: Vec<_> = found.into_iter().filter_map(|path| Some((part_of(&path)?, path))).collect();
+    parts.sort();
+    let is_one = parts.windows(2).all(|pair| pair[0].0.0 == pair[1].0.0);
+    if count == 0 || parts.len() < count || !is_one {
+        return Err(BagError::NotOneRecording { count });
+    }
+    Ok(parts.into_iter().map(|(_, path)| path).collect())
+}
+
+/// The name of the recording that a file is a part of, and which part.
+fn part_of(path: &Path) -> Option<(String, u64)> {
+    let (name, number) = path.file_stem()?.to_str()?.rsplit_once('_')?;
+    Some((name.to_owned(), number.parse().ok()?))
+}

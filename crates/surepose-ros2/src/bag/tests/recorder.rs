@@ -1,0 +1,128 @@
+//! What is recorded: the simulated robot on its way, and what is written besides.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::PathBuf;
+
+use byteorder::LittleEndian;
+use mcap::records::MessageHeader;
+use serde::Serialize;
+use surepose::{Body, Drive, Integration, Pose, Stamp, Twist};
+use surepose_lab::rig::Scenario;
+use surepose_sim::{Seed, World};
+
+use crate::convert::{header, pose_message};
+use crate::message::PoseStamped;
+use crate::pilot::Odom;
+use crate::robot::words;
+
+/// Writes a recording.
+pub(super) struct Recorder {
+    pub(super) writer: mcap::Writer<Cursor<Vec<u8>>>,
+    pub(super) channels: BTreeMap<String, u16>,
+}
+
+impl Recorder {
+    pub(super) fn new() -> Self {
+        Self { writer: mcap::Writer::new(Cursor::new(Vec::new())).unwrap(), channels: BTreeMap::new() }
+    }
+
+    pub(super) fn write(&mut self, topic: &str, kind: &str, time: Stamp, message: &impl Serialize) {
+        let mut data = vec![0, 1, 0, 0];
+        data.extend(cdr_encoding::to_vec::<_, LittleEndian>(message).unwrap());
+        self.write_bytes(topic, kind, time, &data);
+    }
+
+    pub(super) fn write_bytes(&mut self, topic: &str, kind: &str, time: Stamp, data: &[u8]) {
+        let channel_id = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
+            let schema = self.writer.add_schema(kind, "ros2msg", b"").unwrap();
+            self.writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).unwrap()
+        });
+        let time = time.nanoseconds() as u64;
+        let header = MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
+        self.writer.write_to_known_channel(&header, data).unwrap();
+    }
+
+    pub(super) fn finished(mut self) -> Vec<u8> {
+        self.writer.finish().unwrap();
+        self.writer.into_inner().into_inner()
+    }
+}
+
+/// The simulated robot on a round, for so many seconds.
+pub(super) fn round(seconds: f64, odometry_topic: &str) -> Recorder {
+    let scenario = Scenario::default();
+    let base = scenario.world().drive;
+    recorded_by(&Robot { scenario, base, hangs: false }, seconds, odometry_topic, |_| Twist::new(0.2, 0.2))
+}
+
+/// Who is recorded.
+pub(super) struct Robot {
+    pub(super) scenario: Scenario,
+    /// What it takes its wheels for.
+    pub(super) base: Drive<f64>,
+    /// Its laser hangs upside down.
+    pub(super) hangs: bool,
+}
+
+/// Turns to and fro while it drives, by the time.
+pub(super) fn winding(t: f64) -> Twist<f64> {
+    Twist::new(0.15 + 0.1 * (0.3 * t).sin(), 0.5 * (0.17 * t).sin())
+}
+
+/// The simulated robot as it is told by the time, for so many seconds.
+pub(super) fn recorded_by(
+    robot: &Robot,
+    seconds: f64,
+    odometry_topic: &str,
+    told: impl Fn(f64) -> Twist<f64>,
+) -> Recorder {
+    let Robot { scenario, base, hangs } = robot;
+    let mut world = World::new(scenario.world(), scenario.start(), Seed(5));
+    let mut odometry: Pose<Odom, Body, f64> = Pose::identity();
+    let mut recorder = Recorder::new();
+    let origin = Stamp::from_seconds(1.7e9);
+    let at = |moment: Stamp| origin.after(moment.seconds());
+    while world.now().seconds() < seconds {
+        let drive = world.model().drive;
+        let sensed = world.step(drive.rates_from_twist(told(world.now().seconds())), 0.05);
+        let rims = base.rims_from_turns(drive.turns_from_rims(sensed.rims));
+        odometry = odometry.moved(base.motion_from_travel(rims), Integration::Arc);
+        let now = at(sensed.stamp);
+        let rolled = words::odometry(now, odometry, Twist::rest());
+        recorder.write(odometry_topic, "nav_msgs/msg/Odometry", now, &rolled);
+        let truth = PoseStamped { header: header(now, "map"), pose: pose_message(world.pose()) };
+        recorder.write("/truth", "geometry_msgs/msg/PoseStamped", now, &truth);
+        for heading in &sensed.headings {
+            let imu = words::heading(at(heading.stamp), heading.value, 0.1_f64.to_radians());
+            recorder.write("/imu", "sensor_msgs/msg/Imu", now, &imu);
+        }
+        for scan in &sensed.scans {
+            let mut scan = words::scan(at(scan.stamp), &scan.value);
+            if *hangs {
+                // What is on its right is on the robot's left.
+                scan.ranges.reverse();
+                (scan.angle_min, scan.angle_max) = (-scan.angle_max, -scan.angle_min);
+            }
+            recorder.write("/scan", "sensor_msgs/msg/LaserScan", now, &scan);
+        }
+    }
+    recorder
+}
+
+/// A file with these bytes, for as long as it is kept.
+pub(super) struct File(pub(super) PathBuf);
+
+impl File {
+    pub(super) fn new(name: &str, bytes: &[u8]) -> Self {
+        let path = std::env::temp_dir().join(format!("surepose-{}-{name}.mcap", std::process::id()));
+        std::fs::write(&path, bytes).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for File {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
