@@ -34,7 +34,8 @@ fuzz_target!(|bytes: &[u8]| {
                 let ranges = (0..32).map(|_| bytes.number()).collect();
                 let (first_bearing, bearing_step) = (bytes.number(), bytes.number());
                 let (nearest, farthest) = (bytes.number(), bytes.number());
-                let scan = LaserScan { first_bearing, bearing_step, ranges, nearest, farthest };
+                let body_from_laser = Pose::new(bytes.number(), bytes.number(), Angle::wrapped(bytes.number()));
+                let scan = LaserScan { first_bearing, bearing_step, ranges, nearest, farthest, body_from_laser };
                 pilot.hear(Stamped::new(now.after(bytes.number()), Heard::Scan(scan)));
             }
             1 => {

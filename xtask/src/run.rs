@@ -9,6 +9,7 @@ pub(crate) fn ci(root: &Path) -> Result<(), String> {
     crate::tidy::check(root)?;
     cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
     cargo(root, &["doc", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    cargo(root, &["check", "--manifest-path", "fuzz/Cargo.toml", "--target-dir", "target/fuzz"], &[])?;
     cargo(root, &["test", "--workspace", "--release"], &[])?;
     crate::instructions::check(root)?;
     crate::microcontroller::check(root)?;
