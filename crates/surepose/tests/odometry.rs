@@ -78,6 +78,30 @@ fn noisy_wheels_and_a_heading_leave_no_bias() {
     assert!(papers < -0.15 && papers_error < 0.003 && papers_nees > 20.0, "{papers} m, {papers_nees}");
 }
 
+/// However the stamps jitter, and after a silence: what the variances of a way add up to is what (15) makes of it.
+#[test]
+fn jitter_and_silence_make_odometry_neither_vague_nor_sure() {
+    let ekf = Ekf { drive: Drive::new(0.05, 0.6), delta: DELTA, integration: Integration::Arc };
+    let known = Belief::new(Pose::identity(), START);
+    // From one stamp to the next \[ms], while the rims roll 15 mm each time, or as far as the time says.
+    let (even, burst, silent) =
+        ([50; 12], [50, 50, 50, 99, 1, 50, 50, 100, 0, 50, 50, 50], [50, 50, 50, 5000, 50, 50]);
+    for (steps, in_time) in [(&even[..], true), (&burst[..], false), (&silent[..], true)] {
+        let mut estimator = Estimator::<f64>::new(ekf, Gate::new(0.999_999), 1.0, at(0), known);
+        let (mut ours, mut papers, mut now) = (0.0, 0.0, at(0));
+        for step in steps {
+            now = now.after(0.001 * f64::from(*step));
+            let rim = if in_time { 0.0003 * f64::from(*step) } else { RIM };
+            let rims = Wheels::new(rim, -rim);
+            let travel = estimator.travel(now, rims);
+            estimator.roll_by(now, travel).unwrap();
+            assert!(travel.variance.right > 0.2 * DELTA * rim * rim, "{steps:?}: {travel:?} in {step} ms");
+            (ours, papers) = (ours + travel.variance.right, papers + ekf.travel(rims).variance.right);
+        }
+        assert!((0.8..1.6).contains(&(ours / papers)), "{steps:?}: {ours} m², by (15) {papers} m²");
+    }
+}
+
 /// Of a way along x, from `x` \[m] on at `speed` \[m/s], the part by which `f32` is off.
 fn rounded_away(x: f64, speed: f64, period: f64) -> f64 {
     let ekf = Ekf { drive: Drive::new(0.05_f32, 0.6), delta: 0.0025, integration: Integration::Arc };

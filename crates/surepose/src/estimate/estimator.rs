@@ -134,31 +134,31 @@ impl<S: Float, const N: usize> Estimator<S, N> {
     /// square is the mean one of the last half second, of which this stretch is a small part.
     /// Tested by `odometry::noisy_wheels_and_a_heading_leave_no_bias`.
     pub fn travel(&self, stamp: Stamp, rims: Wheels<S>) -> Travel<S> {
-        let squares = |rims: Wheels<S>| Wheels::new(rims.right.squared(), rims.left.squared());
         let own = stamp.since(self.stamp());
         if own.is_nan() || own <= 0.0 {
             return self.ekf.travel(rims);
         }
-        // Of each stretch the square of the speeds, times how long it was.
-        let mut time = S::of(own);
-        let mut sum = squares(rims).scaled(S::of(1.0) / time);
-        let since = stamp.after(-MEMORY);
-        for index in (0..self.history.len()).rev() {
-            let begin = self.history.after(index).0;
-            if let Some(Entry { stamp: end, event: Event::Travel(travel), .. }) = self.history.get(index)
-                && end > begin
-            {
-                let dt = S::of(end.since(begin));
-                let rims = squares(travel.rims).scaled(S::of(1.0) / dt);
-                sum = Wheels::new(sum.right + rims.right, sum.left + rims.left);
-                time = time + dt;
-            }
-            if begin <= since {
-                break;
-            }
+        let recent = || core::iter::once((own, rims)).chain(self.rolled_since(stamp.after(-MEMORY)));
+        let (count, whole) = recent().fold((0.0, 0.0), |(count, whole), (dt, _)| (count + 1.0, whole + dt));
+        // Stamps that jitter bring two stretches close together: neither was driven in no time.
+        let time = |dt: f64| S::of(dt.max(whole / count));
+        let (mut all, mut sum) = (S::of(0.0), Wheels::rest());
+        for (dt, rims) in recent() {
+            let (dt, speeds) = (time(dt), rims.scaled(S::of(1.0) / time(dt)));
+            all = all + dt;
+            sum = Wheels::new(sum.right + speeds.right.squared() * dt, sum.left + speeds.left.squared() * dt);
         }
-        let mean = S::of(own).squared() / time * self.ekf.delta;
-        Travel { rims, variance: sum.scaled(mean) }
+        Travel { rims, variance: sum.scaled(time(own).squared() / all * self.ekf.delta) }
+    }
+
+    /// The stretches that ended after `since`, the newest first: how long each was \[s], and how far the rims rolled \[m].
+    fn rolled_since(&self, since: Stamp) -> impl Iterator<Item = (f64, Wheels<S>)> + '_ {
+        let stamp = |count: usize| self.history.after(count).0;
+        let newest_first = (0..self.history.len()).rev().take_while(move |index| stamp(index + 1) > since);
+        newest_first.filter_map(move |index| match self.history.get(index)?.event {
+            Event::Travel(travel) => Some((stamp(index + 1).since(stamp(index)), travel.rims)),
+            Event::Measurement(_) => None,
+        })
     }
 
     /// As [`Estimator::roll`], where the variance of the travel is known better than by δ.
