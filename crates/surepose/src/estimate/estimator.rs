@@ -140,8 +140,9 @@ impl<S: Float, const N: usize> Estimator<S, N> {
         }
         let recent = || core::iter::once((own, rims)).chain(self.rolled_since(stamp.after(-MEMORY)));
         let (count, whole) = recent().fold((0.0, 0.0), |(count, whole), (dt, _)| (count + 1.0, whole + dt));
-        // Stamps that jitter bring two stretches close together: neither was driven in no time.
-        let time = |dt: f64| S::of(dt.max(whole / count));
+        // Stamps that jitter make a stretch of no time: nobody rolled so far in that. A measurement that is late splits one, and
+        // its parts are as short as they say.
+        let time = |dt: f64| S::of(dt.max(0.25 * whole / count));
         let (mut all, mut sum) = (S::of(0.0), Wheels::rest());
         for (dt, rims) in recent() {
             let (dt, speeds) = (time(dt), rims.scaled(S::of(1.0) / time(dt)));
