@@ -108,7 +108,7 @@ fn a_compressed_wall_map_is_no_grid() {
     for (name, map, blamed) in [
         ("room.toml.gz", &b"[[wall]]\nfrom_m = [0, 0]\nto_m = [4, 0]\n"[..], "damaged.log:1"),
         ("room.yaml.gz", b"image: 1\nresolution: wide\n", "room.yaml.gz:2"),
-        ("room.dat.gz", b"[[wall]]\n", "is not a record of this format"),
+        ("room.dat.gz", b"[[wall]]\n", "robot_specifications"),
     ] {
         let map = file(&folder, name, map);
         let run = surepose(&["replay", "wean", &log, "--map", &map]);
