@@ -29,6 +29,9 @@ const NOTHING: f64 = 1e-12;
 /// Walls that run along an axis leave 1e-30 of it, by rounding; a step of rounding over that would leave the map.
 const LEAST: f64 = 1e-6;
 
+/// So much of an entry of its diagonal is the rounding of what an information was made of.
+const ROUNDING: f64 = 1e-6;
+
 impl<S: Scalar> PoseFix<S> {
     /// ν = Lᵀ(z − x̂), where the information is L D Lᵀ: rows with the independent variances 1/D.
     #[inline]
@@ -39,7 +42,7 @@ impl<S: Scalar> PoseFix<S> {
             self.pose.y - belief.pose.y,
             (self.pose.heading - belief.pose.heading).radians(),
         ];
-        let (lower, diagonal) = factors(&self.information);
+        let Factors { lower, diagonal, .. } = Factors::of(&self.information, S::of(ROUNDING));
         let mut jacobian = [[zero; 3]; 3];
         let mut residual = [zero; 3];
         let mut variance = [zero; 3];
@@ -96,7 +99,7 @@ impl<S: Float> PoseFix<S> {
         information: Matrix<S, 3, 3>,
         gradient: [S; 3],
     ) -> Result<Self, NotACovariance> {
-        let (lower, diagonal) = factors(&information);
+        let Factors { lower, diagonal, .. } = Factors::of(&information, S::of(ROUNDING));
         let sound = |i: usize| information[(i, i)].is_finite() && information[(i, i)] >= S::of(0.0);
         if !(0..3).all(sound) || !gradient.iter().all(|g| g.is_finite()) {
             return Err(NotACovariance);
@@ -125,57 +128,55 @@ impl<S: Float> PoseFix<S> {
     /// Where walls show nothing along them what is left along them is the rounding of what they show across, and of what was
     /// [taken from it](PoseFix::blurred), which may have been some ten thousand times as much.
     pub(super) fn is_informed(&self) -> bool {
-        let slack = S::of(1e-6).max(S::EPSILON * S::of(32768.0));
-        let matrix = &self.information.0;
-        let size = |i: usize| matrix[i][i].abs().max(S::of(LEAST));
-        let between = |i: usize, j: usize| size(i).sqrt() * size(j).sqrt();
-        let agrees = |i: usize, j: usize| (matrix[i][j] - matrix[j][i]).abs() <= slack * between(i, j);
-        if !(0..3).all(|i| (0..3).all(|j| agrees(i, j))) {
-            return false;
-        }
-        let mut rest = *matrix;
-        for j in 0..3 {
-            let pivot = rest[j][j];
+        let slack = S::of(ROUNDING).max(S::EPSILON * S::of(32768.0));
+        let matrix = &self.information;
+        let size = |i: usize| matrix[(i, i)].abs().max(S::of(LEAST)).sqrt();
+        let agrees =
+            |i: usize, j: usize| (matrix[(i, j)] - matrix[(j, i)]).abs() <= slack * size(i) * size(j);
+        let Factors { diagonal, nothing, left, .. } = Factors::of(matrix, slack);
+        (0..3).all(|j| {
+            let is_pivot = left[j][j] >= -nothing[j] && left[j][j].is_finite();
+            // Next to nothing there is nothing: Λᵢⱼ² ≤ Λᵢᵢ·Λⱼⱼ.
+            let most = |i: usize| S::of(2.0) * nothing[j].sqrt() * size(i);
+            let is_alone = diagonal[j] > S::of(0.0) || (j + 1..3).all(|i| left[i][j].abs() <= most(i));
             // A NaN compares false.
-            if !(pivot >= -slack * size(j) && pivot.is_finite()) {
-                return false;
-            }
-            let is_nothing = pivot <= slack * size(j);
-            for i in j + 1..3 {
-                // Next to nothing there is nothing: |Λᵢⱼ|² ≤ Λᵢᵢ·Λⱼⱼ.
-                if is_nothing && rest[i][j].abs() > S::of(2.0) * slack.sqrt() * between(i, j) {
-                    return false;
-                }
-                let factor = if is_nothing { S::of(0.0) } else { rest[i][j] / pivot };
-                for k in j + 1..3 {
-                    rest[i][k] = rest[i][k] - factor * rest[j][k];
-                }
-            }
-        }
-        true
+            is_pivot && is_alone && (0..3).all(|i| agrees(i, j))
+        })
     }
 }
 
-/// L (unit lower triangular) and D of a symmetric positive semi-definite matrix L D Lᵀ.
-///
-/// A pivot that is rounding only, or less than [`LEAST`], is nothing: 0, and with it its column.
-fn factors<S: Scalar>(matrix: &Matrix<S, 3, 3>) -> ([[S; 3]; 3], [S; 3]) {
-    let zero = S::of(0.0);
-    let mut rest = matrix.0;
-    let mut lower = [[zero; 3]; 3];
-    let mut diagonal = [zero; 3];
-    for j in 0..3 {
-        let rounding = (matrix.0[j][j].abs() * S::of(1e-6)).max(S::of(LEAST));
-        let pivot = S::select(rest[j][j].gt(rounding), rest[j][j], zero);
-        diagonal[j] = pivot;
-        for i in j + 1..3 {
-            lower[i][j] = rest[i][j].over_positive(pivot);
-        }
-        for i in j + 1..3 {
-            for k in j + 1..3 {
-                rest[i][k] = rest[i][k] - lower[i][j] * rest[j][k];
+/// A symmetric positive semi-definite matrix as L D Lᵀ.
+struct Factors<S> {
+    /// L, unit lower triangular.
+    lower: [[S; 3]; 3],
+    /// D.
+    diagonal: [S; 3],
+    /// What a pivot must be more than: less is rounding only, or less than [`LEAST`], and 0 in D, and with it its column of L.
+    nothing: [S; 3],
+    /// In the lower triangle, what was left of each column when its turn came.
+    left: [[S; 3]; 3],
+}
+
+impl<S: Scalar> Factors<S> {
+    /// Those of `matrix`, where `rounding` of an entry of its diagonal is nothing.
+    fn of(matrix: &Matrix<S, 3, 3>, rounding: S) -> Self {
+        let zero = S::of(0.0);
+        let mut left = matrix.0;
+        let mut lower = [[zero; 3]; 3];
+        let (mut diagonal, mut nothing) = ([zero; 3], [zero; 3]);
+        for j in 0..3 {
+            nothing[j] = (matrix.0[j][j].abs() * rounding).max(S::of(LEAST));
+            let pivot = S::select(left[j][j].gt(nothing[j]), left[j][j], zero);
+            diagonal[j] = pivot;
+            for i in j + 1..3 {
+                lower[i][j] = left[i][j].over_positive(pivot);
+            }
+            for i in j + 1..3 {
+                for k in j + 1..3 {
+                    left[i][k] = left[i][k] - lower[i][j] * left[j][k];
+                }
             }
         }
+        Self { lower, diagonal, nothing, left }
     }
-    (lower, diagonal)
 }
