@@ -154,8 +154,8 @@ pub struct Tick<S: Scalar> {
 
 /// Carries the estimate one tick forward and says how to turn the wheels.
 ///
-/// What is refused, a scan that cannot be read too, is counted in the estimator's tally and changes nothing. `progress` is what the tick before gave,
-/// its `granted` what the wheels were really told: less, where the supervisor said so.
+/// What is refused, a scan that cannot be read too, is counted in the estimator's tally and changes nothing. `progress` is
+/// what the tick before gave, its `granted` what the wheels were really told: less, where the supervisor said so.
 pub fn tick<S: Float, const N: usize, const BEAMS: usize>(
     controller: &Controller<S>,
     localiser: &mut Localiser<S, N, BEAMS>,
