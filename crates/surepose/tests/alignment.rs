@@ -232,4 +232,6 @@ fn a_fix_solves_for_its_pose_and_leaves_open_what_it_does_not_know() {
     let negative = Matrix([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     assert!(PoseFix::from_information(near, negative, [0.0; 3]).is_err());
     assert!(PoseFix::from_information(near, information, [f64::NAN, 0.0, 0.0]).is_err());
+    let broken = Matrix([[4.0, f64::NAN, 2.0], [f64::NAN, 1.0, 0.0], [2.0, 0.0, 9.0]]);
+    assert!(PoseFix::from_information(near, broken, [1.0, 0.0, 0.0]).is_err());
 }

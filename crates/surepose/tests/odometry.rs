@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod common;
+
+use common::Noise;
 use surepose::{
     Angle, Belief, Compass, Drive, Ekf, Estimator, Gate, Integration, Measurement, Outcome, Pose, Stamp,
     Stamped, Travel, Wheels,
@@ -17,23 +20,6 @@ const START: [f64; 3] = [0.01, 0.01, 0.002];
 
 fn at(tick: i64) -> Stamp {
     Stamp::from_seconds(PERIOD * tick as f64)
-}
-
-/// SplitMix64 and the sum of twelve uniforms: enough of a normal for a mean.
-struct Noise(u64);
-
-impl Noise {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
 }
 
 /// Robots that drive 6 m straight ahead with 20 % of noise on their wheels and a good compass, and take the variance of a stretch
