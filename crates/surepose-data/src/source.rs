@@ -20,10 +20,22 @@ pub(crate) struct Source<'a> {
     compressed: bool,
 }
 
+/// The bytes of a file, decompressed where its first two say that it is gzip: for a format that another crate reads.
+///
+/// # Errors
+/// Where it cannot be opened or read.
+pub fn read_plain(path: &Path) -> std::io::Result<impl BufRead> {
+    Ok(Source::file(path)?.input)
+}
+
 impl Source<'static> {
     pub(crate) fn open(path: &Path) -> Result<Self, Problem> {
-        let mut file = BufReader::with_capacity(BUFFER, File::open(path).map_err(Problem::Unreadable)?);
-        let compressed = file.fill_buf().map_err(Problem::Unreadable)?.starts_with(&GZIP_MAGIC);
+        Self::file(path).map_err(Problem::Unreadable)
+    }
+
+    fn file(path: &Path) -> std::io::Result<Self> {
+        let mut file = BufReader::with_capacity(BUFFER, File::open(path)?);
+        let compressed = file.fill_buf()?.starts_with(&GZIP_MAGIC);
         Ok(Self::new(file, compressed))
     }
 }

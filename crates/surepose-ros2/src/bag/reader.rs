@@ -1,17 +1,16 @@
 //! From a recording in MCAP to its messages.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
-use flate2::bufread::MultiGzDecoder;
 use mcap::McapError;
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use serde::de::DeserializeOwned;
+use surepose_data::read_plain;
 
 use super::BagError;
 use super::files::files_of;
@@ -31,9 +30,6 @@ const STATIC: &str = "/tf_static";
 
 /// What is longer, decompressed, is no record but a mistake [bytes].
 const LONGEST_RECORD: usize = 1 << 28;
-
-/// How a file begins that is compressed as a whole.
-const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// So much of the file is read at a time [bytes].
 const PIECE: usize = 1 << 16;
@@ -236,10 +232,7 @@ fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) 
         McapError::BadMagic => BagError::NoMcap,
         problem => BagError::Damaged { problem },
     };
-    let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
-    let is_compressed = file.fill_buf().map_err(unreadable)?.starts_with(&GZIP);
-    let mut file: Box<dyn Read> =
-        if is_compressed { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) };
+    let mut file = read_plain(path).map_err(unreadable)?;
     let options = LinearReaderOptions::default()
         .with_validate_chunk_crcs(true)
         .with_record_length_limit(LONGEST_RECORD);
