@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 use surepose::closed_loop::{Controller, Localiser, Progress, Sensed, Signal, tick};
 use surepose::{
-    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, Goal, Integration, Limits,
-    Map, Matcher, Measurement, Point, Pose, RangeFinder, Recognition, Refusal, Scan, Stamp, Stamped,
-    Tolerance, Travel, Wall, Wheels,
+    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, Goal, HybridLaw, Integration,
+    Law, Limits, Map, Matcher, Measurement, Memory, Navigation, Point, Pose, RangeFinder, Recognition,
+    Refusal, Rest, Scan, Stamp, Stamped, Tolerance, Travel, Twist, Wall, Wheels,
 };
 
 const PERIOD: f64 = 0.1;
@@ -156,6 +156,19 @@ fn constants_that_no_robot_has_make_it_rest() {
             assert!(wheels.right.is_finite() && wheels.left.is_finite(), "{controller:?}: {wheels:?}");
         }
     }
+}
+
+/// In no time nothing changes, and a zone of rest of no size is none.
+#[test]
+fn nothing_is_no_quotient() {
+    let going = Twist::new(0.1, -0.2);
+    assert_eq!(LIMITS.grant(&DRIVE, going, going, 0.0), going);
+    let usual = HybridLaw::fitted(&DRIVE, &LIMITS, PERIOD, Direction::Forward);
+    let there = Navigation { rho: 0.0, alpha: Angle::wrapped(-0.5), phi: Angle::zero() };
+    let memory = Memory { near: true, ..Memory::fresh() };
+    let twist = |rest| Law::Hybrid(HybridLaw { rest, ..usual }).decide(&there, memory).twist;
+    assert_eq!(twist(Some(Rest::of(0.0, PERIOD))), twist(None));
+    assert!(twist(None).omega < -0.1);
 }
 
 proptest! {
