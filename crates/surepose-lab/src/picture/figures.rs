@@ -48,9 +48,9 @@ pub fn fig6(following: &Following) -> Picture {
     let draw = |title: &str, shape: &Shape| {
         Map::new(title)
             .walls(arena.walls().iter().map(|wall| [(wall.start.x, wall.start.y), (wall.end.x, wall.end.y)]))
-            .trace("path", points(&shape.path), Stroke::wide(Color::Silver))
             .trace("without EKF", points(&shape.without_ekf), Stroke::solid(Color::Vermilion))
-            .trace("with EKF", points(&shape.with_ekf), Stroke::solid(Color::Blue))
+            .trace("with EKF", points(&shape.with_ekf), Stroke::wide(Color::Blue))
+            .trace("path", points(&shape.path), Stroke::thin(Color::Black))
             .cell()
     };
     beside(vec![

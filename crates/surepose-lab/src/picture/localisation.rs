@@ -16,10 +16,6 @@ pub fn fig4(runs: &[Localised]) -> Picture {
     let arena = Arena::loop_world();
     let walls = arena.walls().iter().map(|wall| [(wall.start.x, wall.start.y), (wall.end.x, wall.end.y)]);
     let mut map = Map::new("Fig. 4: estimated ways in the loop world, first run").walls(walls);
-    if let Some((_, moments)) = runs.first() {
-        let truth = moments.iter().map(|moment| (moment.truth.x, moment.truth.y)).collect();
-        map = map.trace("truth", truth, Stroke::wide(Color::Silver));
-    }
     let mut positions =
         Panel::new(format!("Position error of the estimate, rms over {WINDOW} s"), "error [m]").logarithmic();
     let mut headings =
@@ -30,6 +26,10 @@ pub fn fig4(runs: &[Localised]) -> Picture {
         map = map.trace(label, way, stroke);
         positions = positions.series(label, smoothed(moments, |[x, y, _]| x.hypot(y)), stroke);
         headings = headings.series(label, smoothed(moments, |[_, _, heading]| heading.to_degrees()), stroke);
+    }
+    if let Some((_, moments)) = runs.first() {
+        let truth = moments.iter().map(|moment| (moment.truth.x, moment.truth.y)).collect();
+        map = map.trace("truth", truth, Stroke::thin(Color::Black));
     }
     let chart = Chart::over("time [s]").panel(positions).panel(headings);
     beside_column(map.cell(), chart.cells())
