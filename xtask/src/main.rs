@@ -1,6 +1,7 @@
 //! Chores of the project: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`,
-//! `cargo xtask microcontroller`, `cargo xtask ros2`.
+//! `cargo xtask microcontroller`, `cargo xtask ros2`, `cargo xtask bits`.
 
+mod bits;
 mod instructions;
 mod microcontroller;
 mod ros2;
@@ -15,16 +16,19 @@ cargo xtask ci              everything the gate checks: format, lints, tidy, doc
 cargo xtask tidy            whether documents and code still say the same
 cargo xtask instructions    instruction counts of law and filter against their budgets (needs valgrind, x86-64)
 cargo xtask microcontroller whether an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
-cargo xtask ros2            whether rclpy, real ROS 2, can talk to the node (needs python3.11 and the network)";
+cargo xtask ros2            whether rclpy, real ROS 2, can talk to the node (needs python3.11 and the network)
+cargo xtask bits            whether two versions of the program give the same results: `record` and `compare`";
 
 fn main() -> ExitCode {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
-    let outcome = match std::env::args().nth(1).as_deref() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let outcome = match arguments.first().map(String::as_str) {
         Some("ci") => run::ci(&root),
         Some("tidy") => tidy::check(&root),
         Some("instructions") => instructions::check(&root),
         Some("microcontroller") => microcontroller::check(&root),
         Some("ros2") => ros2::check(&root),
+        Some("bits") => bits::run(&root, &arguments[1..]),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

@@ -51,9 +51,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
         eprintln!("microcontroller: skipped, this needs qemu-system-arm");
         return Ok(());
     }
-    let mut host = Command::new(env!("CARGO"));
-    host.args(["run", "--release", "--locked"]);
-    let host = printed(root, "host", &mut host)?;
+    let host = on_host(root)?;
     let board = printed(root, "board", &mut compiler.command())?;
     let Some((told, cost)) = board.trim_end().rsplit_once('\n') else {
         return Err(format!("the board says too little:\n{board}"));
@@ -68,6 +66,17 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
         Some(_) => Err("over budget".to_owned()),
         None => Err(format!("the board does not say what a tick costs: {cost}")),
     }
+}
+
+/// Hash of the bits of every tick on the host, as the firmware prints it.
+pub(crate) fn host_hash(root: &Path) -> Result<String, String> {
+    let printed = on_host(root)?;
+    let hash = printed.split_whitespace().last().filter(|hash| u64::from_str_radix(hash, 16).is_ok());
+    hash.map(str::to_owned).ok_or_else(|| format!("the firmware prints no hash:\n{printed}"))
+}
+
+fn on_host(root: &Path) -> Result<String, String> {
+    printed(root, "host", Command::new(env!("CARGO")).args(["run", "--release", "--locked"]))
 }
 
 /// What a command prints in the folder of the firmware.
