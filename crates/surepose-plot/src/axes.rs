@@ -12,8 +12,9 @@ const TITLE_SIZE: f64 = 14.0;
 /// Lengths of a tick and of a minor one \[px].
 const TICK: f64 = 5.0;
 const MINOR_TICK: f64 = 3.0;
-/// Least distance of numbered ticks upwards, and least space between numbers sideways \[px].
+/// Least distance of numbered ticks upwards, of decades, and least space between numbers sideways \[px].
 const MIN_SPACING: f64 = 26.0;
+const MIN_DECADE: f64 = 17.0;
 const MIN_GAP: f64 = 20.0;
 /// Data is dropped this far outside of the axes \[px].
 const MARGIN: f64 = 24.0;
@@ -81,6 +82,21 @@ impl Axis {
 }
 
 impl Axes {
+    /// The same with the numbers of both axes at one step, where none is set and both have numbers at it.
+    pub(crate) fn equally_numbered(mut self) -> Self {
+        let step = |ticks: Vec<Tick>| match ticks.as_slice() {
+            [first, second, ..] => second.at - first.at,
+            _ => 0.0,
+        };
+        let step = step(self.x_ticks()).max(step(self.y_ticks()));
+        let is_numbered = |axis: &Axis| ticks::stepped(axis.low, axis.high, step).len() > 1;
+        if is_numbered(&self.x) && is_numbered(&self.y) {
+            self.x.step = self.x.step.or(Some(step));
+            self.y.step = self.y.step.or(Some(step));
+        }
+        self
+    }
+
     /// Returns where a point lies on paper.
     pub(crate) fn place(&self, (x, y): (f64, f64)) -> Point {
         let Area { left, width, height, .. } = self.area;
@@ -177,7 +193,8 @@ impl Axes {
     }
 
     fn y_ticks(&self) -> Vec<Tick> {
-        self.y.ticks((self.area.height / MIN_SPACING).max(2.0) as usize)
+        let spacing = if self.y.logarithmic { MIN_DECADE } else { MIN_SPACING };
+        self.y.ticks((self.area.height / spacing).max(2.0) as usize)
     }
 
     /// Where a value of x lies, to half a pixel, which is a whole one of the PNG.

@@ -171,7 +171,8 @@ impl Map {
             x: axis(low.0 * scale, high.0 * scale, x_label),
             y: axis(low.1 * scale, high.1 * scale, y_label),
             area,
-        };
+        }
+        .equally_numbered();
         let entries = self.legend();
         let bar = if self.scale.is_some() { Scale::ROOM } else { 0.0 };
         let beside = if self.compact { 0.0 } else { legend::width(&entries) };

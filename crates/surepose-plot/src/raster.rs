@@ -74,7 +74,9 @@ impl Canvas {
 
     fn lines(&mut self, lines: &[Vec<Point>], pen: Pen) {
         let mut path = PathBuilder::new();
-        lines.iter().for_each(|line| extend(&mut path, line));
+        for line in lines {
+            extend(&mut path, line);
+        }
         let Some(path) = path.finish() else { return };
         let mut stroke = Stroke { width: pen.width as f32, ..Stroke::default() };
         match pen.style {

@@ -38,20 +38,18 @@ impl Color {
     }
 
     pub(crate) const fn rgb(self) -> Rgb {
-        let hex: u32 = match self {
-            Self::Black => 0x222222,
-            Self::Grey => 0x777777,
-            Self::Silver => 0xb8b8b8,
-            Self::Mist => 0xe2e2e2,
-            Self::Blue => 0x0072b2,
-            Self::Vermilion => 0xd55e00,
-            Self::Green => 0x009e73,
-            Self::Orange => 0xe69f00,
-            Self::Purple => 0xaa4499,
-            Self::Sky => 0x56b4e9,
-        };
-        let [_, red, green, blue] = hex.to_be_bytes();
-        Rgb([red, green, blue])
+        Rgb(match self {
+            Self::Black => [0x22, 0x22, 0x22],
+            Self::Grey => [0x77, 0x77, 0x77],
+            Self::Silver => [0xb8, 0xb8, 0xb8],
+            Self::Mist => [0xe2, 0xe2, 0xe2],
+            Self::Blue => [0x00, 0x72, 0xb2],
+            Self::Vermilion => [0xd5, 0x5e, 0x00],
+            Self::Green => [0x00, 0x9e, 0x73],
+            Self::Orange => [0xe6, 0x9f, 0x00],
+            Self::Purple => [0xaa, 0x44, 0x99],
+            Self::Sky => [0x56, 0xb4, 0xe9],
+        })
     }
 }
 

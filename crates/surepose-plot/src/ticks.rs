@@ -45,7 +45,7 @@ pub(crate) fn logarithmic(low: f64, high: f64, most: usize) -> Vec<Tick> {
         return Vec::new();
     }
     let (first, last) = ((low.log10() - 1e-9).ceil() as i32, (high.log10() + 1e-9).floor() as i32);
-    let decades = usize::try_from(last - first + 1).unwrap_or(0);
+    let decades = last - first + 1;
     let within = |at: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(at);
     if decades < 2 {
         let parts = (first - 1..=last).flat_map(|k| [1.0, 2.0, 5.0].map(|part| part * 10f64.powi(k)));
@@ -55,7 +55,7 @@ pub(crate) fn logarithmic(low: f64, high: f64, most: usize) -> Vec<Tick> {
         }
         return parts.into_iter().map(|at| Tick { at, text: number(at, at, high) }).collect();
     }
-    let stride = decades.div_ceil(most.max(1)) as i32;
+    let stride = (f64::from(decades) / most.max(1) as f64).ceil() as i32;
     let plain = PLAIN_DECADES.contains(&first) && PLAIN_DECADES.contains(&last);
     let mut ticks = Vec::new();
     for k in first - 1..=last {
@@ -74,7 +74,7 @@ pub(crate) fn logarithmic(low: f64, high: f64, most: usize) -> Vec<Tick> {
 /// Writes a multiple of `step` on an axis whose numbers are at most `largest`.
 fn number(value: f64, step: f64, largest: f64) -> String {
     let is_whole = |decimals: &usize| {
-        let scaled = step * 10f64.powi(*decimals as i32);
+        let scaled = step * 10f64.powf(*decimals as f64);
         scaled >= 0.5 && (scaled - scaled.round()).abs() < 1e-6 * scaled
     };
     let text = match (0..=MAX_DECIMALS).find(is_whole) {
