@@ -12,10 +12,13 @@ const TITLE_SIZE: f64 = 14.0;
 /// Lengths of a tick and of a minor one \[px].
 const TICK: f64 = 5.0;
 const MINOR_TICK: f64 = 3.0;
-/// Least distance of numbered ticks upwards, of decades, and least space between numbers sideways \[px].
-const MIN_SPACING: f64 = 26.0;
-const MIN_DECADE: f64 = 17.0;
+/// Least space between numbers sideways \[px].
 const MIN_GAP: f64 = 20.0;
+/// Least distances of numbers upwards, and of decades \[px].
+const MIN_SPACING: f64 = 19.0;
+const MIN_DECADE: f64 = 17.0;
+/// The most numbers upwards: more crowd a tall picture.
+const MAX_LEVELS: f64 = 12.0;
 /// Data is dropped this far outside of the axes \[px].
 const MARGIN: f64 = 24.0;
 /// Points of a line that are closer to the last one are dropped \[px].
@@ -194,7 +197,7 @@ impl Axes {
 
     fn y_ticks(&self) -> Vec<Tick> {
         let spacing = if self.y.logarithmic { MIN_DECADE } else { MIN_SPACING };
-        self.y.ticks((self.area.height / spacing).max(2.0) as usize)
+        self.y.ticks((self.area.height / spacing).clamp(2.0, MAX_LEVELS) as usize)
     }
 
     /// Where a value of x lies, to half a pixel, which is a whole one of the PNG.
