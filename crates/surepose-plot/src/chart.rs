@@ -67,6 +67,8 @@ const FOOT: f64 = 26.0;
 const PANEL: (f64, f64) = (620.0, 180.0);
 /// The same in a small picture.
 const COMPACT_PANEL: (f64, f64) = (350.0, 119.0);
+/// Up to so many, each count has a number.
+const FEW: f64 = 8.0;
 /// How strongly shaded parts are colored.
 const SHADED_OPACITY: f64 = 0.25;
 /// Space between a line across and its text \[px].
@@ -219,7 +221,9 @@ impl Panel {
         let part_width = left + width + right;
         let (low, high) = self.bounds();
         let area = Area { left, top, width, height };
-        let y = Axis { low, high, logarithmic: self.logarithmic, label: self.y_label.clone(), step: None };
+        // Counts are whole.
+        let step = (self.bars.is_some() && high <= FEW).then_some(1.0);
+        let y = Axis { low, high, logarithmic: self.logarithmic, label: self.y_label.clone(), step };
         let axes = Axes { title: self.title.clone(), x, y, area };
 
         let mut inside: Vec<Shape> = Vec::new();

@@ -77,6 +77,13 @@ fn ticks_of_tiny_and_of_huge_values_are_short() {
 }
 
 #[test]
+fn few_counts_are_numbered_by_whole_ones() {
+    let panel = Panel::new("", "trials").bars(vec![10.0, 20.0, 30.0], vec![3.0, 1.0], Color::Sky);
+    let svg = Chart::over("x").panel(panel).picture().svg();
+    assert!(svg.contains(">2<") && svg.contains(">3<") && !svg.contains(">1.5<"), "{svg}");
+}
+
+#[test]
 fn no_numbers_break_it() {
     let odd = [
         vec![],
