@@ -1,15 +1,11 @@
 //! Values over one axis, stacked in panels: time series, mostly.
 
-use kuva::plot::Histogram;
-use kuva::plot::annotations::{ReferenceLine, ShadedRegion};
-use kuva::plot::legend::LegendPosition;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
-
-use crate::map::line;
+use crate::axes::{Axes, Axis, NUMBER_SIZE};
+use crate::font;
+use crate::legend::{self, Entry, Key};
 use crate::picture::{Cell, Picture, below};
-use crate::style::{Color, Stroke};
-use crate::ticks::{decimal, plain};
+use crate::scene::{Anchor, Area, Pen, PenStyle, Shape, Text};
+use crate::style::{Color, Rgb, Stroke};
 
 /// Panels over a common axis.
 #[derive(Clone, Debug, Default)]
@@ -61,8 +57,9 @@ pub enum Mark {
     Level(f64),
 }
 
-/// Left, right, upper and lower margins of a panel's axes \[px]; the right one has the legend, where there is one.
-const MARGINS: [f64; 4] = [78.0, 212.0, 32.0, 24.0];
+/// Left, upper and lower margins of a panel's axes \[px].
+const MARGINS: [f64; 3] = [78.0, 32.0, 24.0];
+/// The right margin where there is no legend \[px].
 const NO_LEGEND: f64 = 28.0;
 /// What the lowest panel needs below for the common axis \[px].
 const FOOT: f64 = 26.0;
@@ -70,6 +67,12 @@ const FOOT: f64 = 26.0;
 const PANEL: (f64, f64) = (620.0, 180.0);
 /// The same in a small picture.
 const COMPACT_PANEL: (f64, f64) = (350.0, 119.0);
+/// Up to so many, each count has a number.
+const FEW: f64 = 8.0;
+/// How strongly shaded parts are colored.
+const SHADED_OPACITY: f64 = 0.25;
+/// Space between a line across and its text \[px].
+const MARK_GAP: f64 = 5.0;
 
 impl Panel {
     /// An empty panel.
@@ -199,87 +202,105 @@ impl Chart {
         let range = if low < high { (low, high) } else { (0.0, 1.0) };
         let last = self.panels.len().saturating_sub(1);
         // All panels end at the same place, or their common axis would not be common.
-        let labelled = self.panels.iter().flat_map(|p| &p.series).any(|series| !series.label.is_empty());
-        let right = if labelled { MARGINS[1] } else { NO_LEGEND };
+        let legends = self.panels.iter().map(|panel| legend::width(&panel.legend()));
+        let right = legends.fold(NO_LEGEND, f64::max);
         let size = if self.compact { COMPACT_PANEL } else { PANEL };
         let (x_label, logarithmic) = (self.x_label, self.logarithmic);
+        let x = |label| Axis { low: range.0, high: range.1, logarithmic, label, step: None };
         let cell = |(i, panel): (usize, Panel)| {
-            let label = if i == last { Some(x_label.as_str()) } else { None };
-            let mut cell = panel.cell(range, size, right, label);
-            if logarithmic {
-                cell.layout = cell.layout.with_log_x().with_x_tick_format(decimal());
-            }
-            cell
+            panel.cell(x(if i == last { x_label.clone() } else { String::new() }), size, right)
         };
         self.panels.into_iter().enumerate().map(cell).collect()
     }
 }
 
 impl Panel {
-    fn cell(
-        self,
-        (left, right): (f64, f64),
-        size: (f64, f64),
-        margin_right: f64,
-        x_label: Option<&str>,
-    ) -> Cell {
+    fn cell(self, x: Axis, (width, height): (f64, f64), right: f64) -> Cell {
+        let [left, top, bottom] = MARGINS;
+        let bottom = bottom + if x.label.is_empty() { 0.0 } else { FOOT };
+        let part_width = left + width + right;
         let (low, high) = self.bounds();
-        let [margin_left, _, top, bottom] = MARGINS;
-        let bottom = bottom + if x_label.is_some() { FOOT } else { 0.0 };
-        let (width, height) = (size.0 + margin_left + margin_right, size.1 + top + bottom);
-        let mut layout = Layout::new((left, right), (low, high))
-            .with_title(self.title.clone())
-            .with_title_size(14)
-            .with_y_label(self.y_label.clone())
-            .with_x_axis_min(left)
-            .with_x_axis_max(right)
-            .with_y_axis_min(low)
-            .with_y_axis_max(high)
-            .with_tick_format(plain())
-            .with_box_axes()
-            .with_force_margins(margin_left, margin_right)
-            .with_force_margins_y(top, bottom)
-            .with_legend_position(LegendPosition::OutsideRightTop)
-            .with_legend_box(false)
-            .with_width(width)
-            .with_height(height);
-        layout.show_legend = true;
-        if let Some(label) = x_label {
-            layout = layout.with_x_label(label);
-        }
-        if self.logarithmic {
-            // The decimals are wider than the library reckons with.
-            layout = layout.with_y_label_offset(-8.0, 0.0);
-            layout = layout.with_log_y().with_y_tick_format(decimal());
-        }
+        let area = Area { left, top, width, height };
+        // Counts are whole.
+        let step = (self.bars.is_some() && high <= FEW).then_some(1.0);
+        let y = Axis { low, high, logarithmic: self.logarithmic, label: self.y_label.clone(), step };
+        let axes = Axes { title: self.title.clone(), x, y, area };
+
+        let mut inside: Vec<Shape> = Vec::new();
         for (from, to, color) in &self.shaded {
-            layout = layout.with_shaded_region(
-                ShadedRegion::vertical(*from, *to).with_color(color.hex()).with_opacity(0.25),
-            );
+            let (from, to) = (axes.place((*from, low)).0, axes.place((*to, low)).0);
+            let areas = vec![Area { left: from, width: to - from, ..area }];
+            inside.push(Shape::Rectangles { areas, color: color.rgb().on_paper(SHADED_OPACITY) });
         }
+        inside.extend(axes.grid());
+        if let Some(Bars { edges, counts, color }) = &self.bars {
+            let bar = |(edges, count): (&[f64], &f64)| {
+                let (left, top) = axes.place((edges[0], *count));
+                let (right, bottom) = axes.place((edges[1], low));
+                // A line of paper between bars shows where each begins.
+                let gap = if right - left > 4.0 { 1.0 } else { 0.0 };
+                Area { left, top, width: right - left - gap, height: bottom - top }
+            };
+            let areas = edges.windows(2).zip(counts).map(bar).collect();
+            inside.push(Shape::Rectangles { areas, color: color.rgb() });
+        }
+        for Series { points, stroke, .. } in &self.series {
+            let lines = axes.line(points.iter().copied().filter(|(_, y)| !self.logarithmic || *y > 0.0));
+            inside.push(Shape::Lines { lines, pen: Pen::round(*stroke) });
+        }
+        inside.extend(self.drawn_marks(&axes));
+        let mut shapes = vec![Shape::Clip { area, shapes: inside }];
+        shapes.extend(axes.frame(part_width));
+        shapes.extend(legend::beside(&self.legend(), &area));
+        Cell { shapes, width: part_width, height: top + height + bottom }
+    }
+
+    /// Draws the lines across, each with its text beside its upper end.
+    fn drawn_marks(&self, axes: &Axes) -> Vec<Shape> {
+        let Area { left, top, .. } = axes.area;
+        let (right, bottom) = (axes.area.right(), axes.area.bottom());
+        let (mut shapes, mut texts) = (Vec::new(), Vec::new());
+        // Where the texts of the rows so far end: one that would run into another goes into the next row.
+        let mut rows: Vec<f64> = Vec::new();
         for mark in &self.marks {
-            layout = layout.with_reference_line(match mark {
-                Mark::At(x, text) => ReferenceLine::vertical(*x)
-                    .with_color(Color::Black.hex())
-                    .with_stroke_width(1.0)
-                    .with_label(text.clone()),
-                Mark::Level(y) => {
-                    ReferenceLine::horizontal(*y).with_color(Color::Grey.hex()).with_stroke_width(1.0)
+            let (line, color) = match mark {
+                Mark::Level(value) => {
+                    let (_, y) = axes.place((axes.x.low, *value));
+                    (vec![(left, y), (right, y)], Color::Grey.rgb())
                 }
-            });
+                Mark::At(value, _) => {
+                    let (x, _) = axes.place((*value, axes.y.low));
+                    (vec![(x, top), (x, bottom)], Rgb::INK)
+                }
+            };
+            if line.iter().any(|(x, y)| !x.is_finite() || !y.is_finite()) {
+                continue;
+            }
+            if let (Mark::At(_, text), Some((x, _))) = (mark, line.first())
+                && !text.is_empty()
+            {
+                let width = font::width(text, NUMBER_SIZE);
+                let from =
+                    if x + width + 2.0 * MARK_GAP > right { x - MARK_GAP - width } else { x + MARK_GAP };
+                let free = rows.iter().position(|end| *end + MARK_GAP < from).unwrap_or(rows.len());
+                rows.resize(rows.len().max(free + 1), 0.0);
+                rows[free] = from + width;
+                let at = (from, top + 15.0 + 16.0 * free as f64);
+                let text = Text::new(at, text.as_str(), NUMBER_SIZE, Anchor::Start);
+                texts.push(Shape::Text(Text { halo: true, ..text }));
+            }
+            let pen = Pen { color, width: 1.0, style: PenStyle::Dashed };
+            shapes.push(Shape::Lines { lines: vec![line], pen });
         }
-        let logarithmic = self.logarithmic;
-        let visible =
-            |points: Vec<(f64, f64)>| points.into_iter().filter(move |(_, y)| !logarithmic || *y > 0.0);
-        let bars = self.bars.map(|bars| {
-            Plot::Histogram(Histogram::from_bins(bars.edges, bars.counts).with_color(bars.color.hex()))
-        });
-        let lines = self.series.into_iter().map(|s| line(&s.label, visible(s.points), s.stroke));
-        let mut plots: Vec<Plot> = bars.into_iter().chain(lines).collect();
-        if plots.is_empty() {
-            // The library draws no axes round nothing: a point on their corner is not seen.
-            plots.push(line("", std::iter::once((left, low)), Stroke::thin(Color::Mist)));
+        shapes.extend(texts);
+        shapes
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        for Series { label, stroke, .. } in &self.series {
+            legend::add(&mut entries, label, Key::Line(Pen::round(*stroke)));
         }
-        Cell { plots, layout, width, height, underlay: None }
+        entries
     }
 }

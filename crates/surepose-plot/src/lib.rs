@@ -3,13 +3,18 @@
 //! The same numbers give the same bytes: no clock, no system font, no system library. Values come in the units that
 //! the axes show; nothing here knows what they mean.
 
+mod axes;
 mod chart;
+mod font;
 mod items;
+mod legend;
 mod map;
 mod picture;
 mod raster;
 mod scale;
+mod scene;
 mod style;
+mod svg;
 mod ticks;
 mod tiles;
 

@@ -1,17 +1,13 @@
 //! A map from above: cells, walls, ways, ellipses, dots and poses, one metre as long upwards as sideways.
 
-use kuva::plot::legend::LegendPosition;
-use kuva::plot::scatter::MarkerShape;
-use kuva::plot::{LinePlot, QuiverPlot, ScatterPlot};
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
-
+use crate::axes::{self, Axis};
 use crate::items::{Arrow, DotPaint, Dots, Outline, Trace};
-use crate::picture::{Cell, Picture, Underlay, beside};
+use crate::legend::{self, Entry, Key};
+use crate::picture::{Cell, Picture, beside};
 use crate::scale::Scale;
-use crate::style::{Color, Stroke};
-use crate::ticks::plain;
-use crate::tiles::{Tile, Tiles};
+use crate::scene::{Area, Pen, Shape};
+use crate::style::{Color, Rgb, Stroke};
+use crate::tiles::Tiles;
 
 /// A map to be drawn \[m].
 #[derive(Clone, Debug, Default)]
@@ -42,10 +38,8 @@ const METRES: Axes = Axes { per_metre: 1.0, labels: ["x [m]", "y [m]"], step: No
 
 /// Left, right, upper and lower margins of a map's axes \[px].
 const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
-/// Width of the legend \[px].
-const LEGEND: f64 = 196.0;
-/// Height of an entry of the legend \[px].
-const ENTRY: f64 = 18.0;
+/// Length of the arrow of a pose \[px].
+const ARROW: f64 = 28.0;
 /// Radius of a dot \[px], and of one where there are very many.
 const DOT: f64 = 4.0;
 const POINT: f64 = 1.2;
@@ -55,10 +49,9 @@ const CROWDED: usize = 50;
 const LONGEST: f64 = 560.0;
 const LONGEST_FINE: f64 = 1000.0;
 const FINE: usize = 280;
-/// The longest side of a map that is one part of a small picture, and the columns of the legend below it.
+/// The longest side of a map that is one part of a small picture \[px].
 const LONGEST_COMPACT: f64 = 400.0;
-const LEGEND_COLUMNS: usize = 2;
-/// Space below that legend \[px].
+/// Space below the legend of such a map \[px].
 const LEGEND_FOOT: f64 = 12.0;
 
 impl Map {
@@ -164,72 +157,59 @@ impl Map {
     }
 
     /// The map as a part of a picture.
-    pub fn cell(mut self) -> Cell {
+    pub fn cell(self) -> Cell {
         let [low, high] = self.extent();
         let (span_x, span_y) = (high.0 - low.0, high.1 - low.1);
         let Axes { per_metre: scale, labels: [x_label, y_label], step } = self.axes.unwrap_or(METRES);
         let per_metre = self.pixels_per_metre(span_x.max(span_y));
         let [left, right, top, bottom] = MARGINS;
-        let entries = self.legend_entries();
-        let bar = if self.scale.is_some() { Scale::ROOM } else { 0.0 };
-        let legend = if entries > 0 && !self.compact { LEGEND.max(bar) } else { bar };
-        let rows = entries.div_ceil(LEGEND_COLUMNS) as f64;
-        let bottom = bottom + if self.compact { rows * ENTRY + LEGEND_FOOT } else { 0.0 };
-        let (width, height) = (span_x * per_metre + left + right + legend, span_y * per_metre + top + bottom);
-
-        let arrow_length = 28.0 / per_metre;
-        let mut layout = Layout::new((low.0 * scale, high.0 * scale), (low.1 * scale, high.1 * scale))
-            .with_title(self.title.clone())
-            .with_title_size(15)
-            .with_x_label(x_label)
-            .with_y_label(y_label)
-            .with_x_axis_min(low.0 * scale)
-            .with_x_axis_max(high.0 * scale)
-            .with_y_axis_min(low.1 * scale)
-            .with_y_axis_max(high.1 * scale)
-            .with_tick_format(plain())
-            .with_equal_aspect()
-            .with_box_axes()
-            .with_force_margins(left, right + legend)
-            .with_force_margins_y(top, bottom)
-            .with_legend_position(if self.compact {
-                LegendPosition::OutsideBottomColumns
-            } else {
-                LegendPosition::OutsideRightTop
-            })
-            .with_legend_col_limit(LEGEND_COLUMNS)
-            .with_legend_box(false)
-            .with_width(width)
-            .with_height(height);
-        layout.show_legend = true;
-        if let Some(step) = step {
-            layout = layout.with_x_tick_step(step).with_y_tick_step(step);
+        let area = Area { left, top, width: span_x * per_metre, height: span_y * per_metre };
+        let axis =
+            |low, high, label: &str| Axis { low, high, logarithmic: false, label: label.to_owned(), step };
+        let axes = axes::Axes {
+            title: self.title.clone(),
+            x: axis(low.0 * scale, high.0 * scale, x_label),
+            y: axis(low.1 * scale, high.1 * scale, y_label),
+            area,
         }
-        // The bar stands below the legend, beside the axes.
-        let legend_height = if entries > 0 { entries as f64 * ENTRY + 30.0 } else { 0.0 };
-        // On cells walls must stand out; and where there are many, wide ones would grow together.
-        let on_walls = match self.walls.len() {
-            CROWDED.. if self.tiles.is_some() => Stroke::thin(Color::Vermilion),
-            _ if self.tiles.is_some() => Stroke::solid(Color::Vermilion),
-            CROWDED.. => Stroke::solid(Color::Grey),
-            _ => Stroke::wide(Color::Grey),
-        };
-        let tiles = match (self.tiles.take(), &self.scale) {
-            // Something must stand where the bar shall go, even if nothing lies below the dots.
-            (None, Some(_)) => {
-                Some(Tiles { low, side: span_x.min(span_y), columns: 1, cells: vec![Tile::Nothing] })
+        .equally_numbered();
+        let entries = self.legend();
+        let bar = if self.scale.is_some() { Scale::ROOM } else { 0.0 };
+        let beside = if self.compact { 0.0 } else { legend::width(&entries) };
+        let part_width = left + area.width + right + bar.max(beside);
+
+        let mut inside = axes.grid();
+        if let Some(tiles) = &self.tiles {
+            let (x, y) = axes.place((tiles.low.0 * scale, tiles.low.1 * scale));
+            let (x1, y1) = axes.place((tiles.high().0 * scale, tiles.high().1 * scale));
+            let on = Area { left: x, top: y1, width: x1 - x, height: y - y1 };
+            inside.extend(tiles.drawn(self.scale.as_ref(), on));
+        }
+        inside.extend(self.items(&axes, scale));
+        let mut shapes = vec![Shape::Clip { area, shapes: inside }];
+        shapes.extend(axes.frame(part_width));
+        // Poses near the edge point across it.
+        for Arrow { at: (x, y), heading, color, .. } in &self.arrows {
+            let from = axes.place((x * scale, y * scale));
+            if area.contains(from) {
+                let to = (from.0 + ARROW * heading.cos(), from.1 - ARROW * heading.sin());
+                shapes.extend(legend::arrow(from, to, color.rgb()));
             }
-            (tiles, _) => tiles,
-        };
-        let stand_in = tiles.as_ref().map(|tiles| tiles.stand_in(scale));
-        let underlay = tiles.map(|tiles| Underlay {
-            tiles,
-            scale: self.scale.clone(),
-            axes: [left, top, span_x * per_metre, span_y * per_metre],
-            legend_height,
-        });
-        let plots = stand_in.into_iter().chain(self.plots(scale, arrow_length, on_walls)).collect();
-        Cell { plots, layout, width, height, underlay }
+        }
+        let mut height = top + area.height + bottom;
+        let mut above_bar = 0.0;
+        if self.compact {
+            let width = part_width - left;
+            shapes.extend(legend::below(&entries, (left, height), width));
+            height += legend::height_below(&entries, width) + LEGEND_FOOT;
+        } else {
+            shapes.extend(legend::beside(&entries, &area));
+            // The bar stands below the legend, beside the axes.
+            above_bar = if entries.is_empty() { 0.0 } else { entries.len() as f64 * legend::ROW + 12.0 };
+        }
+        let bar = self.scale.iter().flat_map(|scale| scale.bar(area.right(), top + above_bar, area.bottom()));
+        shapes.extend(bar);
+        Cell { shapes, width: part_width, height }
     }
 
     /// Pixels of a metre where the longer side has `longest` \[m]: where there are cells, each gets so many half pixels
@@ -243,67 +223,72 @@ impl Map {
         if halves >= 1.0 { halves / (2.0 * cell) } else { wanted }
     }
 
-    fn plots(self, scale: f64, arrow_length: f64, on_walls: Stroke) -> Vec<Plot> {
-        let scaled = |(x, y): (f64, f64)| (x * scale, y * scale);
-        let mut plots = Vec::new();
-        for (label, color) in &self.keys {
-            let key = ScatterPlot::new().with_color(color.hex()).with_marker(MarkerShape::Square);
-            plots.push(Plot::Scatter(key.with_legend(label.clone())));
+    /// Everything that is cut off at the edges of the axes, `scale` of whose unit are one metre.
+    fn items(&self, axes: &axes::Axes, scale: f64) -> Vec<Shape> {
+        let line = |points: &[(f64, f64)]| axes.line(points.iter().map(|(x, y)| (x * scale, y * scale)));
+        let mut shapes = Vec::new();
+        let mut lines = |lines, pen| shapes.push(Shape::Lines { lines, pen });
+        lines(self.walls.iter().flat_map(|wall| line(wall)).collect(), Pen::round(self.wall_stroke()));
+        for Outline { curves, stroke, .. } in &self.outlines {
+            lines(curves.iter().flat_map(|curve| line(curve)).collect(), Pen::round(*stroke));
         }
-        for (i, wall) in self.walls.into_iter().enumerate() {
-            let label = if i == 0 { "walls" } else { "" };
-            plots.push(line(label, wall.into_iter().map(scaled), on_walls));
+        for Trace { points, stroke, .. } in &self.traces {
+            lines(line(points), Pen::round(*stroke));
         }
-        for outline in self.outlines {
-            for (i, curve) in outline.curves.into_iter().enumerate() {
-                let label = if i == 0 { outline.label.as_str() } else { "" };
-                plots.push(line(label, curve.into_iter().map(scaled), outline.stroke));
-            }
-        }
-        for trace in self.traces {
-            plots.push(line(&trace.label, trace.points.into_iter().map(scaled), trace.stroke));
-        }
-        for Dots { label, points, paint, radius } in self.dots {
-            let mut dots = ScatterPlot::new().with_data(points.into_iter().map(scaled)).with_size(radius);
-            dots = match (paint, &self.scale) {
-                (DotPaint::Plain(color), _) => dots.with_color(color.hex()),
+        for Dots { points, paint, radius, .. } in &self.dots {
+            let places =
+                |points: &[(f64, f64)]| axes.dots(points.iter().map(|(x, y)| (x * scale, y * scale)));
+            let mut dots = |centers, color| shapes.push(Shape::Dots { centers, radius: *radius, color });
+            match (paint, &self.scale) {
+                (DotPaint::Plain(color), _) => dots(places(points), color.rgb()),
                 (DotPaint::Values(values), Some(scale)) => {
-                    let hex = |value: f64| scale.shade(value).map_or(Color::Silver.hex().into(), Scale::hex);
-                    dots.with_colors(values.into_iter().map(hex))
+                    let color = |value| scale.shade(value).map_or(Color::Silver.rgb(), Scale::color);
+                    for (point, value) in points.iter().zip(values) {
+                        dots(places(&[*point]), color(*value));
+                    }
                 }
-                (DotPaint::Values(_), None) => dots,
-            };
-            if !label.is_empty() {
-                dots = dots.with_legend(label);
+                (DotPaint::Values(_), None) => dots(places(points), Rgb::INK),
             }
-            plots.push(Plot::Scatter(dots));
         }
-        for Arrow { label, at, heading, color } in self.arrows {
-            let (u, v) = (arrow_length * heading.cos(), arrow_length * heading.sin());
-            let ((x, y), (u, v)) = (scaled(at), scaled((u, v)));
-            let mut arrow = QuiverPlot::new()
-                .with_arrow(x, y, u, v)
-                .with_scale(1.0)
-                .with_color(color.hex())
-                .with_shaft_width(2.4)
-                .with_head(10.0, 5.0)
-                .with_no_clip();
-            if !label.is_empty() {
-                arrow = arrow.with_legend(label);
-            }
-            plots.push(Plot::Quiver(arrow));
-        }
-        plots
+        shapes
     }
 
-    fn legend_entries(&self) -> usize {
-        let traces = self.traces.iter().map(|trace| &trace.label);
-        let outlines = self.outlines.iter().map(|outline| &outline.label);
-        let arrows = self.arrows.iter().map(|arrow| &arrow.label);
-        let dots = self.dots.iter().map(|dots| &dots.label);
-        let keys = self.keys.iter().map(|(label, _)| label);
-        let labels = traces.chain(outlines).chain(arrows).chain(dots).chain(keys);
-        usize::from(!self.walls.is_empty()) + labels.filter(|label| !label.is_empty()).count()
+    /// On cells walls must stand out; and where there are many, wide ones would grow together.
+    fn wall_stroke(&self) -> Stroke {
+        match self.walls.len() {
+            CROWDED.. if self.tiles.is_some() => Stroke::thin(Color::Vermilion),
+            _ if self.tiles.is_some() => Stroke::solid(Color::Vermilion),
+            CROWDED.. => Stroke::solid(Color::Grey),
+            _ => Stroke::wide(Color::Grey),
+        }
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        let mut add = |label: &str, key| legend::add(&mut entries, label, key);
+        for (label, color) in &self.keys {
+            add(label, Key::Cell(color.rgb()));
+        }
+        if !self.walls.is_empty() {
+            add("walls", Key::Line(Pen::round(self.wall_stroke())));
+        }
+        for Outline { label, stroke, .. } in &self.outlines {
+            add(label, Key::Line(Pen::round(*stroke)));
+        }
+        for Trace { label, stroke, .. } in &self.traces {
+            add(label, Key::Line(Pen::round(*stroke)));
+        }
+        for Dots { label, paint, radius, .. } in &self.dots {
+            let color = match paint {
+                DotPaint::Plain(color) => color.rgb(),
+                DotPaint::Values(_) => Rgb::INK,
+            };
+            add(label, Key::Dot(color, *radius));
+        }
+        for Arrow { label, color, .. } in &self.arrows {
+            add(label, Key::Arrow(color.rgb()));
+        }
+        entries
     }
 
     /// The window, or the cells, or the corners of everything with a margin.
@@ -344,15 +329,4 @@ impl Map {
         let ((x0, x1), (y0, y1)) = (grown(low.0, high.0), grown(low.1, high.1));
         [(x0, y0), (x1, y1)]
     }
-}
-
-/// A line with its entry in the legend, unless `label` is empty.
-pub(crate) fn line(label: &str, points: impl Iterator<Item = (f64, f64)>, stroke: Stroke) -> Plot {
-    let finite = points.filter(|(x, y)| x.is_finite() && y.is_finite());
-    let mut line =
-        LinePlot::new().with_data(finite).with_color(stroke.color.hex()).with_stroke_width(stroke.width);
-    if !label.is_empty() {
-        line = line.with_legend(label);
-    }
-    Plot::Line(line)
 }

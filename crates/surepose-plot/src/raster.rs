@@ -1,149 +1,154 @@
-//! A drawing as PNG, its upright labels as sharp as the others.
-//!
-//! The library turns a label by sampling its pixels between them, which smears it. Labels are turned by a quarter turn
-//! only, so they are drawn lying here, on a sheet of their own, and the sheet is turned pixel by pixel.
+//! A drawing as PNG.
 
-use std::io::Cursor;
+use tiny_skia::{
+    FillRule, LineCap, LineJoin, Mask, Paint, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
+};
 
-use kuva::PngBackend;
-use kuva::render::render::{Primitive, Scene};
+use crate::font;
+use crate::scene::{Area, DASHES, HALO, Pen, PenStyle, Point, Scene, Shape, Text};
+use crate::style::Rgb;
 
 /// Pixels of the PNG for each unit of the drawing.
 const SCALE: f32 = 2.0;
+/// The most pixels of the PNG along a side.
+const MAX_SIDE: f64 = 32_767.0;
 
-/// A quarter turn to the left, as the library counts \[°].
-const UPWARDS: f64 = -90.0;
-
-/// The drawing as PNG; or why it cannot be one.
+/// Returns the drawing as PNG, or the reason that it cannot be one.
 pub(crate) fn png(scene: &Scene) -> Result<Vec<u8>, String> {
-    let is_upright = |element: &Primitive| matches!(element, Primitive::Text { rotate: Some(turn), .. } if *turn == UPWARDS);
-    let mut level = Scene::new(scene.width, scene.height);
-    level.elements = scene.elements.iter().filter(|element| !is_upright(element)).cloned().collect();
-    let mut sheet = Pixels::of(&level)?;
-
-    let side = f64::from(sheet.height) / f64::from(SCALE);
-    let mut lying = Scene::new(side, f64::from(sheet.width) / f64::from(SCALE));
-    lying.elements = lying_labels(&scene.elements, side);
-    if !lying.elements.is_empty() {
-        sheet.darken_by(&Pixels::of(&lying)?);
+    let pixels = |length: f64| (f64::from(SCALE) * length).ceil().max(1.0);
+    let (width, height) = (pixels(scene.width), pixels(scene.height));
+    if !(width <= MAX_SIDE && height <= MAX_SIDE) {
+        return Err(format!("size: too large (got {width} × {height} px, expected at most {MAX_SIDE} px)"));
     }
-    sheet.encoded()
+    let sheet = Pixmap::new(width as u32, height as u32).ok_or("size: too large for memory")?;
+    let mut canvas = Canvas { sheet, mask: None, at: Transform::from_scale(SCALE, SCALE) };
+    canvas.sheet.fill(tiny_skia::Color::WHITE);
+    canvas.draw(&scene.shapes);
+    encoded(&canvas.sheet).map_err(|why| why.to_string())
 }
 
-/// The upright labels of a drawing that is `height` high, where they lie once it is turned to the right.
-fn lying_labels(elements: &[Primitive], height: f64) -> Vec<Primitive> {
-    // Parts of a picture are moved to their places, and may be so within each other.
-    let mut origins = vec![(0.0, 0.0)];
-    let mut labels = Vec::new();
-    for element in elements {
-        let (left, top) = origins.last().copied().unwrap_or_default();
-        match element {
-            Primitive::GroupStart { transform, .. } => {
-                let (x, y) = transform.as_deref().and_then(translation).unwrap_or_default();
-                origins.push((left + x, top + y));
-            }
-            Primitive::GroupEnd if origins.len() > 1 => {
-                origins.pop();
-            }
-            Primitive::Text { x, y, rotate: Some(turn), .. } if *turn == UPWARDS => {
-                let mut label = element.clone();
-                if let Primitive::Text { x: lying_x, y: lying_y, rotate, .. } = &mut label {
-                    (*lying_x, *lying_y, *rotate) = (height - (top + y), left + x, None);
+/// Pixels that are drawn on.
+struct Canvas {
+    sheet: Pixmap,
+    /// What may be drawn on; `None` is everything.
+    mask: Option<Mask>,
+    /// From the shapes' coordinates to pixels.
+    at: Transform,
+}
+
+impl Canvas {
+    fn draw(&mut self, shapes: &[Shape]) {
+        for shape in shapes {
+            match shape {
+                Shape::Lines { lines, pen } => self.lines(lines, *pen),
+                Shape::Rectangles { areas, color } => self.rectangles(areas, *color),
+                Shape::Polygon { corners, color } => {
+                    let mut path = PathBuilder::new();
+                    extend(&mut path, corners);
+                    path.close();
+                    self.fill(path, *color, true);
                 }
-                labels.push(label);
-            }
-            _ => {}
-        }
-    }
-    labels
-}
-
-/// The two numbers of `translate(x,y)`.
-fn translation(transform: &str) -> Option<(f64, f64)> {
-    let inner = transform.trim().strip_prefix("translate(")?.strip_suffix(')')?;
-    let (x, y) = inner.split_once([',', ' '])?;
-    Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
-}
-
-/// An image, four bytes a pixel.
-struct Pixels {
-    width: u32,
-    height: u32,
-    bytes: Vec<u8>,
-}
-
-impl Pixels {
-    fn of(scene: &Scene) -> Result<Self, String> {
-        let file = PngBackend::new().with_scale(SCALE).render_scene(scene)?;
-        let mut reader = png::Decoder::new(Cursor::new(file)).read_info().map_err(|why| why.to_string())?;
-        let size = reader.output_buffer_size().ok_or("too large for memory")?;
-        let mut bytes = vec![0; size];
-        let info = reader.next_frame(&mut bytes).map_err(|why| why.to_string())?;
-        Ok(Self { width: info.width, height: info.height, bytes })
-    }
-
-    /// Multiplies each pixel by that of `sheet`, which is dark on white, turned to the left.
-    fn darken_by(&mut self, sheet: &Self) {
-        for (y, row) in self.bytes.chunks_exact_mut(4 * self.width as usize).enumerate() {
-            for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                // What is at (x, y) lay in the sheet's row x, as far from its right end as from the top here.
-                let Some(along) = (sheet.width as usize).checked_sub(y + 1) else { continue };
-                let at = 4 * (x * sheet.width as usize + along);
-                let ink = sheet.bytes.get(at..at + 3).unwrap_or_default();
-                for (value, ink) in pixel.iter_mut().zip(ink) {
-                    *value = (u16::from(*value) * u16::from(*ink) / 255) as u8;
+                Shape::Dots { centers, radius, color } => {
+                    let mut path = PathBuilder::new();
+                    for (x, y) in centers {
+                        path.push_circle(*x as f32, *y as f32, *radius as f32);
+                    }
+                    self.fill(path, *color, true);
+                }
+                Shape::Text(text) => self.text(text),
+                Shape::Clip { area, shapes } => {
+                    let outside = self.mask.take();
+                    self.mask = self.clip(area);
+                    self.draw(shapes);
+                    self.mask = outside;
+                }
+                Shape::Group { at: (x, y), shapes } => {
+                    let outside = self.at;
+                    self.at = outside.pre_translate(*x as f32, *y as f32);
+                    self.draw(shapes);
+                    self.at = outside;
                 }
             }
         }
     }
 
-    fn encoded(&self) -> Result<Vec<u8>, String> {
-        let mut file = Vec::new();
-        let mut encoder = png::Encoder::new(Cursor::new(&mut file), self.width, self.height);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        let mut writer = encoder.write_header().map_err(|why| why.to_string())?;
-        writer.write_image_data(&self.bytes).map_err(|why| why.to_string())?;
-        writer.finish().map_err(|why| why.to_string())?;
-        Ok(file)
+    fn lines(&mut self, lines: &[Vec<Point>], pen: Pen) {
+        let mut path = PathBuilder::new();
+        for line in lines {
+            extend(&mut path, line);
+        }
+        let Some(path) = path.finish() else { return };
+        let mut stroke = Stroke { width: pen.width as f32, ..Stroke::default() };
+        match pen.style {
+            PenStyle::Round => (stroke.line_cap, stroke.line_join) = (LineCap::Round, LineJoin::Round),
+            PenStyle::Crisp => {}
+            PenStyle::Dashed => {
+                stroke.dash = StrokeDash::new(DASHES.map(|length| length as f32).to_vec(), 0.0);
+            }
+        }
+        self.sheet.stroke_path(&path, &paint(pen.color), &stroke, self.at, self.mask.as_ref());
+    }
+
+    fn rectangles(&mut self, areas: &[Area], color: Rgb) {
+        let mut path = PathBuilder::new();
+        for area in areas {
+            let (width, height) = (area.width as f32, area.height as f32);
+            if let Some(rect) = Rect::from_xywh(area.left as f32, area.top as f32, width, height) {
+                path.push_rect(rect);
+            }
+        }
+        self.fill(path, color, false);
+    }
+
+    fn text(&mut self, text: &Text) {
+        let Some(path) = font::outline(text) else { return };
+        let at = self.at.pre_translate(text.at.0 as f32, text.at.1 as f32);
+        if text.halo {
+            let line_join = LineJoin::Round;
+            let stroke = Stroke { width: 2.0 * HALO as f32, line_join, ..Stroke::default() };
+            self.sheet.stroke_path(&path, &paint(Rgb::PAPER), &stroke, at, self.mask.as_ref());
+        }
+        self.sheet.fill_path(&path, &paint(Rgb::INK), FillRule::Winding, at, self.mask.as_ref());
+    }
+
+    fn fill(&mut self, path: PathBuilder, color: Rgb, anti_alias: bool) {
+        let Some(path) = path.finish() else { return };
+        let paint = Paint { anti_alias, ..paint(color) };
+        self.sheet.fill_path(&path, &paint, FillRule::Winding, self.at, self.mask.as_ref());
+    }
+
+    /// A mask of everything inside of `area`.
+    fn clip(&self, area: &Area) -> Option<Mask> {
+        let mut mask = Mask::new(self.sheet.width(), self.sheet.height())?;
+        let mut path = PathBuilder::new();
+        extend(&mut path, &area.outline());
+        mask.fill_path(&path.finish()?, FillRule::Winding, false, self.at);
+        Some(mask)
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use kuva::render::render::{Primitive, Scene, TextAnchor};
-
-    use super::{Pixels, png};
-
-    fn text(x: f64, y: f64, rotate: Option<f64>) -> Primitive {
-        let (content, anchor) = ("speed v [m/s]".to_owned(), TextAnchor::Middle);
-        Primitive::Text { x, y, content, size: 12, anchor, rotate, bold: false, color: None }
+fn extend(path: &mut PathBuilder, points: &[Point]) {
+    for (i, (x, y)) in points.iter().enumerate() {
+        let (x, y) = (*x as f32, *y as f32);
+        if i == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
     }
+}
 
-    /// An upright label has the very pixels of a lying one, in its place, also within a part that is moved.
-    #[test]
-    fn an_upright_label_is_a_lying_one_turned() {
-        let (mut upright, mut lying) = (Scene::new(60.0, 200.0), Scene::new(200.0, 60.0));
-        let moved = Some("translate(10,30)".to_owned());
-        upright.elements = vec![
-            Primitive::GroupStart { transform: moved, title: None, extra_attrs: None },
-            text(20.0, 70.0, Some(-90.0)),
-            Primitive::GroupEnd,
-        ];
-        lying.elements = vec![text(100.0, 30.0, None)];
-        let decoded = |file: Vec<u8>| {
-            let mut reader = ::png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG");
-            let mut bytes = vec![0; reader.output_buffer_size().expect("small")];
-            reader.next_frame(&mut bytes).expect("an image");
-            bytes
-        };
-        let (turned, flat) = (decoded(png(&upright).expect("drawn")), Pixels::of(&lying).expect("drawn"));
-        let mut dark = 0;
-        for (x, y) in (0..120).flat_map(|x| (0..400).map(move |y| (x, y))) {
-            let (here, there) = (turned[4 * (y * 120 + x)], flat.bytes[4 * (x * 400 + 399 - y)]);
-            assert_eq!(here, there, "at {x}, {y}");
-            dark += usize::from(here < 128);
-        }
-        assert!(dark > 100, "{dark}");
-    }
+fn paint(Rgb([red, green, blue]): Rgb) -> Paint<'static> {
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color_rgba8(red, green, blue, 255);
+    paint
+}
+
+/// The sheet, which is opaque, without its alpha channel.
+fn encoded(sheet: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
+    let colors: Vec<u8> = sheet.data().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, sheet.width(), sheet.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&colors)?;
+    writer.finish()?;
+    Ok(file)
 }

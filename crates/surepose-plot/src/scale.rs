@@ -1,8 +1,10 @@
 //! From values to shades of one ramp, and the bar that says which shade is which value.
 
-use kuva::plot::ColorMap;
-use kuva::render::color::Color as Paint;
-use kuva::render::render::{Primitive, TextAnchor};
+use crate::axes::NUMBER_SIZE;
+use crate::font;
+use crate::scene::{Anchor, Area, Pen, Shape, Text};
+use crate::style::Rgb;
+use crate::ticks::{self, Tick};
 
 /// Values on a ramp of shades, light for low and dark for high.
 ///
@@ -23,13 +25,12 @@ const LIGHTEST: f64 = 0.22;
 /// Space between the axes and the bar, and the bar's width \[px].
 const GAP: f64 = 18.0;
 const WIDTH: f64 = 18.0;
-/// Length of a tick, and size of its text \[px].
+/// Length of a tick \[px].
 const TICK: f64 = 5.0;
-const TEXT: u32 = 12;
 /// Where the bar's label runs, from the bar's right side \[px].
 const LABEL: f64 = 62.0;
-/// Fewest steps between the bar's ticks.
-const FEWEST: f64 = 4.0;
+/// Most steps between the bar's ticks.
+const MAX_STEPS: usize = 8;
 
 impl Scale {
     /// What a picture with a bar needs on its right \[px].
@@ -57,74 +58,43 @@ impl Scale {
         (!part.is_nan()).then(|| (part.clamp(0.0, 1.0) * (SHADES - 1.0)).round() as u8)
     }
 
-    /// The colour of a shade, as `#rrggbb`.
-    pub(crate) fn hex(shade: u8) -> String {
-        let part = f64::from(shade) / (SHADES - 1.0);
-        ColorMap::YellowGreenBlue.map(LIGHTEST + (1.0 - LIGHTEST) * part.clamp(0.0, 1.0))
+    /// Returns the color of a shade.
+    pub(crate) fn color(shade: u8) -> Rgb {
+        let part = (f64::from(shade) / (SHADES - 1.0)).clamp(0.0, 1.0);
+        let color = colorous::YELLOW_GREEN_BLUE.eval_continuous(LIGHTEST + (1.0 - LIGHTEST) * part);
+        Rgb(color.into_array())
     }
 
-    /// The bar beside axes that end at `right`, from `top` to `bottom` \[px].
-    pub(crate) fn bar(&self, right: f64, top: f64, bottom: f64) -> Vec<Primitive> {
-        let (x, height) = (right + GAP, bottom - top);
-        let ink = || Paint::from("#222222");
+    /// Draws the bar beside axes that end at `right`, from `top` to `bottom` \[px].
+    pub(crate) fn bar(&self, right: f64, top: f64, bottom: f64) -> Vec<Shape> {
+        let whole = Area { left: right + GAP, top, width: WIDTH, height: bottom - top };
+        let place = |part: f64| bottom - whole.height * part;
         let mut drawn = Vec::new();
-        let count = SHADES as u8;
-        for shade in 0..count {
-            let (y0, y1) = (
-                bottom - height * f64::from(shade) / SHADES,
-                bottom - height * f64::from(shade + 1) / SHADES,
-            );
-            // Each one reaches below its upper neighbour, so that no paper shines through.
-            let overlap = if shade + 1 < count { 0.5 } else { 0.0 };
-            drawn.push(rectangle(
-                x,
-                y1 - overlap,
-                y0 - y1 + overlap,
-                Paint::from(Self::hex(shade).as_str()),
-                None,
-            ));
+        for shade in 0..SHADES as u8 {
+            let (low, high) = (place(f64::from(shade) / SHADES), place(f64::from(shade + 1) / SHADES));
+            let area = Area { top: high, height: low - high, ..whole };
+            drawn.push(Shape::Rectangles { areas: vec![area], color: Self::color(shade) });
         }
-        drawn.push(rectangle(x, top, height, Paint::None, Some(ink())));
-        for (value, text) in self.ticks() {
-            let y = bottom - height * (value - self.low) / (self.high - self.low);
-            drawn.push(Primitive::Line {
-                x1: x + WIDTH,
-                y1: y,
-                x2: x + WIDTH + TICK,
-                y2: y,
-                stroke: ink(),
-                stroke_width: 1.0,
-                stroke_dasharray: None,
-            });
-            drawn.push(text_at(x + WIDTH + TICK + 3.0, y + 4.0, text, TextAnchor::Start, None));
+        let mut lines = vec![whole.outline()];
+        for tick in self.ticks() {
+            let y = place((tick.at / self.per_unit - self.low) / (self.high - self.low));
+            let y = (2.0 * y).round() / 2.0;
+            lines.push(vec![(whole.right(), y), (whole.right() + TICK, y)]);
+            let at = (whole.right() + TICK + 4.0, y + 4.3);
+            drawn.push(Shape::Text(Text::new(at, tick.text, NUMBER_SIZE, Anchor::Start)));
         }
-        let middle = 0.5 * (top + bottom);
-        drawn.push(text_at(x + WIDTH + LABEL, middle, self.label.clone(), TextAnchor::Middle, Some(-90.0)));
+        drawn.push(Shape::Lines { lines, pen: Pen::crisp(Rgb::INK) });
+        let at = (whole.right() + LABEL, place(0.5));
+        // A long label is smaller, or it would run over the ends of the picture.
+        let size = NUMBER_SIZE * (whole.height / font::width(&self.label, NUMBER_SIZE).max(1.0)).min(1.0);
+        let label = Text::new(at, self.label.as_str(), size, Anchor::Middle);
+        drawn.push(Shape::Text(Text { upright: true, ..label }));
         drawn
     }
 
-    /// Round values between the ends, with what is written beside them.
-    fn ticks(&self) -> Vec<(f64, String)> {
-        let (low, high) = (self.low * self.per_unit, self.high * self.per_unit);
-        let rough = (high - low) / FEWEST;
-        let decade = 10f64.powf(rough.log10().floor());
-        let step = decade * [5.0, 2.0].into_iter().find(|round| round * decade <= rough).unwrap_or(1.0);
-        let digits = (-(step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize;
-        let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-        (first..=last)
-            .map(|k| k as f64 * step)
-            .map(|shown| (shown / self.per_unit, format!("{shown:.digits$}")))
-            .collect()
+    fn ticks(&self) -> Vec<Tick> {
+        ticks::linear(self.low * self.per_unit, self.high * self.per_unit, MAX_STEPS)
     }
-}
-
-fn rectangle(x: f64, y: f64, height: f64, fill: Paint, stroke: Option<Paint>) -> Primitive {
-    let stroke_width = stroke.as_ref().map(|_| 1.0);
-    Primitive::Rect { x, y, width: WIDTH, height, fill, stroke, stroke_width, opacity: None }
-}
-
-fn text_at(x: f64, y: f64, content: String, anchor: TextAnchor, rotate: Option<f64>) -> Primitive {
-    Primitive::Text { x, y, content, size: TEXT, anchor, rotate, bold: false, color: None }
 }
 
 #[cfg(test)]
@@ -142,14 +112,13 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_round_and_between_the_ends() {
-        let texts = |low, high| -> Vec<String> {
-            Scale::new("", low, high).ticks().into_iter().map(|(_, text)| text).collect()
-        };
-        assert_eq!(texts(1.0, 1.4), ["1.0", "1.1", "1.2", "1.3", "1.4"]);
-        assert_eq!(texts(0.0, 100.0), ["0", "20", "40", "60", "80", "100"]);
-        assert_eq!(texts(0.93, 0.962), ["0.930", "0.935", "0.940", "0.945", "0.950", "0.955", "0.960"]);
+    fn every_scale_has_ticks() {
+        let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| tick.text).collect::<Vec<_>>();
+        let percent = Scale::new("", 0.0, 1.0).times(100.0);
+        assert_eq!(texts(percent), ["0", "20", "40", "60", "80", "100"]);
         // One value, and none: still a bar.
-        assert!(!texts(2.0, 2.0).is_empty() && !texts(f64::INFINITY, f64::NEG_INFINITY).is_empty());
+        for (low, high) in [(2.0, 2.0), (f64::INFINITY, f64::NEG_INFINITY)] {
+            assert!(texts(Scale::new("", low, high)).len() > 1);
+        }
     }
 }

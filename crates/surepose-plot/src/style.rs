@@ -1,5 +1,7 @@
 //! Colours and strokes, the same in every picture.
 
+use std::fmt;
+
 /// A colour of the palette of Okabe and Ito, which colour-blind readers can tell apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Color {
@@ -35,19 +37,45 @@ impl Color {
         Self::SERIES[index % Self::SERIES.len()]
     }
 
-    pub(crate) const fn hex(self) -> &'static str {
-        match self {
-            Self::Black => "#222222",
-            Self::Grey => "#777777",
-            Self::Silver => "#b8b8b8",
-            Self::Mist => "#e2e2e2",
-            Self::Blue => "#0072b2",
-            Self::Vermilion => "#d55e00",
-            Self::Green => "#009e73",
-            Self::Orange => "#e69f00",
-            Self::Purple => "#aa4499",
-            Self::Sky => "#56b4e9",
-        }
+    pub(crate) const fn rgb(self) -> Rgb {
+        Rgb(match self {
+            Self::Black => [0x22, 0x22, 0x22],
+            Self::Grey => [0x77, 0x77, 0x77],
+            Self::Silver => [0xb8, 0xb8, 0xb8],
+            Self::Mist => [0xe2, 0xe2, 0xe2],
+            Self::Blue => [0x00, 0x72, 0xb2],
+            Self::Vermilion => [0xd5, 0x5e, 0x00],
+            Self::Green => [0x00, 0x9e, 0x73],
+            Self::Orange => [0xe6, 0x9f, 0x00],
+            Self::Purple => [0xaa, 0x44, 0x99],
+            Self::Sky => [0x56, 0xb4, 0xe9],
+        })
+    }
+}
+
+/// Red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Rgb(pub(crate) [u8; 3]);
+
+impl Rgb {
+    /// Frames, ticks and text.
+    pub(crate) const INK: Self = Color::Black.rgb();
+    /// Grid lines.
+    pub(crate) const GRID: Self = Self([221; 3]);
+    /// The background.
+    pub(crate) const PAPER: Self = Self([255; 3]);
+
+    /// The color at this opacity on paper.
+    pub(crate) fn on_paper(self, opacity: f64) -> Self {
+        Self(self.0.map(|part| (255.0 - opacity * (255.0 - f64::from(part))).round() as u8))
+    }
+}
+
+impl fmt::Display for Rgb {
+    /// Writes `#rrggbb`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [red, green, blue] = self.0;
+        write!(f, "#{red:02x}{green:02x}{blue:02x}")
     }
 }
 

@@ -4,15 +4,10 @@
 //! into rectangles, and those into one path for each colour.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
-
-use kuva::plot::Heatmap;
-use kuva::render::color::Color as Paint;
-use kuva::render::plots::Plot;
-use kuva::render::render::{PathData, Primitive};
 
 use crate::scale::Scale;
-use crate::style::Color;
+use crate::scene::{Area, Shape};
+use crate::style::{Color, Rgb};
 
 /// Cells over a rectangle, row by row from its lower left corner.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,13 +33,6 @@ pub enum Tile {
     Value(f64),
 }
 
-/// The colour of a cell, in an order of drawing.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Shade {
-    Ramp(u8),
-    Plain(&'static str),
-}
-
 impl Tiles {
     /// Rows of cells.
     pub fn rows(&self) -> usize {
@@ -57,87 +45,54 @@ impl Tiles {
         (self.low.0 + columns * self.side, self.low.1 + rows * self.side)
     }
 
-    /// One cell as large as all of them, in the place of which the library draws them: so that they come above the
-    /// lines of the axes, and below what lies on them.
-    pub(crate) fn stand_in(&self, scale: f64) -> Plot {
-        let mut place = Heatmap::new().with_data([[0.0]]);
-        let (low, high) = (self.low, self.high());
-        place.x_range = Some((low.0 * scale, high.0 * scale));
-        place.y_range = Some((low.1 * scale, high.1 * scale));
-        place.cell_size = 1.0;
-        Plot::Heatmap(place)
+    /// Draws the cells on this area of paper.
+    pub(crate) fn drawn(&self, scale: Option<&Scale>, on: Area) -> Vec<Shape> {
+        let (wide, high) = (on.width / self.columns.max(1) as f64, on.height / self.rows().max(1) as f64);
+        let mut colors: BTreeMap<Rgb, Vec<Area>> = BTreeMap::new();
+        for (color, [left, right, below, above]) in self.merged(scale) {
+            colors.entry(color).or_default().push(Area {
+                left: on.left + left as f64 * wide,
+                top: on.bottom() - above as f64 * high,
+                width: (right - left) as f64 * wide,
+                height: (above - below) as f64 * high,
+            });
+        }
+        colors.into_iter().map(|(color, areas)| Shape::Rectangles { areas, color }).collect()
     }
 
-    /// The cells in a rectangle on paper, which begins at its upper left corner (x, y) \[px].
-    pub(crate) fn drawn(&self, scale: Option<&Scale>, [x, y, width, height]: [f64; 4]) -> Vec<Primitive> {
-        let (wide, high) = (width / self.columns.max(1) as f64, height / self.rows().max(1) as f64);
-        let mut paths: BTreeMap<Shade, String> = BTreeMap::new();
-        for (shade, [left, right, below, above]) in self.merged(scale) {
-            let path = paths.entry(shade).or_default();
-            let (w, h) = ((right - left) as f64 * wide, (above - below) as f64 * high);
-            let (px, py) = (x + left as f64 * wide, y + height - above as f64 * high);
-            let [px, py, w, h] = [px, py, w, h].map(rounded);
-            let _ = write!(path, "M{px} {py}h{w}v{h}h-{w}z");
-        }
-        // Neighbours meet without a seam where edges are drawn hard.
-        let crisp = Some("shape-rendering=\"crispEdges\"".to_owned());
-        let mut drawn = vec![Primitive::GroupStart { transform: None, title: None, extra_attrs: crisp }];
-        for (shade, d) in paths {
-            let fill = match shade {
-                Shade::Ramp(shade) => Paint::from(Scale::hex(shade).as_str()),
-                Shade::Plain(hex) => Paint::from(hex),
-            };
-            drawn.push(Primitive::Path(Box::new(PathData {
-                d,
-                fill: Some(fill),
-                stroke: Paint::None,
-                stroke_width: 0.0,
-                opacity: None,
-                stroke_dasharray: None,
-            })));
-        }
-        drawn.push(Primitive::GroupEnd);
-        drawn
-    }
-
-    /// The cells as rectangles of one shade each: left, right, lower and upper end, in cells.
-    fn merged(&self, scale: Option<&Scale>) -> Vec<(Shade, [usize; 4])> {
-        let shade = |tile: &Tile| match tile {
+    /// The cells as rectangles of one color each: left, right, lower and upper end, in cells.
+    fn merged(&self, scale: Option<&Scale>) -> Vec<(Rgb, [usize; 4])> {
+        let color = |tile: &Tile| match tile {
             Tile::Nothing => None,
-            Tile::Plain(color) => Some(Shade::Plain(color.hex())),
-            Tile::Value(value) => scale.and_then(|scale| scale.shade(*value)).map(Shade::Ramp),
+            Tile::Plain(color) => Some(color.rgb()),
+            Tile::Value(value) => scale.and_then(|scale| scale.shade(*value)).map(Scale::color),
         };
         let mut done = Vec::new();
         // Runs of the row before, which may go on in this one: where they begin and end, and their lowest row.
-        let mut open: BTreeMap<(usize, usize, Shade), usize> = BTreeMap::new();
+        let mut open: BTreeMap<(usize, usize, Rgb), usize> = BTreeMap::new();
         for (row, cells) in self.cells.chunks_exact(self.columns.max(1)).enumerate() {
             let mut here = BTreeMap::new();
             let mut left = 0;
-            for run in cells.chunk_by(|a, b| shade(a) == shade(b)) {
+            for run in cells.chunk_by(|a, b| color(a) == color(b)) {
                 let right = left + run.len();
-                if let Some(shade) = run.first().and_then(shade) {
-                    let key = (left, right, shade);
+                if let Some(color) = run.first().and_then(color) {
+                    let key = (left, right, color);
                     here.insert(key, open.remove(&key).unwrap_or(row));
                 }
                 left = right;
             }
-            done.extend(open.into_iter().map(|((l, r, shade), below)| (shade, [l, r, below, row])));
+            done.extend(open.into_iter().map(|((l, r, color), below)| (color, [l, r, below, row])));
             open = here;
         }
         let top = self.rows();
-        done.extend(open.into_iter().map(|((l, r, shade), below)| (shade, [l, r, below, top])));
+        done.extend(open.into_iter().map(|((l, r, color), below)| (color, [l, r, below, top])));
         done
     }
 }
 
-/// Hundredths of a pixel.
-fn rounded(length: f64) -> f64 {
-    (length * 100.0).round() / 100.0
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Shade, Tile, Tiles};
+    use super::{Tile, Tiles};
     use crate::scale::Scale;
     use crate::style::Color;
 
@@ -155,14 +110,14 @@ mod tests {
         let tiles = Tiles { low: (0.0, 0.0), side: 1.0, columns, cells: cells.clone() };
         let scale = Scale::new("", 0.0, 2.0);
         let mut painted = vec![Tile::Nothing; cells.len()];
-        for (shade, [left, right, below, above]) in tiles.merged(Some(&scale)) {
+        for (color, [left, right, below, above]) in tiles.merged(Some(&scale)) {
             for (x, y) in (below..above).flat_map(|y| (left..right).map(move |x| (x, y))) {
                 let cell = &mut painted[y * columns + x];
                 assert_eq!(*cell, Tile::Nothing, "painted twice at {x}, {y}");
-                *cell = match shade {
-                    Shade::Ramp(_) => Tile::Value(1.0),
-                    Shade::Plain(hex) if hex == Color::Grey.hex() => Tile::Plain(Color::Grey),
-                    Shade::Plain(_) => Tile::Plain(Color::Vermilion),
+                *cell = match color {
+                    _ if color == Color::Grey.rgb() => Tile::Plain(Color::Grey),
+                    _ if color == Color::Vermilion.rgb() => Tile::Plain(Color::Vermilion),
+                    _ => Tile::Value(1.0),
                 };
             }
         }
