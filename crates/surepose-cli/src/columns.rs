@@ -23,11 +23,11 @@ const GROUP: usize = 1 << 16;
 const MAGIC: &[u8] = b"PAR1";
 
 /// Numbers of the format: the codec gzip, the encodings of values and of presence, a data page, and a column that may have gaps.
-const GZIP: i32 = 2;
-const PLAIN: i32 = 0;
-const RLE: i32 = 3;
-const DATA_PAGE: i32 = 0;
-const OPTIONAL: i32 = 1;
+const GZIP: usize = 2;
+const PLAIN: usize = 0;
+const RLE: usize = 3;
+const DATA_PAGE: usize = 0;
+const OPTIONAL: usize = 1;
 
 /// Writes a table, one row for each of `rows`, under the names of its fields: the columns of the CSV of the same rows.
 ///
@@ -61,7 +61,7 @@ pub(crate) fn write<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>
     if held > 0 {
         groups.push(group(&mut file, &mut columns, held)?);
     }
-    let root = Struct::default().text(4, "row").i32(5, columns.len() as i32);
+    let root = Struct::default().text(4, "row").i32(5, columns.len());
     let mut schema = vec![root];
     schema.extend(columns.iter().map(Column::schema));
     let metadata = Struct::default()
@@ -92,19 +92,19 @@ fn group(file: &mut Output, columns: &mut [Column], rows: usize) -> Result<Struc
     for column in columns {
         chunks.push(column.flush(file, &mut size)?);
     }
-    let written = (file.offset - begin) as i64;
-    Ok(Struct::default().structures(1, chunks.into_iter()).i64(2, size).i64(3, rows as i64).i64(6, written))
+    let written = file.offset - begin;
+    Ok(Struct::default().structures(1, chunks.into_iter()).i64(2, size).i64(3, rows).i64(6, written))
 }
 
 /// A file, and how much of it is written.
 struct Output {
     file: BufWriter<File>,
-    offset: u64,
+    offset: usize,
 }
 
 impl Output {
     fn write(&mut self, bytes: &[u8]) -> Result<()> {
-        self.offset += bytes.len() as u64;
+        self.offset += bytes.len();
         self.file.write_all(bytes)
     }
 }
@@ -135,7 +135,7 @@ impl Column {
     }
 
     /// The number of its type in the format.
-    fn kind(&self) -> i32 {
+    fn kind(&self) -> usize {
         match self.values {
             Values::Truth(_) => 0,
             Values::Count(_) => 2,
@@ -164,30 +164,30 @@ impl Column {
     }
 
     /// Writes its values as one page, empties it, and returns where they are. Adds to `size` what they are uncompressed.
-    fn flush(&mut self, file: &mut Output, size: &mut i64) -> Result<Struct> {
+    fn flush(&mut self, file: &mut Output, size: &mut usize) -> Result<Struct> {
         let (page, rows) = (self.page(), self.present.len());
         let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
         encoder.write_all(&page)?;
         let packed = encoder.finish()?;
-        let of_data = Struct::default().i32(1, rows as i32).i32(2, PLAIN).i32(3, RLE).i32(4, RLE);
+        let of_data = Struct::default().i32(1, rows).i32(2, PLAIN).i32(3, RLE).i32(4, RLE);
         let head = Struct::default()
             .i32(1, DATA_PAGE)
-            .i32(2, page.len() as i32)
-            .i32(3, packed.len() as i32)
+            .i32(2, page.len())
+            .i32(3, packed.len())
             .structure(5, of_data)
             .finished();
-        let offset = file.offset as i64;
+        let offset = file.offset;
         file.write(&head)?;
         file.write(&packed)?;
-        *size += (head.len() + page.len()) as i64;
+        *size += head.len() + page.len();
         let place = Struct::default()
             .i32(1, self.kind())
             .i32s(2, &[PLAIN, RLE])
             .texts(3, &[&self.name])
             .i32(4, GZIP)
-            .i64(5, rows as i64)
-            .i64(6, (head.len() + page.len()) as i64)
-            .i64(7, (head.len() + packed.len()) as i64)
+            .i64(5, rows)
+            .i64(6, head.len() + page.len())
+            .i64(7, head.len() + packed.len())
             .i64(9, offset);
         self.present.clear();
         self.values.clear();

@@ -14,13 +14,15 @@ const LIST: u8 = 9;
 const STRUCT: u8 = 12;
 
 impl Struct {
-    pub(super) fn i32(mut self, field: u8, value: i32) -> Self {
+    /// A field of 32 bits.
+    pub(super) fn i32(mut self, field: u8, value: usize) -> Self {
         self.head(field, I32);
-        varint(&mut self.bytes, zigzag(i64::from(value)));
+        varint(&mut self.bytes, zigzag(value));
         self
     }
 
-    pub(super) fn i64(mut self, field: u8, value: i64) -> Self {
+    /// A field of 64 bits.
+    pub(super) fn i64(mut self, field: u8, value: usize) -> Self {
         self.head(field, I64);
         varint(&mut self.bytes, zigzag(value));
         self
@@ -44,15 +46,19 @@ impl Struct {
         self
     }
 
-    pub(super) fn i32s(mut self, field: u8, values: &[i32]) -> Self {
+    pub(super) fn i32s(mut self, field: u8, values: &[usize]) -> Self {
         self.list(field, I32, values.len());
-        values.iter().for_each(|&value| varint(&mut self.bytes, zigzag(i64::from(value))));
+        for &value in values {
+            varint(&mut self.bytes, zigzag(value));
+        }
         self
     }
 
     pub(super) fn texts(mut self, field: u8, values: &[&str]) -> Self {
         self.list(field, BINARY, values.len());
-        values.iter().for_each(|text| binary(&mut self.bytes, text));
+        for text in values {
+            binary(&mut self.bytes, text);
+        }
         self
     }
 
@@ -93,7 +99,7 @@ fn binary(bytes: &mut Vec<u8>, text: &str) {
     bytes.extend(text.as_bytes());
 }
 
-/// Numbers near zero, of either sign, become small.
-fn zigzag(number: i64) -> u64 {
-    (number << 1 ^ number >> 63) as u64
+/// Signed numbers are written with the sign lowest; ours have none.
+fn zigzag(number: usize) -> u64 {
+    (number as u64) << 1
 }

@@ -121,7 +121,9 @@ impl CalibrateCommand {
         if let Some(line) = mounted {
             say(&line);
         }
-        truncations.iter().for_each(|truncation| warning(&truncation.to_string()));
+        for truncation in &truncations {
+            warning(&truncation.to_string());
+        }
         if !skipped.is_empty() {
             let counted: Vec<_> = skipped.iter().map(|(why, count)| format!("{count} {why}")).collect();
             warning(&format!("messages that are not used: {}", counted.join(", ")));
