@@ -1,20 +1,33 @@
 //! Tables in columns: Apache Parquet, which pandas, polars, DuckDB and R read without being told any types.
+//!
+//! Of the format (<https://parquet.apache.org/docs/file-format>) one form is written: optional columns of truths, counts and
+//! numbers, plain, a page for each column and group of rows, compressed by gzip.
+
+mod thrift;
 
 use std::fs::File;
+use std::io::{BufWriter, Error, Result, Write};
 use std::path::Path;
-use std::sync::Arc;
 
-use parquet::basic::{Compression, Repetition, Type as Physical};
-use parquet::data_type::{BoolType, DataType, DoubleType, Int64Type};
-use parquet::errors::{ParquetError, Result};
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::Type;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use thrift::{Struct, varint};
+
 /// Rows that are held in memory, and written together.
 const GROUP: usize = 1 << 16;
+
+/// First and last bytes of a file.
+const MAGIC: &[u8] = b"PAR1";
+
+/// Numbers of the format: the codec gzip, the encodings of values and of presence, a data page, and a column that may have gaps.
+const GZIP: usize = 2;
+const PLAIN: usize = 0;
+const RLE: usize = 3;
+const DATA_PAGE: usize = 0;
+const OPTIONAL: usize = 1;
 
 /// Writes a table, one row for each of `rows`, under the names of its fields: the columns of the CSV of the same rows.
 ///
@@ -27,59 +40,80 @@ pub(crate) fn write<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>
     let Some(first) = rows.peek() else { return Ok(()) };
     let mut columns: Vec<Column> = match first {
         Ok(first) => first.iter().map(|(name, value)| Column::like(name, value)).collect(),
-        Err(why) => return Err(ParquetError::General(why.to_string())),
+        Err(why) => return Err(Error::other(why.to_string())),
     };
-    let fields = columns.iter().map(Column::field).collect::<Result<Vec<_>>>()?;
-    let schema = Arc::new(Type::group_type_builder("row").with_fields(fields).build()?);
-    // Measured numbers hardly repeat: a dictionary of them would be the column once more.
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::GZIP(parquet::basic::GzipLevel::default()))
-        .set_dictionary_enabled(false)
-        .set_statistics_enabled(EnabledStatistics::Chunk)
-        .build();
-    let mut file = SerializedFileWriter::new(File::create(path)?, schema, Arc::new(properties))?;
-    let mut held = 0;
+    let mut file = Output { file: BufWriter::new(File::create(path)?), offset: 0 };
+    file.write(MAGIC)?;
+    let (mut groups, mut count, mut held) = (Vec::new(), 0, 0);
     for row in rows {
         let row = row?;
         let fits = row.len() == columns.len()
             && row.iter().zip(&mut columns).all(|((name, value), column)| column.push(name, value));
         if !fits {
-            return Err(ParquetError::General("rows differ in their fields".to_owned()));
+            return Err(Error::other("rows differ in their fields"));
         }
-        held += 1;
+        (count, held) = (count + 1, held + 1);
         if held == GROUP {
-            flush(&mut file, &mut columns)?;
+            groups.push(group(&mut file, &mut columns, held)?);
             held = 0;
         }
     }
     if held > 0 {
-        flush(&mut file, &mut columns)?;
+        groups.push(group(&mut file, &mut columns, held)?);
     }
-    file.close()?;
-    Ok(())
+    let root = Struct::default().text(4, "row").i32(5, columns.len());
+    let mut schema = vec![root];
+    schema.extend(columns.iter().map(Column::schema));
+    let metadata = Struct::default()
+        .i32(1, 1)
+        .structures(2, schema.into_iter())
+        .i64(3, count)
+        .structures(4, groups.into_iter())
+        .text(6, concat!("surepose version ", env!("CARGO_PKG_VERSION")))
+        .finished();
+    file.write(&metadata)?;
+    file.write(&(metadata.len() as u32).to_le_bytes())?;
+    file.write(MAGIC)?;
+    file.file.flush()
 }
 
 fn fields(row: &impl Serialize) -> Result<Map<String, Value>> {
     match serde_json::to_value(row) {
         Ok(Value::Object(fields)) => Ok(fields),
-        _ => Err(ParquetError::General("a row is no structure of fields".to_owned())),
+        _ => Err(Error::other("a row is no structure of fields")),
     }
 }
 
-fn flush(file: &mut SerializedFileWriter<File>, columns: &mut [Column]) -> Result<()> {
-    let mut group = file.next_row_group()?;
+/// Writes the rows that the columns hold, empties them, and returns where they are.
+fn group(file: &mut Output, columns: &mut [Column], rows: usize) -> Result<Struct> {
+    let begin = file.offset;
+    let mut size = 0;
+    let mut chunks = Vec::new();
     for column in columns {
-        column.flush(&mut group)?;
+        chunks.push(column.flush(file, &mut size)?);
     }
-    group.close()?;
-    Ok(())
+    let written = file.offset - begin;
+    Ok(Struct::default().structures(1, chunks.into_iter()).i64(2, size).i64(3, rows).i64(6, written))
+}
+
+/// A file, and how much of it is written.
+struct Output {
+    file: BufWriter<File>,
+    offset: usize,
+}
+
+impl Output {
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        self.offset += bytes.len();
+        self.file.write_all(bytes)
+    }
 }
 
 /// One column: its values, and for each row whether it has one.
 struct Column {
     name: String,
     values: Values,
-    present: Vec<i16>,
+    present: Vec<bool>,
 }
 
 /// Values of one kind.
@@ -100,19 +134,22 @@ impl Column {
         Self { name: name.to_owned(), values, present: Vec::new() }
     }
 
-    fn field(&self) -> Result<Arc<Type>> {
-        let physical = match self.values {
-            Values::Truth(_) => Physical::BOOLEAN,
-            Values::Count(_) => Physical::INT64,
-            Values::Number(_) => Physical::DOUBLE,
-        };
-        let field = Type::primitive_type_builder(&self.name, physical);
-        Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).build()?))
+    /// The number of its type in the format.
+    fn kind(&self) -> usize {
+        match self.values {
+            Values::Truth(_) => 0,
+            Values::Count(_) => 2,
+            Values::Number(_) => 5,
+        }
+    }
+
+    fn schema(&self) -> Struct {
+        Struct::default().i32(1, self.kind()).i32(3, OPTIONAL).text(4, &self.name)
     }
 
     /// Takes a value, if it belongs here.
     fn push(&mut self, name: &str, value: &Value) -> bool {
-        self.present.push(i16::from(!value.is_null()));
+        self.present.push(!value.is_null());
         let taken = match (&mut self.values, value) {
             (_, Value::Null) => true,
             (Values::Truth(values), Value::Bool(value)) => {
@@ -126,27 +163,64 @@ impl Column {
         taken && self.name == name
     }
 
-    fn flush(&mut self, group: &mut SerializedRowGroupWriter<'_, File>) -> Result<()> {
-        match &mut self.values {
-            Values::Truth(values) => put::<BoolType>(group, values, &self.present)?,
-            Values::Count(values) => put::<Int64Type>(group, values, &self.present)?,
-            Values::Number(values) => put::<DoubleType>(group, values, &self.present)?,
-        }
+    /// Writes its values as one page, empties it, and returns where they are. Adds to `size` what they are uncompressed.
+    fn flush(&mut self, file: &mut Output, size: &mut usize) -> Result<Struct> {
+        let (page, rows) = (self.page(), self.present.len());
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+        encoder.write_all(&page)?;
+        let packed = encoder.finish()?;
+        let of_data = Struct::default().i32(1, rows).i32(2, PLAIN).i32(3, RLE).i32(4, RLE);
+        let head = Struct::default()
+            .i32(1, DATA_PAGE)
+            .i32(2, page.len())
+            .i32(3, packed.len())
+            .structure(5, of_data)
+            .finished();
+        let offset = file.offset;
+        file.write(&head)?;
+        file.write(&packed)?;
+        *size += head.len() + page.len();
+        let place = Struct::default()
+            .i32(1, self.kind())
+            .i32s(2, &[PLAIN, RLE])
+            .texts(3, &[&self.name])
+            .i32(4, GZIP)
+            .i64(5, rows)
+            .i64(6, head.len() + page.len())
+            .i64(7, head.len() + packed.len())
+            .i64(9, offset);
         self.present.clear();
-        Ok(())
+        self.values.clear();
+        Ok(Struct::default().i64(2, offset).structure(3, place))
+    }
+
+    /// Which rows have a value, as one run of bits; then the values.
+    fn page(&self) -> Vec<u8> {
+        let mut levels = Vec::new();
+        varint(&mut levels, (self.present.len().div_ceil(8) as u64) << 1 | 1);
+        levels.extend(bits(&self.present));
+        let mut page = (levels.len() as u32).to_le_bytes().to_vec();
+        page.extend(levels);
+        match &self.values {
+            Values::Truth(values) => page.extend(bits(values)),
+            Values::Count(values) => page.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+            Values::Number(values) => page.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+        }
+        page
     }
 }
 
-fn put<D: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, File>,
-    values: &mut Vec<D::T>,
-    present: &[i16],
-) -> Result<()> {
-    let Some(mut column) = group.next_column()? else {
-        return Err(ParquetError::General("more columns than the schema has".to_owned()));
-    };
-    column.typed::<D>().write_batch(values, Some(present), None)?;
-    column.close()?;
-    values.clear();
-    Ok(())
+impl Values {
+    fn clear(&mut self) {
+        match self {
+            Self::Truth(values) => values.clear(),
+            Self::Count(values) => values.clear(),
+            Self::Number(values) => values.clear(),
+        }
+    }
+}
+
+/// Eight truths a byte, the first lowest.
+fn bits(truths: &[bool]) -> impl Iterator<Item = u8> {
+    truths.chunks(8).map(|eight| eight.iter().rev().fold(0, |byte, &truth| byte << 1 | u8::from(truth)))
 }

@@ -24,8 +24,8 @@ pub enum Problem {
     /// The file is absent, or the system refuses to read it.
     #[error("cannot be read: {0}{remedy}", remedy = remedy(.0))]
     Unreadable(std::io::Error),
-    /// The file starts as gzip does, but its stream is damaged.
-    #[error("the gzip stream is damaged or cut short ({0}); copy or download the file again")]
+    /// The file starts as gzip or zstd does, but its stream is damaged.
+    #[error("the compressed stream is damaged or cut short ({0}); copy or download the file again")]
     Compression(std::io::Error),
     /// A line without an end: a binary file, most likely.
     #[error("the line is longer than {limit} bytes; this is not a text recording")]

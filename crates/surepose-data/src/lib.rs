@@ -60,4 +60,4 @@ pub mod wean;
 
 pub use config::{Config, ConfigError};
 pub use error::{DataError, Problem};
-pub use source::read_plain;
+pub use source::{ZstdReader, read_plain};

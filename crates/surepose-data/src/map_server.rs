@@ -4,11 +4,10 @@
 //! is occupied with probability 1, a white one with 0 (`negate` swaps them), and `mode` says what becomes of the values
 //! between. The bottom row of the image is the row at the origin.
 
+mod document;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
-
-use serde::Deserialize;
-use serde_saphyr::Spanned;
 
 use crate::document::{utf8, wrong};
 use crate::error::DataError;
@@ -16,6 +15,7 @@ use crate::grid::{Grid, Origin};
 use crate::pgm::{self, Image};
 use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION, plain};
 use crate::source::{LONGEST_DOCUMENT, read_all};
+use document::Document;
 
 /// What the YAML file says about the image.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +37,7 @@ pub struct Description {
 }
 
 /// How grey becomes occupancy.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// Free, occupied, or else unknown.
     #[default]
@@ -100,46 +99,49 @@ fn described(path: &Path) -> Result<(Description, PathBuf, Option<Renamed>), Dat
 /// # Errors
 /// Text that is not YAML, a key that is missing, or a value that cannot be, by line.
 pub fn parse(file: &Path, bytes: &[u8]) -> Result<Description, DataError> {
-    let document: Document = serde_saphyr::from_str(utf8(file, bytes)?).map_err(|error| {
-        let line = error.location().map(|location| location.line());
-        wrong(file, line, complaint(error.without_snippet()))
-    })?;
-    let check = |name: &str, value: &Spanned<f64>, quantity: &Quantity| {
-        if quantity.admits(value.value) {
-            return Ok(value.value);
+    let document = Document::read(file, utf8(file, bytes)?)?;
+    let check = |name: &str, (value, line): (f64, u64), quantity: &Quantity| {
+        if quantity.admits(value) {
+            return Ok(value);
         }
-        let message = format!("{name} is {}, outside {quantity}", plain(value.value));
-        Err(wrong(file, Some(value.referenced.line()), message))
+        let message = format!("{name} is {}, outside {quantity}", plain(value));
+        Err(wrong(file, Some(line), message))
     };
-    let [x, y, heading] = &document.origin;
+    let [x, y, heading] = document.numbers("origin")?;
+    let free = document.number("free_thresh")?;
     let description = Description {
-        image: document.image,
-        resolution: check("resolution", &document.resolution, &RESOLUTION)?,
+        image: PathBuf::from(document.required("image")?.text()),
+        resolution: check("resolution", document.number("resolution")?, &RESOLUTION)?,
         origin: Origin {
             x: check("origin x", x, &POSITION)?,
             y: check("origin y", y, &POSITION)?,
             heading: check("origin heading", heading, &ANGLE)?,
         },
-        negate: document.negate.into(),
-        occupied_threshold: check("occupied_thresh", &document.occupied_thresh, &PROBABILITY)?,
-        free_threshold: check("free_thresh", &document.free_thresh, &PROBABILITY)?,
-        mode: document.mode,
+        negate: negate_in(&document)?,
+        occupied_threshold: check("occupied_thresh", document.number("occupied_thresh")?, &PROBABILITY)?,
+        free_threshold: check("free_thresh", free, &PROBABILITY)?,
+        mode: mode_in(&document)?,
     };
     if description.free_threshold >= description.occupied_threshold {
-        let line = Some(document.free_thresh.referenced.line());
-        return Err(wrong(file, line, "free_thresh must be below occupied_thresh"));
+        return Err(wrong(file, Some(free.1), "free_thresh must be below occupied_thresh"));
     }
     Ok(description)
 }
 
-/// What is wrong with the text, in words for whoever wrote it: the parser's own on keys are for its caller.
-fn complaint(error: &serde_saphyr::Error) -> String {
-    match error {
-        serde_saphyr::Error::DuplicateMappingKey { key, .. } => {
-            let key = key.as_deref().unwrap_or("a key");
-            format!("{key} is given twice; keep one of the two lines")
-        }
-        other => other.to_string(),
+/// `negate`, written as 0 or 1, or as false or true.
+fn negate_in(document: &Document<'_>) -> Result<bool, DataError> {
+    let found = document.required("negate")?;
+    found.truth().ok_or_else(|| document.unexpected("negate", found, "0, 1, false or true"))
+}
+
+/// `mode`, by default [`Mode::Trinary`].
+fn mode_in(document: &Document<'_>) -> Result<Mode, DataError> {
+    let Some(found) = document.scalar("mode")? else { return Ok(Mode::default()) };
+    match found.text() {
+        "trinary" => Ok(Mode::Trinary),
+        "scale" => Ok(Mode::Scale),
+        "raw" => Ok(Mode::Raw),
+        _ => Err(document.unexpected("mode", found, "trinary, scale or raw")),
     }
 }
 
@@ -168,36 +170,6 @@ impl Description {
                 let between = self.occupied_threshold - self.free_threshold;
                 Some(((occupied - self.free_threshold) / between) as f32)
             }
-        }
-    }
-}
-
-/// The YAML file as it is written; keys that other tools add are of no concern here.
-#[derive(Deserialize)]
-struct Document {
-    image: PathBuf,
-    resolution: Spanned<f64>,
-    origin: [Spanned<f64>; 3],
-    negate: Switch,
-    occupied_thresh: Spanned<f64>,
-    free_thresh: Spanned<f64>,
-    #[serde(default)]
-    mode: Mode,
-}
-
-/// `negate` is written as 0 or 1, or as false or true.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Switch {
-    Truth(bool),
-    Number(u8),
-}
-
-impl From<Switch> for bool {
-    fn from(switch: Switch) -> Self {
-        match switch {
-            Switch::Truth(truth) => truth,
-            Switch::Number(number) => number != 0,
         }
     }
 }

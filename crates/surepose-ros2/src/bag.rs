@@ -2,16 +2,57 @@
 
 mod calibration;
 mod files;
+mod mcap;
 mod prologue;
 mod reader;
 mod replay;
 #[cfg(test)]
 mod tests;
 
+use std::fmt;
 use std::path::PathBuf;
 
 pub use calibration::{Recorded, recorded};
+pub use mcap::McapError;
 pub use replay::replay;
+
+/// A file of a recording that ends before its data do, as when the recorder was interrupted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Truncation {
+    /// Which file.
+    pub file: PathBuf,
+    /// Where the record starts that is cut short \[bytes, decompressed file\].
+    pub offset: u64,
+}
+
+impl fmt::Display for Truncation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (file, offset) = (self.file.file_name().unwrap_or_default().to_string_lossy(), self.offset);
+        write!(
+            f,
+            "{}: the recording is cut short in the record at byte {offset}; the messages before the cut are used",
+            file.escape_debug()
+        )
+    }
+}
+
+/// What is to be known of a replay besides its figures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// Where the laser sits, and which source says so.
+    LaserMount(String),
+    /// A file is cut short.
+    Truncated(Truncation),
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LaserMount(line) => f.write_str(line),
+            Self::Truncated(truncation) => truncation.fmt(f),
+        }
+    }
+}
 
 /// Why a recording cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -37,7 +78,7 @@ pub enum BagError {
     #[error("this recording is damaged: {problem}; what was cut short can be mended by `mcap recover`")]
     Damaged {
         /// What is wrong with it.
-        problem: mcap::McapError,
+        problem: McapError,
     },
     /// One of its files cannot be used.
     #[error("in {file}: {problem}")]

@@ -115,11 +115,14 @@ impl CalibrateCommand {
     fn mcap(&self) -> Result<(Recording, Options), Failure> {
         let config = self.config.over(Config::default())?;
         let names = names_of(&self.remap)?;
-        let Recorded { recording, options, skipped, mounted } =
+        let Recorded { recording, options, skipped, mounted, truncations } =
             bag::recorded(&self.path, &config, &names, self.compass)
                 .map_err(|error| Failure::Recording { path: self.path.clone(), what: error.to_string() })?;
         if let Some(line) = mounted {
             say(&line);
+        }
+        for truncation in &truncations {
+            warning(&truncation.to_string());
         }
         if !skipped.is_empty() {
             let counted: Vec<_> = skipped.iter().map(|(why, count)| format!("{count} {why}")).collect();

@@ -9,7 +9,8 @@ use surepose_data::wall_map::WallMap;
 use surepose_lab::replay::{FollowerSettings, Hall, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
 use surepose_lab::rig::Reading;
 use surepose_lab::{Watch, picture};
-use surepose_ros2::{START_STD, Settings, bag};
+use surepose_ros2::bag::{self, Notice};
+use surepose_ros2::{START_STD, Settings};
 
 use crate::exit::Exit;
 use crate::failure::Failure;
@@ -158,7 +159,11 @@ impl ReplayCommand {
             room: 0.0,
             hold: false,
         };
-        bag::replay(&self.path, &settings, &names, |line| say(&line))
+        let notify = |notice: Notice| match notice {
+            Notice::LaserMount(line) => say(&line),
+            Notice::Truncated(truncation) => warning(&truncation.to_string()),
+        };
+        bag::replay(&self.path, &settings, &names, notify)
             .map_err(|error| Failure::Recording { path: self.path.clone(), what: error.to_string() })
     }
 

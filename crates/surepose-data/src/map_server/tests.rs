@@ -45,6 +45,31 @@ fn a_description_is_read() {
     assert_eq!(with("mode: trinary\n", "").unwrap().mode, Mode::Trinary);
 }
 
+/// YAML has many ways to write the same, and other tools add keys of their own.
+#[test]
+fn the_style_of_the_text_does_not_matter() {
+    let other = "\
+%YAML 1.2
+---
+# A map.
+'image': \"depot.pgm\"
+layers: {floor: [1, {z: 2}], tags: [a, [b]]}
+origin:
+- -10
+- 2.0 # in the east
+- +5e-1
+resolution: '0.05'
+negate: False
+occupied_thresh: .65
+free_thresh: 0.25
+...
+";
+    assert_eq!(description(other).unwrap(), description(YAML).unwrap());
+    assert_eq!(description(&YAML.replace('\n', "\r\n")).unwrap(), description(YAML).unwrap());
+    let flow = format!("{{{}}}", YAML.trim_end().replace('\n', ", "));
+    assert_eq!(description(&flow).unwrap(), description(YAML).unwrap());
+}
+
 #[test]
 fn the_last_row_of_the_image_is_the_row_at_the_origin() {
     let image = Image { width: 2, height: 2, white: 255, pixels: vec![0, 255, 128, 255] };
@@ -90,7 +115,28 @@ fn each_damage_names_line_and_remedy() {
     assert!(message("image: depot.pgm\n", "").contains("image"));
     assert!(message("negate: 0", "negate: maybe").starts_with("map.yaml:5: "));
     assert!(message("resolution: 0.05", "resolution: wide").starts_with("map.yaml:3: "));
+    assert_eq!(
+        message("mode: trinary", "mode: foggy"),
+        "map.yaml:2: mode is 'foggy', expected trinary, scale or raw"
+    );
+    assert_eq!(
+        message("-10.0, 2, 0.5", "-10.0, 2"),
+        "map.yaml:4: origin must be a list of 3 numbers (got 2)"
+    );
+    assert_eq!(
+        message("resolution: 0.05", "resolution: inf"),
+        "map.yaml:3: resolution is 'inf', expected a number"
+    );
+    assert_eq!(message("image: depot.pgm", "image:"), "map.yaml:1: image must be a single value");
+    assert_eq!(
+        message("free_thresh: 0.25\n", ""),
+        "map.yaml: the key free_thresh is missing; add a line `free_thresh: …`"
+    );
+    assert!(message("mode: trinary", "mode: 'trinary").starts_with("map.yaml:"));
+    assert!(message("0.25\n", "0.25\n---\nmode: raw\n").starts_with("map.yaml:8: a second document"));
     assert!(description("").is_err());
+    let keys: String = (0..1001).map(|key| format!("key_{key}: 1\n")).collect();
+    assert_eq!(description(&keys), Err("map.yaml:1001: holds more than 1000 keys".to_owned()));
     assert!(description(&"[".repeat(100_000)).is_err());
     let binary = parse(Path::new("map.yaml"), b"image: a\n\xff\xfe").unwrap_err();
     assert_eq!(binary.to_string(), "map.yaml:2: is not UTF-8 text; is this the right file?");

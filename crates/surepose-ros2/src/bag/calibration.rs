@@ -11,9 +11,9 @@ use surepose_data::config::CompassMounting;
 use surepose_data::recording::{Mount, Scan, StampedTicks};
 use surepose_lab::calibrate::{Options, Recording, StampedHeading};
 
-use super::BagError;
 use super::prologue::{Prologue, REFERENCE_STD};
 use super::reader::{Bag, Role, Said};
+use super::{BagError, Truncation};
 use crate::convert::Refused;
 use crate::message::{LaserScan, Odometry};
 use crate::mounting::LaserMount;
@@ -42,6 +42,8 @@ pub struct Recorded {
     pub skipped: BTreeMap<&'static str, u64>,
     /// Where the laser is taken to sit at first, and who says so; nothing, without a scan.
     pub mounted: Option<String>,
+    /// The files that are cut short.
+    pub truncations: Vec<Truncation>,
 }
 
 /// Reads the recording at `path`, of which the topics are called as in `names`, of a base that takes its wheels for those
@@ -72,6 +74,7 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
             gathering.skip(why.name());
         }
     })?;
+    gathering.recorded.truncations = bag.truncations().to_vec();
     Ok(gathering.finished())
 }
 
@@ -99,7 +102,7 @@ impl Gathering {
             headings: Vec::new(),
         };
         Self {
-            recorded: Recorded { recording, options, skipped, mounted: None },
+            recorded: Recorded { recording, options, skipped, mounted: None, truncations: Vec::new() },
             mount,
             controller: config.controller(),
             odometer: None,
@@ -184,7 +187,7 @@ impl Gathering {
     /// In the order of time, for messages are recorded as they arrive; and only what odometry was there for, which a stamp
     /// that nobody filled in is not.
     fn finished(mut self) -> Recorded {
-        let Recorded { mut recording, options, mut skipped, .. } = self.recorded;
+        let Recorded { mut recording, options, mut skipped, truncations, .. } = self.recorded;
         let Recording { ticks, scans, headings, .. } = &mut recording;
         let first = ticks.first().map_or(f64::INFINITY, |ticks| ticks.time);
         let last = ticks.last().map_or(f64::NEG_INFINITY, |ticks| ticks.time);
@@ -197,6 +200,6 @@ impl Gathering {
         }
         scans.sort_by(|a, b| a.time.total_cmp(&b.time));
         headings.sort_by(|a, b| a.time.total_cmp(&b.time));
-        Recorded { recording, options, skipped, mounted: self.mount.news() }
+        Recorded { recording, options, skipped, mounted: self.mount.news(), truncations }
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     let found: Vec<PathBuf> = std::fs::read_dir(path)
         .map_err(unreadable)?
         .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "mcap"))
+        .filter(|path| name_of(path).is_some())
         .collect();
     if found.len() == 1 {
         return Ok(found);
@@ -25,15 +25,22 @@ pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     let count = found.len();
     let mut parts: Vec<_> = found.into_iter().filter_map(|path| Some((part_of(&path)?, path))).collect();
     parts.sort();
-    let is_one = parts.windows(2).all(|pair| pair[0].0.0 == pair[1].0.0);
+    let is_one = parts.windows(2).all(|pair| pair[0].0.0 == pair[1].0.0 && pair[0].0.1 < pair[1].0.1);
     if count == 0 || parts.len() < count || !is_one {
         return Err(BagError::NotOneRecording { count });
     }
     Ok(parts.into_iter().map(|(_, path)| path).collect())
 }
 
+/// The name of a file of a recording without its extensions, that of the whole file's compression included.
+fn name_of(path: &Path) -> Option<&str> {
+    let name = path.file_name()?.to_str()?;
+    let plain = [".zstd", ".zst", ".gz"].iter().find_map(|extension| name.strip_suffix(extension));
+    plain.unwrap_or(name).strip_suffix(".mcap")
+}
+
 /// The name of the recording that a file is a part of, and which part.
 fn part_of(path: &Path) -> Option<(String, u64)> {
-    let (name, number) = path.file_stem()?.to_str()?.rsplit_once('_')?;
+    let (name, number) = name_of(path)?.rsplit_once('_')?;
     Some((name.to_owned(), number.parse().ok()?))
 }

@@ -1,19 +1,16 @@
 //! From a recording in MCAP to its messages.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
-use mcap::McapError;
-use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use serde::de::DeserializeOwned;
 use surepose_data::read_plain;
 
-use super::BagError;
 use super::files::files_of;
+use super::mcap::{Ending, Limits, McapError, ReadError, Record, read_records};
+use super::{BagError, Truncation};
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 use crate::names::Names;
 
@@ -27,12 +24,6 @@ const JOINTS: &str = "tf2_msgs/msg/TFMessage";
 
 /// Where joints are told that do not move, by convention the same for all robots.
 const STATIC: &str = "/tf_static";
-
-/// What is longer, decompressed, is no record but a mistake [bytes].
-const LONGEST_RECORD: usize = 1 << 28;
-
-/// So much of the file is read at a time [bytes].
-const PIECE: usize = 1 << 16;
 
 /// A message that says something of the robot.
 pub(super) enum Said {
@@ -93,6 +84,7 @@ struct Channel {
 /// A recording.
 pub(super) struct Bag {
     parts: Vec<Part>,
+    truncations: Vec<Truncation>,
 }
 
 /// One file of it, and what is meant by its channels.
@@ -111,6 +103,9 @@ impl Bag {
         let files = files_of(path)?;
         let read = |file: &PathBuf| channels(file).map_err(|problem| in_part(files.len(), file, problem));
         let of_files: Vec<_> = files.iter().map(read).collect::<Result<_, _>>()?;
+        let (of_files, endings): (Vec<_>, Vec<_>) = of_files.into_iter().unzip();
+        let truncations =
+            files.iter().zip(endings).filter_map(|(file, ending)| truncation(file, ending)).collect();
         let channels: Vec<_> = of_files.iter().flat_map(|channels| channels.values().cloned()).collect();
         // A truth may be odometry by its type; then it is not the robot's own.
         let truth = topic(&channels, names, Role::Truth, None)?;
@@ -140,7 +135,12 @@ impl Bag {
                 channels.into_iter().filter_map(|(id, channel)| Some((id, (role(&channel)?, channel))));
             Part { path, roles: roles.collect() }
         };
-        Ok(Self { parts: files.into_iter().zip(of_files).map(part).collect() })
+        Ok(Self { parts: files.into_iter().zip(of_files).map(part).collect(), truncations })
+    }
+
+    /// The files that end before their data do.
+    pub(super) fn truncations(&self) -> &[Truncation] {
+        &self.truncations
     }
 
     /// Whether anything is to be known beforehand: a truth to judge by, or how the laser sits.
@@ -157,11 +157,11 @@ impl Bag {
         let mut numbers = BTreeMap::<&str, u64>::new();
         self.parts.iter().try_for_each(|part| {
             records(&part.path, |record| {
-                let Record::Message { header, data } = record else { return Ok(()) };
-                let Some((role, channel)) = part.roles.get(&header.channel_id) else { return Ok(()) };
+                let Record::Message { channel_id, data } = record else { return Ok(()) };
+                let Some((role, channel)) = part.roles.get(&channel_id) else { return Ok(()) };
                 let number = numbers.entry(&channel.topic).or_default();
                 *number += 1;
-                let said = said(*role, &channel.kind, &data).map_err(|problem| BagError::Message {
+                let said = said(*role, &channel.kind, data).map_err(|problem| BagError::Message {
                     number: *number,
                     topic: channel.topic.escape_debug().to_string(),
                     kind: channel.kind.clone(),
@@ -170,6 +170,7 @@ impl Bag {
                 hear(said);
                 Ok(())
             })
+            .map(|_| ())
             .map_err(|problem| in_part(self.parts.len(), &part.path, problem))
         })
     }
@@ -205,50 +206,45 @@ fn said(role: Role, kind: &str, data: &[u8]) -> Result<Said, String> {
     })
 }
 
-/// Every channel of a file, by its number.
-fn channels(path: &Path) -> Result<BTreeMap<u16, Channel>, BagError> {
+/// What is missing of a file; `None` if it is complete.
+fn truncation(file: &Path, ending: Ending) -> Option<Truncation> {
+    match ending {
+        Ending::Complete => None,
+        Ending::Truncated { offset } => Some(Truncation { file: file.to_owned(), offset }),
+    }
+}
+
+/// Every channel of a file, by its number, and how the file ends.
+fn channels(path: &Path) -> Result<(BTreeMap<u16, Channel>, Ending), BagError> {
     let (mut kinds, mut channels) = (BTreeMap::new(), BTreeMap::new());
-    records(path, |record| {
+    let ending = records(path, |record| {
         match record {
-            Record::Schema { header, .. } => {
-                kinds.insert(header.id, header.name);
+            Record::Schema { id, name } => {
+                kinds.insert(id, name.to_owned());
             }
-            Record::Channel(channel) => {
-                let kind = kinds.get(&channel.schema_id).cloned().unwrap_or_default();
-                let (topic, encoding) = (channel.topic, channel.message_encoding);
-                channels.entry(channel.id).or_insert(Channel { topic, kind, encoding });
+            Record::Channel { id, schema_id, topic, encoding } => {
+                let kind = kinds.get(&schema_id).cloned().unwrap_or_default();
+                let (topic, encoding) = (topic.to_owned(), encoding.to_owned());
+                channels.entry(id).or_insert(Channel { topic, kind, encoding });
             }
-            _ => {}
+            Record::Message { .. } => {}
         }
         Ok(())
     })?;
-    Ok(channels)
+    Ok((channels, ending))
 }
 
 /// Gives `on` the records of a file, those in chunks as well.
-fn records(path: &Path, mut on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> Result<(), BagError> {
+fn records(path: &Path, on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> Result<Ending, BagError> {
     let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
-    let damaged = |problem| match problem {
-        McapError::BadMagic => BagError::NoMcap,
-        problem => BagError::Damaged { problem },
-    };
-    let mut file = read_plain(path).map_err(unreadable)?;
-    let options = LinearReaderOptions::default()
-        .with_validate_chunk_crcs(true)
-        .with_record_length_limit(LONGEST_RECORD);
-    let mut reader = LinearReader::new_with_options(options);
-    while let Some(event) = reader.next_event() {
-        match event.map_err(damaged)? {
-            LinearReadEvent::ReadRequest(need) => {
-                let read = file.read(reader.insert(need.min(PIECE))).map_err(unreadable)?;
-                reader.notify_read(read);
-            }
-            LinearReadEvent::Record { opcode, data } => {
-                on(mcap::parse_record(opcode, data).map_err(damaged)?)?;
-            }
-        }
-    }
-    Ok(())
+    let file = read_plain(path).map_err(unreadable)?;
+    let length = std::fs::metadata(path).map_err(unreadable)?.len();
+    read_records(file, Limits::of_file(length), on).map_err(|problem| match problem {
+        ReadError::Io(problem) => unreadable(problem),
+        ReadError::Mcap(McapError::NoMagic) => BagError::NoMcap,
+        ReadError::Mcap(problem) => BagError::Damaged { problem },
+        ReadError::Consumer(problem) => problem,
+    })
 }
 
 /// The topic for `role`: the one that the node calls so, or else, but for the truth, the only one of its type that is not

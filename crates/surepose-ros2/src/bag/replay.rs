@@ -7,17 +7,17 @@ use surepose::{Belief, Body, Health, Map, Pose, Stamp};
 use surepose_data::recording::StampedPose;
 use surepose_lab::replay::{Reference, ReplayReport, Score, motion_between};
 
-use super::BagError;
 use super::prologue::{Prologue, REFERENCE_STD};
 use super::reader::{Bag, Role, Said};
+use super::{BagError, Notice};
 use crate::convert::Refused;
 use crate::names::Names;
 use crate::pilot::{Odom, Pilot, Report, Settings};
 use crate::sense;
 
 /// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
-/// that of the reference; where there is none either, the robot looks for itself on the map. `say` is told where the laser
-/// sits, and who says so.
+/// that of the reference; where there is none either, the robot looks for itself on the map. `notify` receives each
+/// [`Notice`]: where the laser sits, and which files are cut short.
 ///
 /// # Errors
 /// [`BagError`], where it is no recording, or is damaged.
@@ -25,13 +25,14 @@ pub fn replay(
     path: &Path,
     settings: &Settings,
     names: &Names,
-    mut say: impl FnMut(&str),
+    mut notify: impl FnMut(Notice),
 ) -> Result<ReplayReport, BagError> {
     let begun = Instant::now();
     let wanted = [(Role::Scan, settings.map.is_some()), (Role::Imu, settings.compass)];
     let wanted: Vec<_> =
         wanted.into_iter().filter_map(|(role, is_wanted)| is_wanted.then_some(role)).collect();
     let bag = Bag::open(path, names, &wanted)?;
+    bag.truncations().iter().cloned().map(Notice::Truncated).for_each(&mut notify);
     let mut report = ReplayReport::default();
     let prologue = Prologue::of(&bag, &settings.config, |why| report.skip(Some(why.name())))?;
     let mut settings = settings.clone();
@@ -57,7 +58,7 @@ pub fn replay(
             Said::Scan(scan) => {
                 let mounting = mount.of(&scan.header.frame_id);
                 if let Some(line) = mount.news() {
-                    say(&line);
+                    notify(Notice::LaserMount(line));
                 }
                 mounting.and_then(|mounting| sense::scan(scan, mounting)).map(|heard| pilot.hear(heard))
             }

@@ -1,16 +1,15 @@
 //! What is recorded: the simulated robot on its way, and what is written besides.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 use std::path::PathBuf;
 
 use byteorder::LittleEndian;
-use mcap::records::MessageHeader;
 use serde::Serialize;
 use surepose::{Body, Drive, Integration, Pose, Stamp, Twist};
 use surepose_lab::rig::Scenario;
 use surepose_sim::{Seed, World};
 
+use super::super::mcap::writer::{Packing, Writer};
 use crate::convert::{header, pose_message};
 use crate::message::PoseStamped;
 use crate::pilot::Odom;
@@ -18,13 +17,15 @@ use crate::robot::words;
 
 /// Writes a recording.
 pub(super) struct Recorder {
-    pub(super) writer: mcap::Writer<Cursor<Vec<u8>>>,
+    pub(super) writer: Writer,
     pub(super) channels: BTreeMap<String, u16>,
+    /// Topic, type, time and bytes of each message.
+    pub(super) messages: Vec<(String, String, Stamp, Vec<u8>)>,
 }
 
 impl Recorder {
     pub(super) fn new() -> Self {
-        Self { writer: mcap::Writer::new(Cursor::new(Vec::new())).unwrap(), channels: BTreeMap::new() }
+        Self { writer: Writer::new(Packing::Zstd), channels: BTreeMap::new(), messages: Vec::new() }
     }
 
     pub(super) fn write(&mut self, topic: &str, kind: &str, time: Stamp, message: &impl Serialize) {
@@ -34,18 +35,16 @@ impl Recorder {
     }
 
     pub(super) fn write_bytes(&mut self, topic: &str, kind: &str, time: Stamp, data: &[u8]) {
-        let channel_id = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
-            let schema = self.writer.add_schema(kind, "ros2msg", b"").unwrap();
-            self.writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).unwrap()
+        let channel = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
+            let schema = self.writer.add_schema(kind);
+            self.writer.add_channel(schema, topic)
         });
-        let time = time.nanoseconds() as u64;
-        let header = MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
-        self.writer.write_to_known_channel(&header, data).unwrap();
+        self.messages.push((topic.to_owned(), kind.to_owned(), time, data.to_owned()));
+        self.writer.write(channel, time.nanoseconds() as u64, data);
     }
 
-    pub(super) fn finished(mut self) -> Vec<u8> {
-        self.writer.finish().unwrap();
-        self.writer.into_inner().into_inner()
+    pub(super) fn finished(self) -> Vec<u8> {
+        self.writer.finished()
     }
 }
 

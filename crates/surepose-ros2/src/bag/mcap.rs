@@ -1,0 +1,294 @@
+//! MCAP records, read front to back: those that ROS 2 messages follow from, and no others.
+//!
+//! The format is MCAP version 0, <https://mcap.dev/spec>. A file is a magic number and records of opcode, length and
+//! content; a chunk is a record that holds records, compressed or not. Every length is checked before its use, memory is
+//! bounded by two records of [`MAX_RECORD_LENGTH`], and the work by [`Limits`].
+
+mod chunk;
+mod content;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+pub(super) mod writer;
+
+use std::io::{ErrorKind, Read};
+
+use chunk::Chunk;
+use content::Content;
+
+/// First and last bytes of a file.
+pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
+/// Longest record that is held in memory, compressed or not \[bytes\].
+const MAX_RECORD_LENGTH: u64 = 1 << 28;
+
+/// Longest record that is passed over, such as an attachment \[bytes\].
+const MAX_SKIPPED_LENGTH: u64 = 1 << 40;
+
+/// Opcodes, by the names of the specification. All others are passed over.
+pub(super) mod opcode {
+    pub(crate) const FOOTER: u8 = 0x02;
+    pub(crate) const SCHEMA: u8 = 0x03;
+    pub(crate) const CHANNEL: u8 = 0x04;
+    pub(crate) const MESSAGE: u8 = 0x05;
+    pub(crate) const CHUNK: u8 = 0x06;
+    pub(crate) const DATA_END: u8 = 0x0f;
+}
+
+/// A record that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Record<'a> {
+    Schema { id: u16, name: &'a str },
+    Channel { id: u16, schema_id: u16, topic: &'a str, encoding: &'a str },
+    Message { channel_id: u16, data: &'a [u8] },
+}
+
+/// How a file ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ending {
+    /// After its data.
+    Complete,
+    /// Before the end of its data, at this offset \[bytes, decompressed file\].
+    Truncated { offset: u64 },
+}
+
+/// What is wrong with the records of a file. Offsets count the bytes of the decompressed file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum McapError {
+    /// The file does not start as MCAP does.
+    #[error("the MCAP magic number is missing")]
+    NoMagic,
+    /// A record is longer than any that is read.
+    #[error("record at byte {offset}: too long (got {length} bytes, expected at most {limit})")]
+    RecordTooLong {
+        /// Start of the record.
+        offset: u64,
+        /// Its declared length \[bytes\].
+        length: u64,
+        /// Longest that is read \[bytes\].
+        limit: u64,
+    },
+    /// A record is shorter than its fields, or a text in it is not UTF-8.
+    #[error("record at byte {offset}: its fields do not fit its length, or a text in it is not UTF-8")]
+    Malformed {
+        /// Start of the record, or of its chunk.
+        offset: u64,
+    },
+    /// A chunk is compressed by an unknown method.
+    #[error("chunk at byte {offset}: unknown compression '{name}' (expected zstd, lz4 or none)")]
+    UnknownCompression {
+        /// Start of the chunk.
+        offset: u64,
+        /// The method.
+        name: String,
+    },
+    /// A chunk cannot be decompressed.
+    #[error("chunk at byte {offset}: cannot be decompressed: {problem}")]
+    Decompression {
+        /// Start of the chunk.
+        offset: u64,
+        /// What is wrong with it.
+        problem: std::io::Error,
+    },
+    /// A chunk does not hold as many bytes as it declares.
+    #[error("chunk at byte {offset}: wrong size (expected {declared} bytes, got {}{found})", if .found > .declared { "at least " } else { "" })]
+    ChunkSize {
+        /// Start of the chunk.
+        offset: u64,
+        /// Declared size of its records \[bytes\].
+        declared: u64,
+        /// Bytes that were decompressed; one more than declared, if there are more.
+        found: u64,
+    },
+    /// The checksum of a chunk is wrong.
+    #[error("chunk at byte {offset}: wrong CRC (got {found:08x}, expected {declared:08x})")]
+    Checksum {
+        /// Start of the chunk.
+        offset: u64,
+        /// Declared CRC-32.
+        declared: u32,
+        /// CRC-32 of its records.
+        found: u32,
+    },
+    /// The file expands to more than any recording of its length.
+    #[error("the recording expands to more than {limit} bytes, which its length does not justify")]
+    TooLarge {
+        /// Most bytes that are read \[bytes\].
+        limit: u64,
+    },
+}
+
+/// Why reading stopped: a file that cannot be read, records that are damaged, or the error of the record's consumer.
+pub(super) enum ReadError<E> {
+    Io(std::io::Error),
+    Mcap(McapError),
+    Consumer(E),
+}
+
+impl<E> From<McapError> for ReadError<E> {
+    fn from(problem: McapError) -> Self {
+        Self::Mcap(problem)
+    }
+}
+
+/// How much a file may expand to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Most bytes that are read and decompressed, together \[bytes\].
+    pub(super) total: u64,
+}
+
+impl Limits {
+    /// Those of a file of this length: 256 times as much, and 1 GiB. Laser scans compress to a tenth at best.
+    pub(super) fn of_file(length: u64) -> Self {
+        Self { total: length.saturating_mul(256).saturating_add(1 << 30) }
+    }
+}
+
+/// Reads the records of `input` up to the end of its data, those in chunks as well, and passes them to `consume`.
+///
+/// A file that is cut short yields the records before the cut.
+///
+/// # Errors
+/// [`ReadError`].
+pub(super) fn read_records<E>(
+    input: impl Read,
+    limits: Limits,
+    consume: impl FnMut(Record<'_>) -> Result<(), E>,
+) -> Result<Ending, ReadError<E>> {
+    let mut reader = Reader { input, offset: 0, expanded: 0, limits, consume };
+    let mut magic = Vec::new();
+    if reader.fill(&mut magic, MAGIC.len() as u64)? && magic == MAGIC {
+        return reader.records();
+    }
+    Err(McapError::NoMagic.into())
+}
+
+struct Reader<R, F> {
+    input: R,
+    offset: u64,
+    /// Bytes that chunks were decompressed to.
+    expanded: u64,
+    limits: Limits,
+    consume: F,
+}
+
+impl<R: Read, E, F: FnMut(Record<'_>) -> Result<(), E>> Reader<R, F> {
+    fn records(&mut self) -> Result<Ending, ReadError<E>> {
+        let (mut head, mut body) = (Vec::new(), Vec::new());
+        loop {
+            let offset = self.offset;
+            let truncated = Ending::Truncated { offset };
+            if !self.fill(&mut head, HEAD_LENGTH as u64)? {
+                return Ok(truncated);
+            }
+            let mut fields = Content::new(&head);
+            let (Some(opcode), Some(length)) = (fields.u8(), fields.u64()) else { return Ok(truncated) };
+            let limit = match opcode {
+                opcode::FOOTER | opcode::DATA_END => return Ok(Ending::Complete),
+                opcode::SCHEMA | opcode::CHANNEL | opcode::MESSAGE | opcode::CHUNK => MAX_RECORD_LENGTH,
+                _ => MAX_SKIPPED_LENGTH,
+            };
+            if length > limit {
+                return Err(McapError::RecordTooLong { offset, length, limit }.into());
+            }
+            if limit == MAX_SKIPPED_LENGTH {
+                if !self.skip(length)? {
+                    return Ok(truncated);
+                }
+                continue;
+            }
+            let is_complete = self.fill(&mut body, length)?;
+            if opcode == opcode::CHUNK {
+                self.chunk(offset, &body, is_complete)?;
+            } else if is_complete {
+                self.record(offset, opcode, &body)?;
+            }
+            if !is_complete {
+                return Ok(truncated);
+            }
+        }
+    }
+
+    /// The records of a chunk at `offset`, of which the content starts with `body`.
+    fn chunk(&mut self, offset: u64, body: &[u8], is_complete: bool) -> Result<(), ReadError<E>> {
+        let malformed = || McapError::Malformed { offset };
+        let Some(chunk) = Chunk::parse(offset, body, is_complete)? else { return Ok(()) };
+        let records = chunk.records()?;
+        self.expanded = self.expanded.saturating_add(records.len() as u64);
+        self.check_total()?;
+        let mut rest = Content::new(&records);
+        while !rest.is_empty() {
+            let record = (|| Some((rest.u8()?, rest.u64().and_then(|length| rest.take(length))?)))();
+            let Some((opcode, content)) = record else {
+                // The cut may lie within a record of the chunk.
+                return if is_complete { Err(malformed().into()) } else { Ok(()) };
+            };
+            if opcode == opcode::CHUNK {
+                return Err(malformed().into());
+            }
+            self.record(offset, opcode, content)?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, offset: u64, opcode: u8, content: &[u8]) -> Result<(), ReadError<E>> {
+        let mut fields = Content::new(content);
+        let record = match opcode {
+            opcode::SCHEMA => fields.schema(),
+            opcode::CHANNEL => fields.channel(),
+            opcode::MESSAGE => fields.message(),
+            _ => return Ok(()),
+        };
+        let record = record.ok_or(McapError::Malformed { offset })?;
+        (self.consume)(record).map_err(ReadError::Consumer)
+    }
+
+    /// Reads `length` bytes. `false`: the file ends before, and `bytes` holds what there is.
+    fn fill(&mut self, bytes: &mut Vec<u8>, length: u64) -> Result<bool, ReadError<E>> {
+        bytes.clear();
+        let result = self.input.by_ref().take(length).read_to_end(bytes);
+        let read = bytes.len() as u64;
+        self.advance(read, length, result.map(|_| ()))
+    }
+
+    /// Passes over `length` bytes. `false`: the file ends before.
+    fn skip(&mut self, length: u64) -> Result<bool, ReadError<E>> {
+        let mut left = length;
+        while left > 0 {
+            let piece = left.min(1 << 20);
+            let (read, result) =
+                match std::io::copy(&mut self.input.by_ref().take(piece), &mut std::io::sink()) {
+                    Ok(read) => (read, Ok(())),
+                    Err(problem) => (0, Err(problem)),
+                };
+            if !self.advance(read, piece, result)? {
+                return Ok(false);
+            }
+            left -= piece;
+        }
+        Ok(true)
+    }
+
+    /// Counts what was `read` of the bytes that were `wanted`. A compressed file that is cut short ends at the cut.
+    fn advance(&mut self, read: u64, wanted: u64, result: std::io::Result<()>) -> Result<bool, ReadError<E>> {
+        self.offset = self.offset.saturating_add(read);
+        self.check_total()?;
+        match result {
+            Err(problem) if problem.kind() != ErrorKind::UnexpectedEof => Err(ReadError::Io(problem)),
+            _ => Ok(read == wanted),
+        }
+    }
+
+    fn check_total(&self) -> Result<(), McapError> {
+        let limit = self.limits.total;
+        if self.offset.saturating_add(self.expanded) > limit {
+            return Err(McapError::TooLarge { limit });
+        }
+        Ok(())
+    }
+}
+
+/// Opcode and length of a record \[bytes\].
+const HEAD_LENGTH: usize = 9;
