@@ -5,10 +5,11 @@
 
 use core::fmt::{Display, Formatter};
 
-use surepose::closed_loop::{Controller, Localiser, Progress, Sensed, Signal, tick};
+use surepose::closed_loop::{Controller, ControllerState, Localizer, SensorInput, SensorReading, tick};
 use surepose::{
-    Angle, Belief, Body, Compass, Direction, Drive, Ekf, Estimator, Eye, Gate, Integration,
-    Limits, Line, Map, Measurement, Phase, Pose, Stamp, Stamped, Tolerance, WallSighting, Wheels,
+    Angle, Belief, Body, DelayedEkf, DiffDrive, Direction, Ekf, Gate, GoalStatus, HeadingMeasurement,
+    Integration, Limits, Line, LineMeasurement, Map, Measurement, Pose, ScanProcessor, Stamp, Stamped,
+    Tolerance, WheelPair,
 };
 
 /// Time between ticks \[ms].
@@ -48,64 +49,69 @@ impl Display for Parked {
 /// Drives from (1, 1, 0°) to (4, 2.5, 90°) in a room of 6 m × 4 m. `clock` is read before and after every tick, for those
 /// who want to know what a tick costs.
 pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
-    let drive = Drive::new(0.05, 0.6);
+    let drive = DiffDrive::new(0.05, 0.6);
     let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
     let period = f32::from(PERIOD) * 1e-3;
-    let tolerance = Tolerance { position: 0.01, heading: 0.0175, hold: 0.5, release: 1.5 };
+    let tolerance = Tolerance { position: 0.01, heading: 0.0175, dwell: 0.5, hysteresis: 1.5 };
     let controller = Controller::fitted(drive, limits, period, Direction::Auto, tolerance);
     let ekf = Ekf { drive, delta: 0.0025, integration: Integration::Arc };
-    let mut truth = Pose::new(1.0, 1.0, Angle::wrapped(0.0));
+    let mut truth = Pose::new(1.0, 1.0, Angle::from_radians(0.0));
     let goal = Pose::new(4.0, 2.5, Angle::from_degrees(90.0));
     let belief = Belief::new(truth, [0.01, 0.01, 0.01]);
     let start = Stamp::from_nanoseconds(0);
-    let mut localiser = Localiser::<f32, 8, 0> {
-        estimator: Estimator::new(ekf, Gate::new(0.999_999), 1.0, start, belief),
-        eye: Eye::blind(),
+    let mut localizer = Localizer::<f32, 8, 0> {
+        estimator: DelayedEkf::new(ekf, Gate::new(0.999_999), 1.0, start, belief),
+        scan_processor: ScanProcessor::disabled(),
     };
     let walls = [(6.0, 0.0), (4.0, 90.0), (0.0, 180.0), (0.0, 270.0)]
         .map(|(distance, degrees)| Line::new(distance, Angle::from_degrees(degrees)));
 
     let (mut noise, mut hash) = (Noise(1), Hash::new());
-    let (mut progress, mut rolled) = (Progress::fresh(), Wheels::rest());
+    let (mut state, mut rolled) = (ControllerState::new(), WheelPair::zero());
     let (mut ticks, mut reached) = (0, false);
     while ticks < MOST_TICKS && !reached {
         ticks += 1;
         let stamp = Stamp::from_nanoseconds(i64::from(ticks) * i64::from(PERIOD) * 1_000_000);
-        let heading = truth.heading.nudged(COMPASS * noise.draw());
-        let compass = Measurement::Compass(Compass { heading, std: COMPASS });
+        let heading = truth.heading.rotated_by_small(COMPASS * noise.draw());
+        let compass = Measurement::Heading(HeadingMeasurement { heading, std: COMPASS });
         let seen = truth.inverse() * walls[ticks as usize % 4];
-        let sighting = Measurement::Wall(WallSighting {
+        let sighting = Measurement::Line(LineMeasurement {
             wall: walls[ticks as usize % 4],
             seen: Line::new(
                 seen.distance + WALL[0] * noise.draw(),
-                seen.direction.nudged(WALL[1] * noise.draw()),
+                seen.direction.rotated_by_small(WALL[1] * noise.draw()),
             ),
             distance_variance: WALL[0] * WALL[0],
             direction_variance: WALL[1] * WALL[1],
             covariance: 0.0,
         });
-        let signals =
-            [compass, sighting].map(|measurement| Stamped::new(stamp, Signal::Measurement(measurement)));
-        let sensed = Sensed { stamp, travel: localiser.estimator.travel(stamp, rolled), signals: &signals };
+        let signals = [compass, sighting]
+            .map(|measurement| Stamped::new(stamp, SensorReading::Measurement(measurement)));
+        let sensed = SensorInput {
+            stamp,
+            travel: localizer.estimator.wheel_odometry(stamp, rolled),
+            readings: &signals,
+        };
 
         clock();
-        let now = tick(&controller, &mut localiser, &[], progress, &sensed, goal, &mut ());
+        let now = tick(&controller, &mut localizer, &[], state, &sensed, goal, &mut ());
         clock();
 
-        progress = now.step.progress;
-        rolled = drive.rims_from_twist(now.step.granted).scaled(period);
-        let slipping = Wheels::new(
+        state = now.step.state;
+        rolled = drive.wheel_speeds_from_twist(now.step.limited).scaled(period);
+        let slipping = WheelPair::new(
             rolled.right * (1.0 + SLIP * noise.draw()),
             rolled.left * (1.0 + SLIP * noise.draw()),
         );
-        truth = truth.moved(drive.motion_from_travel(slipping), Integration::Arc);
-        reached = now.phase == Phase::Reached;
-        let (pose, twist) = (now.belief.pose, now.step.granted);
+        truth = truth.integrate(drive.motion_from_travel(slipping), Integration::Arc);
+        reached = now.status == GoalStatus::Reached;
+        let (pose, twist) = (now.belief.pose, now.step.limited);
         for number in [pose.x, pose.y, pose.heading.radians(), twist.v, twist.omega] {
             hash.add(number);
         }
     }
-    let (belief, refused) = (localiser.estimator.belief(), localiser.estimator.tally().refused_in_all());
+    let (belief, refused) =
+        (localizer.estimator.belief(), localizer.estimator.measurement_stats().rejected_total());
     Parked { ticks, reached, truth, belief, refused, hash: hash.0 }
 }
 

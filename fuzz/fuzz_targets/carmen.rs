@@ -6,10 +6,10 @@ use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
 use surepose_data::carmen;
-use surepose_data::lines::Lines;
+use surepose_data::lines::LineReader;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(log) = carmen::parse(Lines::from_bytes(Path::new("input"), bytes)) {
+    if let Ok(log) = carmen::parse(LineReader::from_bytes(Path::new("input"), bytes)) {
         let ranges = log.scans.iter().flat_map(|scan| &scan.ranges);
         assert!(ranges.copied().all(|range| range > 0.0), "a range is NaN or not above zero");
         assert!(log.duration().is_finite());

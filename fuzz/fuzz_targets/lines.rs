@@ -5,9 +5,9 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::Lines;
+use surepose_data::lines::LineReader;
 
 fuzz_target!(|bytes: &[u8]| {
-    let mut lines = Lines::from_bytes(Path::new("input"), bytes);
+    let mut lines = LineReader::from_bytes(Path::new("input"), bytes);
     while let Ok(Some(_)) = lines.next_line() {}
 });

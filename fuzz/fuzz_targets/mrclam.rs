@@ -5,13 +5,13 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::Lines;
+use surepose_data::lines::LineReader;
 use surepose_data::mrclam::{self, Files};
 
 fuzz_target!(|bytes: &[u8]| {
     // A byte that no text has parts the five files.
     let mut texts = bytes.split(|&byte| byte == 0xff);
-    let mut next = |name: &str| Lines::from_bytes(Path::new(name), texts.next().unwrap_or_default());
+    let mut next = |name: &str| LineReader::from_bytes(Path::new(name), texts.next().unwrap_or_default());
     let _ = mrclam::parse(Files {
         barcodes: next("barcodes"),
         landmarks: next("landmarks"),

@@ -5,11 +5,11 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::Lines;
-use surepose_data::starts;
+use surepose_data::lines::LineReader;
+use surepose_data::start_poses;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(starts) = starts::parse(Lines::from_bytes(Path::new("input"), bytes)) {
+    if let Ok(starts) = start_poses::parse(LineReader::from_bytes(Path::new("input"), bytes)) {
         assert!(!starts.is_empty());
         assert!(starts.iter().all(|start| start.x.is_finite() && start.heading.radians().is_finite()));
     }

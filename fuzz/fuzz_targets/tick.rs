@@ -1,11 +1,11 @@
-//! Whatever sensors, clocks and people say, the pilot's wheels are told something that they can do.
+//! Whatever sensors, clocks and people say, the driver's wheels are told something that they can do.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use surepose::{Angle, Compass, Measurement, Pose, Stamp, Stamped};
-use surepose_lab::rig::Scenario;
-use surepose_ros2::{Heard, LaserScan, Pilot, Settings};
+use surepose::{Angle, HeadingMeasurement, Measurement, Pose, Stamp, Stamped};
+use surepose_lab::robot::Scenario;
+use surepose_ros2::{LaserScan, NodeDriver, NodeDriverSettings, SensorMessage};
 
 /// Takes numbers from bytes: any bits make a number, and NaN and infinity are among them.
 struct Bytes<'a>(&'a [u8]);
@@ -26,36 +26,39 @@ impl Bytes<'_> {
 
 fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Bytes(bytes);
-    let mut pilot = Pilot::new(Settings::in_scenario(&Scenario::default()));
+    let mut driver = NodeDriver::new(NodeDriverSettings::in_scenario(&Scenario::default()));
     let mut now = Stamp::from_seconds(1e9);
     while let Some(what) = bytes.byte() {
         match what % 6 {
             0 => {
                 let ranges = (0..32).map(|_| bytes.number()).collect();
-                let (first_bearing, bearing_step) = (bytes.number(), bytes.number());
-                let (nearest, farthest) = (bytes.number(), bytes.number());
-                let body_from_laser = Pose::new(bytes.number(), bytes.number(), Angle::wrapped(bytes.number()));
-                let scan = LaserScan { first_bearing, bearing_step, ranges, nearest, farthest, body_from_laser };
-                pilot.hear(Stamped::new(now.after(bytes.number()), Heard::Scan(scan)));
+                let (angle_min, angle_increment) = (bytes.number(), bytes.number());
+                let (range_min, range_max) = (bytes.number(), bytes.number());
+                let body_from_laser =
+                    Pose::new(bytes.number(), bytes.number(), Angle::from_radians(bytes.number()));
+                let scan =
+                    LaserScan { angle_min, angle_increment, ranges, range_min, range_max, body_from_laser };
+                driver.add_measurement(Stamped::new(now.after(bytes.number()), SensorMessage::Scan(scan)));
             }
             1 => {
-                let compass = Compass { heading: Angle::wrapped(bytes.number()), std: bytes.number() };
-                let heard = Heard::Measurement(Measurement::Compass(compass));
-                pilot.hear(Stamped::new(now.after(bytes.number()), heard));
+                let compass =
+                    HeadingMeasurement { heading: Angle::from_radians(bytes.number()), std: bytes.number() };
+                let heard = SensorMessage::Measurement(Measurement::Heading(compass));
+                driver.add_measurement(Stamped::new(now.after(bytes.number()), heard));
             }
             2 => {
-                let goal = Pose::new(bytes.number(), bytes.number(), Angle::wrapped(bytes.number()));
-                let _refused = pilot.go(goal);
+                let goal = Pose::new(bytes.number(), bytes.number(), Angle::from_radians(bytes.number()));
+                let _refused = driver.set_goal(goal);
             }
-            3 => pilot.lose(),
+            3 => driver.start_global_localization(),
             _ => {
                 now = now.after(0.1 + 0.01 * bytes.number().clamp(-10.0, 100.0));
-                let at = Pose::new(bytes.number(), bytes.number(), Angle::wrapped(bytes.number()));
-                let Ok(Some(report)) = pilot.roll(Stamped::new(now, at)) else { continue };
-                let limits = &pilot.controller().limits;
+                let at = Pose::new(bytes.number(), bytes.number(), Angle::from_radians(bytes.number()));
+                let Ok(Some(report)) = driver.on_odometry(Stamped::new(now, at)) else { continue };
+                let limits = &driver.controller().limits;
                 if let Some(twist) = report.command {
-                    let rims = pilot.controller().drive.rims_from_twist(twist);
-                    assert!(rims.largest() <= limits.wheel_speed * 1.000_001, "{twist:?}");
+                    let rims = driver.controller().drive.wheel_speeds_from_twist(twist);
+                    assert!(rims.max_abs() <= limits.wheel_speed * 1.000_001, "{twist:?}");
                 }
                 let belief = report.belief;
                 assert!(belief.pose.x.is_finite() && belief.pose.y.is_finite(), "{belief:?}");

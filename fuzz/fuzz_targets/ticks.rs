@@ -5,11 +5,11 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::Lines;
-use surepose_data::ticks;
+use surepose_data::lines::LineReader;
+use surepose_data::mines_rover;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(log) = ticks::parse(Lines::from_bytes(Path::new("input"), bytes)) {
+    if let Ok(log) = mines_rover::parse(LineReader::from_bytes(Path::new("input"), bytes)) {
         let ranges = log.scans.iter().flat_map(|scan| &scan.ranges);
         assert!(ranges.copied().all(|range| range > 0.0), "a range is NaN or not above zero");
         assert!(log.duration().is_finite());

@@ -5,11 +5,11 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::Lines;
-use surepose_data::wean;
+use surepose_data::cmu_wean;
+use surepose_data::lines::LineReader;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(grid) = wean::parse_grid(Lines::from_bytes(Path::new("input"), bytes)) {
+    if let Ok(grid) = cmu_wean::parse_grid(LineReader::from_bytes(Path::new("input"), bytes)) {
         assert_eq!(grid.cells.len(), grid.width * grid.height);
     }
 });

@@ -1,11 +1,11 @@
 //! The distances at which W falls: from far away inwards, as near to the goal as it goes.
 
+use crate::controller::SampledController;
 use crate::counterexample::{Counterexample, find};
 use crate::descent::Descent;
 use crate::interval::Interval;
 use crate::region::Region;
 use crate::search::search;
-use crate::subject::Subject;
 
 /// How much work may be done.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ pub(crate) struct Annulus {
 
 /// Shows the fall of W from `outer` inwards, to `floor` \[m] or as near as the budget allows, trying the `rates` \[1/s]
 /// one after the other. More work is done until `near_enough` \[m] than after it.
-pub(crate) fn from_outside<L: Subject>(
+pub(crate) fn from_outside<L: SampledController>(
     descent: &mut Descent<'_, L>,
     outer: f64,
     (floor, near_enough): (f64, f64),
@@ -43,8 +43,8 @@ pub(crate) fn from_outside<L: Subject>(
     search_inwards(descent, outer, (floor, near_enough), rates, budget, false)
 }
 
-/// The same for every mind that the law may have come to be in, by noise beyond any bound.
-pub(crate) fn from_outside_any_past<L: Subject>(
+/// The same for every discrete state that the law may have come to be in, by noise beyond any bound.
+pub(crate) fn from_outside_any_past<L: SampledController>(
     descent: &mut Descent<'_, L>,
     outer: f64,
     near_enough: f64,
@@ -54,7 +54,7 @@ pub(crate) fn from_outside_any_past<L: Subject>(
     search_inwards(descent, outer, (0.0, near_enough), rates, budget, true)
 }
 
-fn search_inwards<L: Subject>(
+fn search_inwards<L: SampledController>(
     descent: &mut Descent<'_, L>,
     outer: f64,
     (floor, near_enough): (f64, f64),
@@ -81,8 +81,8 @@ fn search_inwards<L: Subject>(
         let mut shown = None;
         // Nearer than near enough is not worth a slower fall than farther out.
         let least = if far > near_enough { 0.0 } else { 0.9 * -annulus.rate };
-        for &wanted in rates.iter().filter(|wanted| **wanted >= least) {
-            let found = search(descent, rho, wanted, budget.slice);
+        for &required in rates.iter().filter(|required| **required >= least) {
+            let found = search(descent, rho, required, budget.slice);
             annulus.boxes += found.boxes;
             shown = found.rate;
             annulus.stuck = found.stuck.map(|region| (rho, region));
@@ -100,7 +100,7 @@ fn search_inwards<L: Subject>(
 
 impl Annulus {
     /// A concrete violation where the proof got stuck, or nearer down to `floor` \[m], if one is found.
-    pub(crate) fn counterexample<L: Subject>(
+    pub(crate) fn counterexample<L: SampledController>(
         &self,
         descent: &mut Descent<'_, L>,
         floor: f64,

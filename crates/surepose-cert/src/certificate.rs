@@ -4,23 +4,23 @@ use std::time::Instant;
 
 use core::f64::consts::PI;
 
-use surepose::{Drive, Limits};
+use surepose::{DiffDrive, Limits};
 
 use crate::annulus::{Annulus, Budget, from_outside};
+use crate::controller::SampledController;
 use crate::counterexample::Counterexample;
 use crate::descent::Descent;
-use crate::noise::Noise;
-use crate::settle::{Settling, heading_bound, local_counterexample, settling};
-use crate::subject::Subject;
-use crate::weight::Weight;
+use crate::lyapunov::LyapunovFunction;
+use crate::noise::NoiseBounds;
+use crate::terminal_phase::{TerminalPhase, heading_bound, local_counterexample, terminal_phase};
 
 /// What is to be certified.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a, L> {
     /// The law with its gains, and the limits.
-    pub subject: &'a L,
+    pub controller: &'a L,
     /// The wheels' geometry.
-    pub drive: Drive<f64>,
+    pub drive: DiffDrive<f64>,
     /// The wheels' limits.
     pub limits: Limits<f64>,
     /// Weight h of the direction of approach in the law, which W takes over.
@@ -28,20 +28,20 @@ pub struct Request<'a, L> {
     /// Time for which a twist is held \[s].
     pub period: f64,
     /// Bounds of the disturbances.
-    pub noise: Noise,
+    pub noise: NoiseBounds,
     /// Largest distance from which the robot starts \[m].
     pub workspace: f64,
     /// A larger capture radius than this is no use: refused \[m].
-    pub largest_capture_radius: f64,
+    pub max_capture_radius: f64,
     /// Seen distance below which the wheels may rest because the robot has arrived \[m]; 0 if they never do.
     pub rests_within: f64,
     /// Longest period that is looked for \[s]; none is looked for if it is not above `period`.
-    pub longest_period: f64,
+    pub max_period_searched: f64,
 }
 
 /// Why there is no certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
+pub enum RefusalReason {
     /// A constant is not a number, not positive, or out of every proportion.
     Unusable,
     /// With the noise and the wheels' limits, W was not shown to fall down to the largest useful capture radius.
@@ -55,7 +55,7 @@ pub enum Reason {
     LocalLaw,
 }
 
-impl core::fmt::Display for Reason {
+impl core::fmt::Display for RefusalReason {
     fn fmt(&self, to: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         to.write_str(match self {
             Self::Unusable => "a gain, limit, period or noise bound is not a positive number",
@@ -91,16 +91,16 @@ pub struct Certificate {
     /// Largest true distance from the goal at any time after the capture \[m].
     pub final_position_bound: Option<f64>,
     /// What holds near the goal.
-    pub settling: Option<Settling>,
+    pub terminal_phase: Option<TerminalPhase>,
     /// The function that falls.
-    pub weight: Weight,
+    pub lyapunov: LyapunovFunction,
     /// Regions looked at.
     pub boxes: usize,
     /// How long it took \[s].
     pub wall: f64,
     /// Why it was refused.
-    pub reason: Option<Reason>,
-    /// A situation that violates the claim, confirmed by simulating one tick of it.
+    pub reason: Option<RefusalReason>,
+    /// A state that violates the claim, confirmed by simulating one tick of it.
     pub counterexample: Option<Counterexample>,
 }
 
@@ -115,62 +115,67 @@ pub(crate) const DISTANCE_WEIGHTS: [f64; 3] = [4.0, 8.0, 2.0];
 const FINAL_WEIGHTS: [f64; 4] = [64.0, 32.0, 16.0, 8.0];
 
 /// Certifies, or says why not.
-pub fn certify<L: Subject>(request: &Request<'_, L>) -> Certificate {
+pub fn certify<L: SampledController>(request: &Request<'_, L>) -> Certificate {
     let clock = Instant::now();
     let mut certificate = request.judge();
     certificate.wall = clock.elapsed().as_secs_f64();
     certificate
 }
 
-impl<L: Subject> Request<'_, L> {
+impl<L: SampledController> Request<'_, L> {
     fn judge(&self) -> Certificate {
-        let mut refused = Certificate::refused(Reason::Unusable, self.weight(DISTANCE_WEIGHTS[0]));
+        let mut refused = Certificate::refused(RefusalReason::Unusable, self.lyapunov(DISTANCE_WEIGHTS[0]));
         if !self.usable() {
             return refused;
         }
-        let floor = self.largest_capture_radius;
+        let floor = self.max_capture_radius;
         // The law by itself first, without noise and without limits: what fails there is plainest.
-        let mut alone: Option<(Weight, Annulus)> = None;
+        let mut alone: Option<(LyapunovFunction, Annulus)> = None;
         for distance in DISTANCE_WEIGHTS {
-            let weight = self.weight(distance);
-            let shown =
-                from_outside(&mut self.bare(weight), self.outer(&weight), (floor, floor), &WANTED, BUDGET);
+            let lyapunov = self.lyapunov(distance);
+            let shown = from_outside(
+                &mut self.bare(lyapunov),
+                self.outer(&lyapunov),
+                (floor, floor),
+                &WANTED,
+                BUDGET,
+            );
             refused.boxes += shown.boxes;
             if alone.as_ref().is_none_or(|(_, old)| shown.inner < old.inner) {
-                alone = Some((weight, shown));
+                alone = Some((lyapunov, shown));
             }
             if shown.inner > floor {
                 continue;
             }
-            let mut descent = self.descent(weight);
-            let annulus = from_outside(&mut descent, self.outer(&weight), (0.0, floor), &WANTED, BUDGET);
+            let mut descent = self.descent(lyapunov);
+            let annulus = from_outside(&mut descent, self.outer(&lyapunov), (0.0, floor), &WANTED, BUDGET);
             refused.boxes += annulus.boxes;
             if annulus.inner <= floor {
                 // The noise-free heading claim is part of every certificate.
-                let mut quiet = Descent { noise: Noise::default(), ..self.descent(weight) };
+                let mut quiet = Descent { noise: NoiseBounds::default(), ..self.descent(lyapunov) };
                 if heading_bound(&mut quiet, floor, &mut refused.boxes).is_none() {
-                    refused.reason = Some(Reason::LocalLaw);
+                    refused.reason = Some(RefusalReason::LocalLaw);
                     refused.counterexample = local_counterexample(&mut quiet, floor);
                     return refused;
                 }
                 // Where the wheels may rest nothing falls.
                 if self.rests_truly_within() > floor {
-                    refused.reason = Some(Reason::RestsTooFar);
+                    refused.reason = Some(RefusalReason::RestsTooFar);
                     refused.counterexample = None;
                     return refused;
                 }
                 let inner = annulus.inner.max(self.rests_truly_within());
-                return self.certificate(weight, &Annulus { inner, ..annulus }, refused.boxes);
+                return self.certificate(lyapunov, &Annulus { inner, ..annulus }, refused.boxes);
             }
-            refused.reason = Some(Reason::NoDescent);
-            refused.weight = weight;
+            refused.reason = Some(RefusalReason::NoDescent);
+            refused.lyapunov = lyapunov;
             let found = annulus.counterexample(&mut descent, floor);
             refused.counterexample = refused.counterexample.or(found);
         }
-        if let (Some((weight, shown)), Some(Reason::Unusable)) = (alone, refused.reason) {
-            refused.reason = Some(Reason::UnstableByItself);
-            refused.weight = weight;
-            refused.counterexample = shown.counterexample(&mut self.bare(weight), floor);
+        if let (Some((lyapunov, shown)), Some(RefusalReason::Unusable)) = (alone, refused.reason) {
+            refused.reason = Some(RefusalReason::UnstableByItself);
+            refused.lyapunov = lyapunov;
+            refused.counterexample = shown.counterexample(&mut self.bare(lyapunov), floor);
         }
         refused
     }
@@ -180,15 +185,15 @@ impl<L: Subject> Request<'_, L> {
         if self.rests_within > 0.0 { (self.rests_within + self.noise.position).next_up() } else { 0.0 }
     }
 
-    fn certificate(&self, weight: Weight, annulus: &Annulus, boxes: usize) -> Certificate {
-        let mut descent = self.descent(weight);
+    fn certificate(&self, lyapunov: LyapunovFunction, annulus: &Annulus, boxes: usize) -> Certificate {
+        let mut descent = self.descent(lyapunov);
         let rate = -annulus.rate;
-        let start = weight.of_distance(self.workspace) + weight.largest_of_angles();
-        let time = (start - weight.of_distance(annulus.inner)) / rate + self.period;
+        let start = lyapunov.distance_term(self.workspace) + lyapunov.max_angle_terms();
+        let time = (start - lyapunov.distance_term(annulus.inner)) / rate + self.period;
         let mut boxes = boxes;
         let final_position = self.final_position(annulus, &mut boxes);
-        let settling = settling(&mut descent, annulus.inner, &mut boxes);
-        let max_period = self.max_period(weight, &mut boxes);
+        let terminal_phase = terminal_phase(&mut descent, annulus.inner, &mut boxes);
+        let max_period = self.max_period(lyapunov, &mut boxes);
         Certificate {
             certified: true,
             capture_radius: Some(annulus.inner),
@@ -196,8 +201,8 @@ impl<L: Subject> Request<'_, L> {
             time_bound: Some(time),
             max_period: Some(max_period),
             final_position_bound: final_position,
-            settling: Some(settling),
-            weight,
+            terminal_phase: Some(terminal_phase),
+            lyapunov,
             boxes,
             wall: 0.0,
             reason: None,
@@ -210,11 +215,11 @@ impl<L: Subject> Request<'_, L> {
     /// From inside the capture radius one tick leads out to `edge` at most. From there a W with a large c falls, so
     /// that c·ln ρ grows by no more than the angles can give up.
     fn final_position(&self, annulus: &Annulus, boxes: &mut usize) -> Option<f64> {
-        let edge = self.descent(self.weight(1.0)).edge(annulus.inner)?;
+        let edge = self.descent(self.lyapunov(1.0)).one_step_reach(annulus.inner)?;
         FINAL_WEIGHTS.iter().find_map(|&distance| {
-            let weight = Weight { distance, knee: f64::INFINITY, ..self.weight(distance) };
-            let bound = edge * (weight.largest_of_angles() / distance).exp() * (1.0 + 1e-9);
-            let mut descent = self.descent(weight);
+            let lyapunov = LyapunovFunction { distance, knee: f64::INFINITY, ..self.lyapunov(distance) };
+            let bound = edge * (lyapunov.max_angle_terms() / distance).exp() * (1.0 + 1e-9);
+            let mut descent = self.descent(lyapunov);
             let shown = from_outside(&mut descent, bound, (annulus.inner, annulus.inner), &WANTED, BUDGET);
             *boxes += shown.boxes;
             (shown.inner <= annulus.inner).then_some(bound)
@@ -222,8 +227,8 @@ impl<L: Subject> Request<'_, L> {
     }
 
     /// The longest period found with which the same gains are still certified, with the largest useful capture radius.
-    fn max_period(&self, weight: Weight, boxes: &mut usize) -> f64 {
-        let (mut shown, mut failed) = (self.period, self.longest_period);
+    fn max_period(&self, lyapunov: LyapunovFunction, boxes: &mut usize) -> f64 {
+        let (mut shown, mut failed) = (self.period, self.max_period_searched);
         // What is tried: twice the period as long as that works, then halves of what is left, at most twice.
         let mut halves = 0;
         loop {
@@ -234,10 +239,10 @@ impl<L: Subject> Request<'_, L> {
                 break;
             }
             let slower = Self { period, ..*self };
-            let works = [slower.bare(weight), slower.descent(weight)].iter_mut().all(|descent| {
-                let floor = self.largest_capture_radius;
+            let works = [slower.bare(lyapunov), slower.descent(lyapunov)].iter_mut().all(|descent| {
+                let floor = self.max_capture_radius;
                 let annulus =
-                    from_outside(descent, self.outer(&weight), (floor, floor), &WANTED[1..], PERIOD_BUDGET);
+                    from_outside(descent, self.outer(&lyapunov), (floor, floor), &WANTED[1..], PERIOD_BUDGET);
                 *boxes += annulus.boxes;
                 annulus.inner <= floor
             });
@@ -247,44 +252,44 @@ impl<L: Subject> Request<'_, L> {
     }
 
     /// W with the weight c of the distance; F turns straight where the wheels' limit begins to matter: F′V ≈ 1 beyond.
-    pub(crate) fn weight(&self, distance: f64) -> Weight {
-        Weight { distance, knee: distance * self.limits.wheel_speed, approach: self.h }
+    pub(crate) fn lyapunov(&self, distance: f64) -> LyapunovFunction {
+        LyapunovFunction { distance, knee: distance * self.limits.wheel_speed, approach: self.h }
     }
 
     /// The distance that the robot does not leave while W falls, from every start in the workspace.
-    pub(crate) fn outer(&self, weight: &Weight) -> f64 {
-        let most = weight.of_distance(self.workspace) + weight.largest_of_angles();
-        weight.distance_of(most) * (1.0 + 1e-9)
+    pub(crate) fn outer(&self, lyapunov: &LyapunovFunction) -> f64 {
+        let most = lyapunov.distance_term(self.workspace) + lyapunov.max_angle_terms();
+        lyapunov.distance_from_term(most) * (1.0 + 1e-9)
     }
 
-    pub(crate) fn descent(&self, weight: Weight) -> Descent<'_, L> {
+    pub(crate) fn descent(&self, lyapunov: LyapunovFunction) -> Descent<'_, L> {
         Descent {
-            subject: self.subject,
+            controller: self.controller,
             drive: self.drive,
             noise: self.noise,
             period: self.period,
-            weight,
+            lyapunov,
             limited: true,
-            minds: Vec::new(),
+            discrete_states: Vec::new(),
             rim_limit: self.limits.wheel_speed,
             reachable: Vec::new(),
         }
-        .with_minds_found()
+        .with_reachable_states()
     }
 
-    pub(crate) fn bare(&self, weight: Weight) -> Descent<'_, L> {
-        Descent { noise: Noise::default(), limited: false, ..self.descent(weight) }
+    pub(crate) fn bare(&self, lyapunov: LyapunovFunction) -> Descent<'_, L> {
+        Descent { noise: NoiseBounds::default(), limited: false, ..self.descent(lyapunov) }
     }
 
     pub(crate) fn usable(&self) -> bool {
         let positive = [
-            self.drive.track,
+            self.drive.wheel_separation,
             self.drive.radius.right,
             self.drive.radius.left,
             self.limits.wheel_speed,
             self.period,
             self.workspace,
-            self.largest_capture_radius,
+            self.max_capture_radius,
         ];
         let bounds = [
             self.h,
@@ -293,7 +298,7 @@ impl<L: Subject> Request<'_, L> {
             self.noise.rim_speed,
             self.noise.rim_speed_part,
             self.rests_within,
-            self.longest_period,
+            self.max_period_searched,
         ];
         positive.iter().all(|x| *x > 0.0 && *x < 1e6)
             && bounds.iter().all(|x| *x >= 0.0 && *x < 1e6)
@@ -302,7 +307,7 @@ impl<L: Subject> Request<'_, L> {
 }
 
 impl Certificate {
-    fn refused(reason: Reason, weight: Weight) -> Self {
+    fn refused(reason: RefusalReason, lyapunov: LyapunovFunction) -> Self {
         Self {
             certified: false,
             capture_radius: None,
@@ -310,8 +315,8 @@ impl Certificate {
             time_bound: None,
             max_period: None,
             final_position_bound: None,
-            settling: None,
-            weight,
+            terminal_phase: None,
+            lyapunov,
             boxes: 0,
             wall: 0.0,
             reason: Some(reason),

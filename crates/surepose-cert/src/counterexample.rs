@@ -1,23 +1,23 @@
-//! From a region where the proof got stuck to one situation in which the claim is false.
+//! From a region where the proof got stuck to one state in which the claim is false.
 
 use core::f64::consts::{PI, TAU};
 
-use surepose::{Angle, Body, Goal, Map, Navigation, Pose};
+use surepose::{Angle, Body, Goal, Map, NavigationVariables, Pose};
 
+use crate::controller::SampledController;
 use crate::descent::Descent;
+use crate::discrete_state::DiscreteState;
+use crate::disturbed_state::{DisturbedState, Transition};
 use crate::interval::Interval;
-use crate::mind::Mind;
 use crate::region::Region;
-use crate::situation::{Consequence, Situation};
-use crate::subject::Subject;
 
-/// A situation, and the tick that violates the claim: W does not fall, or a rim is told to exceed its limit.
+/// A state, and the tick that violates the claim: W does not fall, or a rim is told to exceed its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Counterexample {
     /// Where, with what noise.
-    pub situation: Situation,
+    pub disturbed_state: DisturbedState,
     /// What then happens.
-    pub consequence: Consequence,
+    pub transition: Transition,
     /// Whether the wheels' limits were in force.
     pub limited: bool,
 }
@@ -26,106 +26,109 @@ pub struct Counterexample {
 const TRIES: usize = 6000;
 const CLIMBS: usize = 6000;
 
-/// Looks for a situation at distances `rho` in which W does not fall, beginning in the region that got `stuck`.
+/// Looks for a state at distances `rho` in which W does not fall, beginning in the region that got `stuck`.
 ///
 /// What is found was simulated with floats; nothing found means only that.
-pub(crate) fn find<L: Subject>(
+pub(crate) fn find<L: SampledController>(
     descent: &Descent<'_, L>,
     rho: Interval,
     stuck: &Region,
 ) -> Option<Counterexample> {
-    let mut dice = Dice(0x5eed_0f5e_ed0f);
-    let mut best: Option<(f64, Situation, Consequence)> = None;
-    let consider = |situation: Situation, best: &mut Option<(f64, Situation, Consequence)>| {
-        let consequence = situation.simulate(
-            descent.subject,
+    let mut rng = Rng(0x5eed_0f5e_ed0f);
+    let mut best: Option<(f64, DisturbedState, Transition)> = None;
+    let consider = |disturbed_state: DisturbedState, best: &mut Option<(f64, DisturbedState, Transition)>| {
+        let transition = disturbed_state.simulate(
+            descent.controller,
             &descent.drive,
             descent.period,
-            &descent.weight,
+            &descent.lyapunov,
             descent.limited,
         );
-        let rims = descent.drive.rims_from_twist(consequence.told).largest();
+        let rims = descent.drive.wheel_speeds_from_twist(transition.commanded).max_abs();
         let too_fast = descent.limited && rims > descent.rim_limit * (1.0 + 1e-9);
         // A rim told to exceed its limit is a violation too, whatever W does.
-        let rise = if too_fast { rims } else { consequence.weight_after - consequence.weight_before };
-        let inside = rho.contains(consequence.before.rho);
+        let rise = if too_fast { rims } else { transition.lyapunov_after - transition.lyapunov_before };
+        let inside = rho.contains(transition.before.rho);
         if inside && rise.is_finite() && best.as_ref().is_none_or(|(most, ..)| rise > *most) {
-            *best = Some((rise, situation, consequence));
+            *best = Some((rise, disturbed_state, transition));
         }
     };
     for k in 0..TRIES {
         let near = k % 2 == 0;
-        let within = |dice: &mut Dice, set: Interval| set.lo() + dice.part() * (set.hi() - set.lo());
+        let within = |rng: &mut Rng, set: Interval| set.lo() + rng.part() * (set.hi() - set.lo());
         let circle = Interval::symmetric(PI);
         let at = if near {
-            within(&mut dice, stuck.rho)
+            within(&mut rng, stuck.rho)
         } else {
-            rho.lo() * (rho.hi() / rho.lo()).powf(dice.part())
+            rho.lo() * (rho.hi() / rho.lo()).powf(rng.part())
         };
-        let alpha = within(&mut dice, if near { stuck.alpha } else { circle }) + 0.02 * dice.either();
-        let phi = within(&mut dice, if near { stuck.phi } else { circle }) + 0.02 * dice.either();
-        let mind = descent.minds[(dice.part() * descent.minds.len() as f64) as usize % descent.minds.len()];
-        let plain = Situation::polar(at, alpha, phi, mind);
-        consider(disturbed(&plain, descent, &mut dice, 1.0), &mut best);
+        let alpha = within(&mut rng, if near { stuck.alpha } else { circle }) + 0.02 * rng.either();
+        let phi = within(&mut rng, if near { stuck.phi } else { circle }) + 0.02 * rng.either();
+        let discrete_state = descent.discrete_states
+            [(rng.part() * descent.discrete_states.len() as f64) as usize % descent.discrete_states.len()];
+        let plain = DisturbedState::polar(at, alpha, phi, discrete_state);
+        consider(disturbed(&plain, descent, &mut rng, 1.0), &mut best);
     }
     for k in 0..CLIMBS {
-        let (_, situation, consequence) = best?;
+        let (_, disturbed_state, transition) = best?;
         let size = 0.3 * (1.0 - k as f64 / CLIMBS as f64).powi(2) + 1e-4;
-        let reach = consequence.before.rho * size;
-        let mut next = situation;
-        next.x += reach * dice.either();
-        next.y += reach * dice.either();
-        next.heading += size * dice.either();
-        consider(disturbed(&next, descent, &mut dice, size), &mut best);
+        let reach = transition.before.rho * size;
+        let mut next = disturbed_state;
+        next.x += reach * rng.either();
+        next.y += reach * rng.either();
+        next.heading += size * rng.either();
+        consider(disturbed(&next, descent, &mut rng, size), &mut best);
     }
-    let (rise, situation, consequence) = best?;
-    (rise >= 0.0).then_some(Counterexample { situation, consequence, limited: descent.limited })
+    let (rise, disturbed_state, transition) = best?;
+    (rise >= 0.0).then_some(Counterexample { disturbed_state, transition, limited: descent.limited })
 }
 
-/// The same with other noise within its bounds, `size` of them away, and a mind that the law keeps there.
-fn disturbed<L: Subject>(
-    from: &Situation,
+/// The same with other noise within its bounds, `size` of them away, and a discrete state that the law keeps there.
+fn disturbed<L: SampledController>(
+    from: &DisturbedState,
     descent: &Descent<'_, L>,
-    dice: &mut Dice,
+    rng: &mut Rng,
     size: f64,
-) -> Situation {
+) -> DisturbedState {
     let noise = &descent.noise;
     let mut next = *from;
-    next.noise_x += size * noise.position * dice.either();
-    next.noise_y += size * noise.position * dice.either();
+    next.noise_x += size * noise.position * rng.either();
+    next.noise_y += size * noise.position * rng.either();
     let off = next.noise_x.hypot(next.noise_y);
     if off > noise.position {
         let shrink = noise.position / off * (1.0 - 1e-12);
         (next.noise_x, next.noise_y) = (next.noise_x * shrink, next.noise_y * shrink);
     }
     let within =
-        |now: f64, bound: f64, dice: &mut Dice| (now + size * bound * dice.either()).clamp(-bound, bound);
-    next.noise_heading = within(next.noise_heading, noise.heading, dice);
+        |now: f64, bound: f64, rng: &mut Rng| (now + size * bound * rng.either()).clamp(-bound, bound);
+    next.noise_heading = within(next.noise_heading, noise.heading, rng);
 
     let goal: Pose<Map, Goal, f64> = Pose::identity();
     let seen: Pose<Map, Body, f64> = Pose::new(
         next.x + next.noise_x,
         next.y + next.noise_y,
-        Angle::wrapped(next.heading + next.noise_heading),
+        Angle::from_radians(next.heading + next.noise_heading),
     );
-    let decision = descent.subject.decide(&Navigation::of(seen, goal), next.mind.memory(next.trims));
-    // Mostly a mind that the law has there already, so that the counterexample does not hang on a change of mind.
-    if dice.part() < 0.8 {
-        next.mind = Mind::of_float(&decision.memory);
+    let output = descent
+        .controller
+        .compute(&NavigationVariables::from_poses(seen, goal), next.discrete_state.memory(next.trim_ticks));
+    // Mostly a discrete state that the law has there already, so that the counterexample does not hang on a change of discrete state.
+    if rng.part() < 0.8 {
+        next.discrete_state = DiscreteState::from_memory_f64(&output.state);
     }
-    let told = if descent.limited { descent.subject.grant(decision.twist) } else { decision.twist };
-    let rims = descent.drive.rims_from_twist(told);
+    let commanded = if descent.limited { descent.controller.limit(output.twist) } else { output.twist };
+    let rims = descent.drive.wheel_speeds_from_twist(commanded);
     let bound = |rim: f64| noise.rim_speed + noise.rim_speed_part * rim.abs();
-    next.noise_right = within(next.noise_right, bound(rims.right), dice);
-    next.noise_left = within(next.noise_left, bound(rims.left), dice);
+    next.noise_right = within(next.noise_right, bound(rims.right), rng);
+    next.noise_left = within(next.noise_left, bound(rims.left), rng);
     next.heading = next.heading.rem_euclid(TAU);
     next
 }
 
 /// Repeatable random numbers: Steele and Vigna's SplitMix64.
-pub(crate) struct Dice(pub(crate) u64);
+pub(crate) struct Rng(pub(crate) u64);
 
-impl Dice {
+impl Rng {
     /// Uniform in [0, 1).
     pub(crate) fn part(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -2,19 +2,19 @@
 
 use core::f64::consts::PI;
 
-use surepose::{Decision, Drive, Memory, Scalar, Twist};
+use surepose::{ControlOutput, DiffDrive, HybridState, Scalar, Twist};
 
-use crate::fork::explore;
+use crate::branching::explore_branches;
+use crate::controller::SampledController;
+use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
-use crate::mind::Mind;
-use crate::noise::Noise;
+use crate::lyapunov::{LyapunovFunction, Truth, window};
+use crate::noise::NoiseBounds;
 use crate::region::{Region, half_turns};
 use crate::search::first_shown;
-use crate::subject::Subject;
-use crate::weight::{Truth, Weight, window};
 
 /// Ways through the law beyond which a region is cut rather than followed: it is too large.
-const MOST_WAYS: usize = 64;
+const MAX_BRANCHES: usize = 64;
 
 /// Width of α̂ \[rad], and bound of Ẇ \[1/s], above which cutting the noise does not help: the region is to be cut.
 const COARSE: f64 = 0.15;
@@ -22,211 +22,228 @@ const HOPELESS: f64 = 3.0;
 
 /// What is to be shown, for one law and one period.
 pub(crate) struct Descent<'a, L> {
-    pub(crate) subject: &'a L,
-    pub(crate) drive: Drive<f64>,
-    pub(crate) noise: Noise,
+    pub(crate) controller: &'a L,
+    pub(crate) drive: DiffDrive<f64>,
+    pub(crate) noise: NoiseBounds,
     pub(crate) period: f64,
-    pub(crate) weight: Weight,
+    pub(crate) lyapunov: LyapunovFunction,
     /// Whether the wheels' limits are in force.
     pub(crate) limited: bool,
-    /// The minds that the law can be in.
-    pub(crate) minds: Vec<Mind>,
+    /// The discrete states that the law can be in.
+    pub(crate) discrete_states: Vec<DiscreteState>,
     /// What no rim may be told to exceed \[m/s].
     pub(crate) rim_limit: f64,
-    /// Every mind that the law can come to be in, wherever the goal is.
-    pub(crate) reachable: Vec<Mind>,
+    /// Every discrete state that the law can come to be in, wherever the goal is.
+    pub(crate) reachable: Vec<DiscreteState>,
 }
 
 /// One thing that the law may do in a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Outcome {
-    pub(crate) mind: Mind,
+pub(crate) struct BranchOutcome {
+    pub(crate) discrete_state: DiscreteState,
     pub(crate) twist: Twist<Interval>,
 }
 
 /// Upper bounds of what W does.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fall {
+pub(crate) struct DecreaseBound {
     /// Ẇ, averaged over the period \[1/s].
     pub(crate) rate: f64,
-    /// The jump of W where the law changes its mind.
+    /// The jump of W where the law changes its discrete state.
     pub(crate) jump: f64,
 }
 
-impl<L: Subject> Descent<'_, L> {
-    /// The same, knowing which minds the law can come to.
-    pub(crate) fn with_minds_found(mut self) -> Self {
+impl<L: SampledController> Descent<'_, L> {
+    /// The same, knowing which discrete states the law can come to.
+    pub(crate) fn with_reachable_states(mut self) -> Self {
         self.reachable = self.find_reachable();
         self
     }
 
     /// The step that the robot is told.
-    pub(crate) fn step(&self, region: &Region, memory: Memory<Interval>) -> Decision<Interval> {
-        let decision = self.subject.decide(&region.seen(), memory);
+    pub(crate) fn step(&self, region: &Region, memory: HybridState<Interval>) -> ControlOutput<Interval> {
+        let output = self.controller.compute(&region.seen(), memory);
         if self.limited {
-            Decision { twist: self.subject.grant(decision.twist), ..decision }
+            ControlOutput { twist: self.controller.limit(output.twist), ..output }
         } else {
-            decision
+            output
         }
     }
 
-    /// What the law does in `region`, having been of `mind`; nothing if that cannot be told.
-    pub(crate) fn outcomes(&self, region: &Region, mind: Mind, into: &mut Vec<Outcome>) -> bool {
-        self.outcomes_of(region, mind, MOST_WAYS, into)
+    /// What the law does in `region`, having been of `discrete_state`; nothing if that cannot be told.
+    pub(crate) fn outcomes(
+        &self,
+        region: &Region,
+        discrete_state: DiscreteState,
+        into: &mut Vec<BranchOutcome>,
+    ) -> bool {
+        self.branch_outcomes(region, discrete_state, MAX_BRANCHES, into)
     }
 
     /// The same, following more ways or fewer.
-    pub(crate) fn outcomes_of(
+    pub(crate) fn branch_outcomes(
         &self,
         region: &Region,
-        mind: Mind,
+        discrete_state: DiscreteState,
         most: usize,
-        into: &mut Vec<Outcome>,
+        into: &mut Vec<BranchOutcome>,
     ) -> bool {
         let mut known = true;
-        let program = || self.step(region, mind.memories());
-        let complete = explore(most, program, |Decision { twist, memory }| match Mind::of(&memory) {
-            Some(mind) => {
-                let outcome = Outcome { mind, twist };
-                if !into.contains(&outcome) {
-                    into.push(outcome);
+        let program = || self.step(region, discrete_state.as_memory_set());
+        let complete = explore_branches(most, program, |ControlOutput { twist, state: memory }| {
+            match DiscreteState::from_memory(&memory) {
+                Some(discrete_state) => {
+                    let outcome = BranchOutcome { discrete_state, twist };
+                    if !into.contains(&outcome) {
+                        into.push(outcome);
+                    }
                 }
+                None => known = false,
             }
-            None => known = false,
         });
         known && complete
     }
 
     /// Whether the local law can be in charge after this tick, having been in charge before or not.
     pub(crate) fn local_possible(&self, region: &Region, before: bool) -> bool {
-        self.minds_known()
-            .filter(|mind| mind.near == before)
-            .any(|mind| self.local_possible_from(region, mind))
+        self.known_states()
+            .filter(|discrete_state| discrete_state.local_mode == before)
+            .any(|discrete_state| self.local_possible_from(region, discrete_state))
     }
 
-    /// Whether the local law can be in charge after a tick that began with `mind`.
-    pub(crate) fn local_possible_from(&self, region: &Region, mind: Mind) -> bool {
-        self.step(region, mind.memories()).memory.near.possible()
+    /// Whether the local law can be in charge after a tick that began with `discrete_state`.
+    pub(crate) fn local_possible_from(&self, region: &Region, discrete_state: DiscreteState) -> bool {
+        self.step(region, discrete_state.as_memory_set()).state.local_mode.possible()
     }
 
     /// Whether the local law is in charge after this tick, whoever was before.
     pub(crate) fn local_certain(&self, region: &Region) -> bool {
-        self.minds_known().all(|mind| self.step(region, mind.memories()).memory.near.certain())
+        self.known_states().all(|discrete_state| {
+            self.step(region, discrete_state.as_memory_set()).state.local_mode.certain()
+        })
     }
 
-    /// Considers, from here on, every mind that the law can come to be in anywhere: for noise without bounds.
+    /// Considers, from here on, every discrete state that the law can come to be in anywhere: for noise without bounds.
     pub(crate) fn prepare_for_any_past(&mut self) {
-        self.minds.clone_from(&self.reachable);
+        self.discrete_states.clone_from(&self.reachable);
     }
 
-    /// Every mind that the law can come to be in, wherever the goal is.
-    pub(crate) fn minds_known(&self) -> impl Iterator<Item = Mind> + '_ {
+    /// Every discrete state that the law can come to be in, wherever the goal is.
+    pub(crate) fn known_states(&self) -> impl Iterator<Item = DiscreteState> + '_ {
         self.reachable.iter().copied()
     }
 
-    /// Considers, from here on, the minds that the law can be in at true distances `rho`.
+    /// Considers, from here on, the discrete states that the law can be in at true distances `rho`.
     pub(crate) fn prepare(&mut self, rho: Interval) {
         if !self.limited {
             // Nothing bounds how far away the tick before began.
             return self.prepare_for_any_past();
         }
         let fastest = (self.rim_limit * (1.0 + self.noise.rim_speed_part) + self.noise.rim_speed).next_up();
-        self.minds = self.minds_at(rho, (fastest * self.period).next_up());
+        self.discrete_states = self.states_at(rho, (fastest * self.period).next_up());
     }
 
-    /// The minds that the law can be in at true distances `rho`: the fresh one, and those that the tick before can have
+    /// The discrete states that the law can be in at true distances `rho`: the fresh one, and those that the tick before can have
     /// left it in, which began at most `step` \[m] farther or nearer.
-    fn minds_at(&self, rho: Interval, step: f64) -> Vec<Mind> {
+    fn states_at(&self, rho: Interval, step: f64) -> Vec<DiscreteState> {
         let drift = Interval::symmetric(step) + Interval::symmetric(self.noise.position);
         let here = Region::anywhere(rho, drift);
-        let mut minds: Vec<Mind> = self
-            .minds_known()
-            .flat_map(|before| Mind::possible(&self.step(&here, before.memories()).memory))
+        let mut discrete_states: Vec<DiscreteState> = self
+            .known_states()
+            .flat_map(|before| DiscreteState::possible(&self.step(&here, before.as_memory_set()).state))
             .filter(|after| self.reachable.contains(after))
             .collect();
-        minds.push(Mind::FRESH);
-        minds.sort_by_key(|mind| mind.index());
-        minds.dedup();
-        minds
+        discrete_states.push(DiscreteState::INITIAL);
+        discrete_states.sort_by_key(|discrete_state| discrete_state.index());
+        discrete_states.dedup();
+        discrete_states
     }
 
-    /// The fresh mind, and all that the law can come to from it, wherever the goal is.
-    fn find_reachable(&self) -> Vec<Mind> {
+    /// The fresh discrete state, and all that the law can come to from it, wherever the goal is.
+    fn find_reachable(&self) -> Vec<DiscreteState> {
         let everywhere = Region::anywhere(Interval::new(0.0, 1e6), Interval::point(0.0));
-        let mut reachable = vec![Mind::FRESH];
+        let mut reachable = vec![DiscreteState::INITIAL];
         let mut next = 0;
         while let Some(&before) = reachable.get(next) {
-            let memory = self.step(&everywhere, before.memories()).memory;
-            let new: Vec<Mind> = Mind::possible(&memory).filter(|after| !reachable.contains(after)).collect();
+            let memory = self.step(&everywhere, before.as_memory_set()).state;
+            let new: Vec<DiscreteState> =
+                DiscreteState::possible(&memory).filter(|after| !reachable.contains(after)).collect();
             reachable.extend(new);
             next += 1;
         }
         reachable
     }
 
-    /// Bounds what W does in `region` for a law that was of one of `minds`; stops where it is above −`wanted` anyway, and
-    /// brings the mind where it is to the front.
-    pub(crate) fn fall(&self, region: &Region, wanted: f64, minds: &mut [Mind]) -> Fall {
-        let mut fall = Fall { rate: f64::NEG_INFINITY, jump: f64::NEG_INFINITY };
+    /// Bounds what W does in `region` for a law that was of one of `discrete_states`; stops where it is above −`required` anyway, and
+    /// brings the discrete state where it is to the front.
+    pub(crate) fn fall(
+        &self,
+        region: &Region,
+        required: f64,
+        discrete_states: &mut [DiscreteState],
+    ) -> DecreaseBound {
+        let mut fall = DecreaseBound { rate: f64::NEG_INFINITY, jump: f64::NEG_INFINITY };
         let turn = region.turn(&self.noise);
-        first_shown(minds, |mind, known| {
-            let complete = self.fall_from(region, mind, (turn, wanted), known, &mut fall);
+        first_shown(discrete_states, |discrete_state, known| {
+            let complete = self.fall_from(region, discrete_state, (turn, required), known, &mut fall);
             if !complete {
-                fall = Fall { rate: f64::INFINITY, jump: f64::INFINITY };
+                fall = DecreaseBound { rate: f64::INFINITY, jump: f64::INFINITY };
             }
-            fall.jump <= 0.0 && fall.rate <= -wanted
+            fall.jump <= 0.0 && fall.rate <= -required
         });
         fall
     }
 
-    /// The same for one mind, added to `fall`, as far as its outcomes are not `known`; false where nothing is known of one.
+    /// The same for one discrete state, added to `fall`, as far as its outcomes are not `known`; false where nothing is known of one.
     fn fall_from(
         &self,
         region: &Region,
-        before: Mind,
-        (turn, wanted): (f64, f64),
-        known: &mut Vec<Outcome>,
-        fall: &mut Fall,
+        before: DiscreteState,
+        (turn, required): (f64, f64),
+        known: &mut Vec<BranchOutcome>,
+        fall: &mut DecreaseBound,
     ) -> bool {
         let mut from_here = Vec::new();
         if !self.outcomes(region, before, &mut from_here) {
             return false;
         }
         for outcome in from_here {
-            if outcome.mind.side == 0 && !self.stays_undecided() {
+            if outcome.discrete_state.turn_direction == 0 && !self.stays_undecided() {
                 return false;
             }
-            if (before != Mind::FRESH || self.stays_undecided()) && !before.weighs_as(outcome.mind) {
-                fall.jump = fall.jump.max(self.jump(region, before, outcome.mind, turn));
+            if (before != DiscreteState::INITIAL || self.stays_undecided())
+                && !before.has_same_lyapunov(outcome.discrete_state)
+            {
+                fall.jump = fall.jump.max(self.jump(region, before, outcome.discrete_state, turn));
             }
             if !known.contains(&outcome) {
                 if self.limited && self.too_fast(&outcome) {
                     return false;
                 }
-                fall.rate = fall.rate.max(self.rate(region, &outcome, turn, wanted));
+                fall.rate = fall.rate.max(self.rate(region, &outcome, turn, required));
                 known.push(outcome);
             }
-            if fall.jump > 0.0 || fall.rate > -wanted {
+            if fall.jump > 0.0 || fall.rate > -required {
                 break;
             }
         }
         true
     }
 
-    /// Whether the law never decides on a side. Else the fresh mind is that of the first tick only, and W, which
+    /// Whether the law never decides on a side. Else the fresh discrete state is that of the first tick only, and W, which
     /// depends on the side, begins after it.
     fn stays_undecided(&self) -> bool {
-        self.minds.iter().all(|mind| mind.side == 0)
+        self.discrete_states.iter().all(|discrete_state| discrete_state.turn_direction == 0)
     }
 
     /// Whether a rim is told to exceed its limit, beyond rounding.
-    fn too_fast(&self, outcome: &Outcome) -> bool {
-        let rims = self.drive.cast().rims_from_twist(outcome.twist).largest();
+    fn too_fast(&self, outcome: &BranchOutcome) -> bool {
+        let rims = self.drive.cast().wheel_speeds_from_twist(outcome.twist).max_abs();
         rims.lo() > self.rim_limit * (1.0 + 1e-9)
     }
 
-    /// How W jumps when the law changes from mind `before` to `after`.
-    fn jump(&self, region: &Region, before: Mind, after: Mind, turn: f64) -> f64 {
+    /// How W jumps when the law changes from discrete state `before` to `after`.
+    fn jump(&self, region: &Region, before: DiscreteState, after: DiscreteState, turn: f64) -> f64 {
         let shift = Interval::symmetric(turn) + Interval::symmetric(self.noise.heading);
         let (from, to) = (region.lift(before), region.lift(after));
         let alpha = region.alpha + shift;
@@ -238,7 +255,7 @@ impl<L: Subject> Descent<'_, L> {
         let mut squares = bearing(from.0);
         // At the edge of its window the true bearing before may have been continued the other way.
         let was = alpha + half_turns(from.0);
-        if !window(before.side).encloses(was) {
+        if !window(before.turn_direction).encloses(was) {
             let other = if was.mid() > 0.0 { from.0 - 2 } else { from.0 + 2 };
             squares = squares.max(bearing(other));
         }
@@ -248,26 +265,26 @@ impl<L: Subject> Descent<'_, L> {
             let least = was.lo().min((half_turns(2) - was).lo());
             let pi = half_turns(1);
             let square = pi * (pi - Interval::point(2.0) * Interval::point(least));
-            squares = (squares + (self.weight.approach * square.hi()).next_up()).next_up();
+            squares = (squares + (self.lyapunov.approach * square.hi()).next_up()).next_up();
         }
         0.5 * squares
     }
 
     /// How W falls while the twist of `outcome` is held.
-    fn rate(&self, region: &Region, outcome: &Outcome, turn: f64, wanted: f64) -> f64 {
+    fn rate(&self, region: &Region, outcome: &BranchOutcome, turn: f64, required: f64) -> f64 {
         let twist = self.noise.driven(&self.drive.cast(), outcome.twist);
         let mut worst = f64::INFINITY;
         for (slices, times) in [(1, 1), (4, 1), (8, 2)] {
             worst = f64::NEG_INFINITY;
             for slice in 0..slices {
                 let e = Interval::symmetric(turn).piece(slice, slices);
-                worst = worst.max(self.rate_at(region, outcome.mind, e, twist, times));
-                if worst > -wanted {
+                worst = worst.max(self.rate_at(region, outcome.discrete_state, e, twist, times));
+                if worst > -required {
                     break;
                 }
             }
             let hopeless = region.alpha.width() > COARSE || worst > HOPELESS;
-            if worst <= -wanted || hopeless {
+            if worst <= -required || hopeless {
                 break;
             }
         }
@@ -275,34 +292,43 @@ impl<L: Subject> Descent<'_, L> {
     }
 
     /// The goal as it truly lies where its direction is `e` more than seen.
-    pub(crate) fn truth(&self, region: &Region, mind: Mind, e: Interval) -> Truth {
-        let lift = region.lift(mind);
+    pub(crate) fn truth(&self, region: &Region, discrete_state: DiscreteState, e: Interval) -> Truth {
+        let lift = region.lift(discrete_state);
         Truth {
             rho: region.rho,
             bearing: region.alpha + half_turns(lift.0) + e + Interval::symmetric(self.noise.heading),
             approach: region.phi + half_turns(lift.1) + e,
-            reverse: mind.reverse,
+            reverse: discrete_state.reverse,
         }
     }
 
     /// The same where the direction of the goal is `e` more than seen.
-    fn rate_at(&self, region: &Region, mind: Mind, e: Interval, twist: Twist<Interval>, times: usize) -> f64 {
-        let Truth { bearing, approach, .. } = self.truth(region, mind, e);
+    fn rate_at(
+        &self,
+        region: &Region,
+        discrete_state: DiscreteState,
+        e: Interval,
+        twist: Twist<Interval>,
+        times: usize,
+    ) -> f64 {
+        let Truth { bearing, approach, .. } = self.truth(region, discrete_state, e);
         let mut worst = f64::NEG_INFINITY;
         for bearing in
-            if mind.side == 0 { on_circle(bearing) } else { [Some(bearing), None] }.into_iter().flatten()
+            if discrete_state.turn_direction == 0 { on_circle(bearing) } else { [Some(bearing), None] }
+                .into_iter()
+                .flatten()
         {
             for approach in on_circle(approach).into_iter().flatten() {
-                let truth = Truth { rho: region.rho, bearing, approach, reverse: mind.reverse };
-                if mind.side != 0 {
+                let truth = Truth { rho: region.rho, bearing, approach, reverse: discrete_state.reverse };
+                if discrete_state.turn_direction != 0 {
                     let inside = truth
                         .swept(twist, self.period)
-                        .is_some_and(|swept| window(mind.side).encloses(swept.bearing));
+                        .is_some_and(|swept| window(discrete_state.turn_direction).encloses(swept.bearing));
                     if !inside {
                         return f64::INFINITY;
                     }
                 }
-                worst = worst.max(self.weight.mean_rate(&truth, twist, self.period, times));
+                worst = worst.max(self.lyapunov.mean_rate(&truth, twist, self.period, times));
             }
         }
         worst

@@ -3,13 +3,13 @@
 use std::collections::BinaryHeap;
 
 use crate::annulus::ratio;
-use crate::certificate::{Certificate, Reason, Request, WANTED};
+use crate::certificate::{Certificate, RefusalReason, Request, WANTED};
+use crate::controller::SampledController;
 use crate::descent::Descent;
 use crate::interval::Interval;
-use crate::ranked::Ranked;
+use crate::lyapunov::LyapunovFunction;
+use crate::prioritized_box::PrioritizedBox;
 use crate::region::Region;
-use crate::subject::Subject;
-use crate::weight::Weight;
 
 /// Lower bounds of −Ẇ over (α̂, φ̂), at a range of distances.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct MarginMap {
 
 /// What the margin is of, and how finely.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MarginAsked {
+pub struct MarginRequest {
     /// Nearest and farthest true distance \[m].
     pub rho: (f64, f64),
     /// Number of cells along each angle in a quadrant.
@@ -50,31 +50,31 @@ pub struct Margins {
 /// The fall that is wished for first \[1/s]: twice what certificates usually show.
 const WISH: f64 = 2.0 * WANTED[0];
 /// Into how many times more boxes a cell is cut in which the fall is not shown yet.
-const PATIENCE: usize = 4;
+const MAX_STALLED_ROUNDS: usize = 4;
 
 /// The margin outside of the radius of `certificate`, which answered `request`; none if `watch` ended it, which is
 /// told the part that is done, and says whether to go on.
-pub fn margins<L: Subject>(
+pub fn margins<L: SampledController>(
     request: &Request<'_, L>,
     certificate: &Certificate,
     (per_quadrant, boxes): (usize, usize),
     mut watch: impl FnMut(f64) -> bool,
 ) -> Option<Margins> {
-    let bare = certificate.reason == Some(Reason::UnstableByItself);
-    let radius = certificate.capture_radius.unwrap_or(request.largest_capture_radius);
+    let bare = certificate.reason == Some(RefusalReason::UnstableByItself);
+    let radius = certificate.capture_radius.unwrap_or(request.max_capture_radius);
     let mut edges = vec![radius];
     let mut far = radius;
     while far < request.workspace {
         far = (far * ratio(far, request.noise.position)).min(request.workspace);
         edges.push(far);
     }
-    let wanted = core::iter::once((radius, radius)).chain(edges.windows(2).map(|pair| (pair[0], pair[1])));
+    let required = core::iter::once((radius, radius)).chain(edges.windows(2).map(|pair| (pair[0], pair[1])));
     let count = edges.len() as f64;
     let mut maps = Vec::new();
-    for (done, rho) in wanted.enumerate() {
-        let asked = MarginAsked { rho, per_quadrant, boxes, bare, shown: certificate.decrease_rate };
+    for (done, rho) in required.enumerate() {
+        let asked = MarginRequest { rho, per_quadrant, boxes, bare, shown: certificate.decrease_rate };
         let watch = |part: f64| watch((done as f64 + part) / count);
-        maps.push(margin_map(request, certificate.weight, asked, watch)?);
+        maps.push(margin_map(request, certificate.lyapunov, asked, watch)?);
     }
     let mut maps = maps.into_iter();
     Some(Margins { nearest: maps.next()?, ranges: maps.collect() })
@@ -94,19 +94,19 @@ impl Margins {
     }
 }
 
-/// The margin with `weight`, one value of α̂ after the other; none if `watch` ended it, which is told the part that is
+/// The margin with `lyapunov`, one value of α̂ after the other; none if `watch` ended it, which is told the part that is
 /// done, and says whether to go on.
 ///
 /// In each cell the worst box is halved until the boxes are spent, so that the bounds approach the truth from below.
-pub fn margin_map<L: Subject>(
+pub fn margin_map<L: SampledController>(
     request: &Request<'_, L>,
-    weight: Weight,
-    asked: MarginAsked,
+    lyapunov: LyapunovFunction,
+    asked: MarginRequest,
     mut watch: impl FnMut(f64) -> bool,
 ) -> Option<MarginMap> {
-    let MarginAsked { rho, per_quadrant, boxes, bare, shown } = asked;
+    let MarginRequest { rho, per_quadrant, boxes, bare, shown } = asked;
     let known = shown.unwrap_or(f64::NEG_INFINITY);
-    let mut descent = if bare { request.bare(weight) } else { request.descent(weight) };
+    let mut descent = if bare { request.bare(lyapunov) } else { request.descent(lyapunov) };
     let rho_set = Interval::new(rho.0, rho.1);
     descent.prepare(rho_set);
     let drift = Interval::symmetric(descent.noise.position);
@@ -126,27 +126,32 @@ pub fn margin_map<L: Subject>(
 }
 
 /// A lower bound of −Ẇ in `region`, where it is at least `known`, by `boxes` halvings of the worst part.
-fn least_fall<L: Subject>(descent: &Descent<'_, L>, region: Region, boxes: usize, known: f64) -> f64 {
+fn least_fall<L: SampledController>(
+    descent: &Descent<'_, L>,
+    region: Region,
+    boxes: usize,
+    known: f64,
+) -> f64 {
     // What is known of the whole is known of its parts.
-    let mut minds = descent.minds.clone();
+    let mut discrete_states = descent.discrete_states.clone();
     let mut bounded = |region: Region, known: f64| {
         // The more is wanted, the finer is what is looked at; and a bound is one only where the wish came true.
-        let shown = [WISH, 0.0].into_iter().find_map(|wanted| {
-            let fall = descent.fall(&region, wanted, &mut minds);
-            (fall.rate <= -wanted && fall.jump <= 0.0).then_some(-fall.rate)
+        let shown = [WISH, 0.0].into_iter().find_map(|required| {
+            let fall = descent.fall(&region, required, &mut discrete_states);
+            (fall.rate <= -required && fall.jump <= 0.0).then_some(-fall.rate)
         });
-        Ranked { badness: -known.max(shown.unwrap_or(known)), region }
+        PrioritizedBox { priority: -known.max(shown.unwrap_or(known)), region }
     };
     let mut parts = BinaryHeap::from([bounded(region, known)]);
     let mut least = known;
-    for round in 0..PATIENCE * boxes {
+    for round in 0..MAX_STALLED_ROUNDS * boxes {
         let Some(worst) = parts.pop() else { break };
-        least = -worst.badness;
+        least = -worst.priority;
         if round >= boxes && least > 0.0 {
             return least;
         }
         let (low, high) = worst.region.halves();
         parts.extend([low, high].map(|half| bounded(half, least)));
     }
-    parts.peek().map_or(least, |worst| -worst.badness)
+    parts.peek().map_or(least, |worst| -worst.priority)
 }

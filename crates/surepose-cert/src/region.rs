@@ -2,12 +2,12 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use surepose::{Angle, Navigation, Scalar};
+use surepose::{Angle, NavigationVariables, Scalar};
 
+use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
-use crate::mind::Mind;
-use crate::noise::Noise;
-use crate::weight::PI_ENCLOSED;
+use crate::lyapunov::PI_ENCLOSED;
+use crate::noise::NoiseBounds;
 
 /// A box of situations.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub(crate) struct Region {
 
 impl Region {
     /// All situations at distances `rho`, quadrant by quadrant of both angles.
-    pub(crate) fn around(rho: Interval, noise: &Noise) -> impl Iterator<Item = Self> + use<> {
+    pub(crate) fn around(rho: Interval, noise: &NoiseBounds) -> impl Iterator<Item = Self> + use<> {
         let drift = Interval::symmetric(noise.position);
         Self::quadrants().flat_map(move |alpha| {
             Self::quadrants()
@@ -50,18 +50,18 @@ impl Region {
     }
 
     /// The goal as seen.
-    pub(crate) fn seen(&self) -> Navigation<Interval> {
-        Navigation {
+    pub(crate) fn seen(&self) -> NavigationVariables<Interval> {
+        NavigationVariables {
             rho: self.seen_rho(),
-            alpha: Angle::from_wrapped(self.alpha),
-            phi: Angle::from_wrapped(self.phi),
+            alpha: Angle::from_radians_unchecked(self.alpha),
+            phi: Angle::from_radians_unchecked(self.phi),
         }
     }
 
     /// How far the direction of the goal as seen can be from the true one: half a chord of ε around the goal.
     ///
     /// With ρ̂ − ρ = D and the angle e between the two, D² + 4ρρ̂·sin²(e/2) ≤ ε².
-    pub(crate) fn turn(&self, noise: &Noise) -> f64 {
+    pub(crate) fn turn(&self, noise: &NoiseBounds) -> f64 {
         let seen = self.seen_rho();
         let rest = Interval::point(noise.position).squared() - self.drift.squared();
         let product = (self.rho * seen * Interval::point(4.0)).lo();
@@ -78,11 +78,11 @@ impl Region {
         by_chord.min(by_tangent)
     }
 
-    /// What to add to the seen angles so that they are those of the driven end, continued to the side of `mind`:
+    /// What to add to the seen angles so that they are those of the driven end, continued to the side of `discrete_state`:
     /// multiples of π.
-    pub(crate) fn lift(&self, mind: Mind) -> (i8, i8) {
+    pub(crate) fn lift(&self, discrete_state: DiscreteState) -> (i8, i8) {
         let opposite = |angle: Interval| {
-            if !mind.reverse {
+            if !discrete_state.reverse {
                 0
             } else if angle.mid() > 0.0 {
                 -1
@@ -92,8 +92,8 @@ impl Region {
         };
         let alpha = opposite(self.alpha);
         let bearing = self.alpha.mid() + f64::from(alpha) * PI;
-        let beyond = bearing * f64::from(mind.side) < -FRAC_PI_2;
-        (if beyond { alpha + 2 * mind.side } else { alpha }, opposite(self.phi))
+        let beyond = bearing * f64::from(discrete_state.turn_direction) < -FRAC_PI_2;
+        (if beyond { alpha + 2 * discrete_state.turn_direction } else { alpha }, opposite(self.phi))
     }
 
     /// Two halves along the widest side, each side weighed by what it does to W.

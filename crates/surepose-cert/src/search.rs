@@ -1,17 +1,17 @@
 //! Branch and bound: regions are cut until the fall of W is shown in each, or one resists.
 
+use crate::controller::SampledController;
 use crate::descent::Descent;
+use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
-use crate::mind::Mind;
 use crate::region::Region;
-use crate::subject::Subject;
 
 /// Regions narrower than this \[rad] are not cut again: what is not shown there is not true, or too close to call.
-const NARROWEST: f64 = 2e-3;
+const MIN_WIDTH: f64 = 2e-3;
 
 /// What came of the search at some distances.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Search {
+pub(crate) struct SearchResult {
     /// Upper bound of Ẇ in all regions \[1/s], if it was shown in each.
     pub(crate) rate: Option<f64>,
     /// Regions looked at.
@@ -20,42 +20,45 @@ pub(crate) struct Search {
     pub(crate) stuck: Option<Region>,
 }
 
-/// Shows that W falls at `wanted` \[1/s] or faster at all true distances in `rho`, with at most `most` regions.
-pub(crate) fn search<L: Subject>(
+/// Shows that W falls at `required` \[1/s] or faster at all true distances in `rho`, with at most `most` regions.
+pub(crate) fn search<L: SampledController>(
     descent: &Descent<'_, L>,
     rho: Interval,
-    wanted: f64,
+    required: f64,
     most: usize,
-) -> Search {
+) -> SearchResult {
     let mut open: Vec<Region> = Region::around(rho, &descent.noise).collect();
     let mut boxes = 0;
     let mut rate = f64::NEG_INFINITY;
-    let mut minds = descent.minds.clone();
+    let mut discrete_states = descent.discrete_states.clone();
     while let Some(region) = open.pop() {
         boxes += 1;
-        let fall = descent.fall(&region, wanted, &mut minds);
-        if fall.rate <= -wanted && fall.jump <= 0.0 {
+        let fall = descent.fall(&region, required, &mut discrete_states);
+        if fall.rate <= -required && fall.jump <= 0.0 {
             rate = rate.max(fall.rate);
-        } else if boxes >= most || region.size() < NARROWEST {
-            return Search { rate: None, boxes, stuck: Some(region) };
+        } else if boxes >= most || region.size() < MIN_WIDTH {
+            return SearchResult { rate: None, boxes, stuck: Some(region) };
         } else {
             let (low, high) = region.halves();
             open.push(low);
             open.push(high);
         }
     }
-    Search { rate: Some(rate), boxes, stuck: None }
+    SearchResult { rate: Some(rate), boxes, stuck: None }
 }
 
-/// Whether `shown` holds for all of `minds`, of which one for which it does not moves to the front: in the halves of
+/// Whether `shown` holds for all of `discrete_states`, of which one for which it does not moves to the front: in the halves of
 /// the same region it most likely is the one again, and the others need not be looked at.
 ///
-/// `shown` is given a place to note what it has seen for the minds before.
-pub(crate) fn first_shown<K>(minds: &mut [Mind], mut shown: impl FnMut(Mind, &mut Vec<K>) -> bool) -> bool {
+/// `shown` is given a place to note what it has seen for the discrete states before.
+pub(crate) fn first_shown<K>(
+    discrete_states: &mut [DiscreteState],
+    mut shown: impl FnMut(DiscreteState, &mut Vec<K>) -> bool,
+) -> bool {
     let mut known = Vec::new();
-    let failed = minds.iter().position(|mind| !shown(*mind, &mut known));
+    let failed = discrete_states.iter().position(|discrete_state| !shown(*discrete_state, &mut known));
     if let Some(failed) = failed {
-        minds[..=failed].rotate_right(1);
+        discrete_states[..=failed].rotate_right(1);
     }
     failed.is_none()
 }

@@ -2,27 +2,27 @@
 
 use std::collections::BinaryHeap;
 
-use surepose::{Memory, Scalar};
+use surepose::{HybridState, Scalar};
 
+use crate::branching::explore_branches;
+use crate::controller::SampledController;
 use crate::descent::Descent;
-use crate::fork::explore;
+use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
-use crate::mind::Mind;
-use crate::ranked::Ranked;
+use crate::prioritized_box::PrioritizedBox;
 use crate::region::Region;
-use crate::settle::seen_moving;
-use crate::subject::Subject;
+use crate::terminal_phase::seen_moving;
 
 /// Into how many distances the seen goal is cut.
 const RINGS: usize = 256;
 /// No more ticks than these are looked for.
-const MOST_TICKS: usize = 500;
-/// Regions looked at for the growth of the distance, times the minds looked at in each.
+const MAX_TICKS: usize = 500;
+/// Regions looked at for the growth of the distance, times the discrete states looked at in each.
 const WORK: usize = 14_000;
 /// Into how many pieces the noise along the robot is cut.
 const PIECES: usize = 8;
 /// Ways that the law may take where the goal may be anywhere.
-const MOST_WAYS: usize = 8192;
+const MAX_BRANCHES: usize = 8192;
 
 /// The least number of ticks between one in which the local law takes over and the next in which it hands back, whatever
 /// the noise; 0 if none could be shown.
@@ -30,38 +30,44 @@ const MOST_WAYS: usize = 8192;
 /// The local law takes over where the goal is *seen* near, so that the robot is truly not farther than that and the noise.
 /// It hands back where the goal is seen farther than a distance that depends on what it remembers. Between the two noise can
 /// lie, but the robot must truly have been led away: ρ² grows by no more than a bound in each tick.
-pub(crate) fn dwell<L: Subject>(descent: &Descent<'_, L>, capture: f64, boxes: &mut usize) -> usize {
+pub(crate) fn dwell<L: SampledController>(
+    descent: &Descent<'_, L>,
+    capture: f64,
+    boxes: &mut usize,
+) -> usize {
     let Some(takes_over) = reach(descent, capture, false) else { return 0 };
     let Some(keeps) = reach(descent, capture, true) else { return 0 };
-    let Some(mut trims) = trims_afar(descent) else { return 0 };
+    let Some(mut trim_ticks) = trim_ticks_afar(descent) else { return 0 };
     let Some(growth) = growth(descent, takes_over.max(keeps), boxes) else { return 0 };
     let mut square = Interval::point(takes_over + descent.noise.position).squared();
-    for ticks in 0..MOST_TICKS {
+    for ticks in 0..MAX_TICKS {
         let farthest = square.sqrt().hi();
         let drift = Interval::symmetric(descent.noise.position);
         let rho = if ticks == 0 { takes_over } else { farthest };
         let drift = if ticks == 0 { Interval::point(0.0) } else { drift };
         let region = Region::anywhere(Interval::new(0.0, rho), drift);
         let mut next: Option<Interval> = None;
-        for mind in descent.minds_known().filter(|mind| mind.near == (ticks > 0)) {
-            let memory = descent.step(&region, mind.memory(trims)).memory;
-            if ticks > 0 && !memory.near.certain() {
+        for discrete_state in
+            descent.known_states().filter(|discrete_state| discrete_state.local_mode == (ticks > 0))
+        {
+            let memory = descent.step(&region, discrete_state.memory(trim_ticks)).state;
+            if ticks > 0 && !memory.local_mode.certain() {
                 return ticks;
             }
-            if memory.near.possible() {
-                next = Some(next.map_or(memory.trims, |all| all.hull(memory.trims)));
+            if memory.local_mode.possible() {
+                next = Some(next.map_or(memory.trim_ticks, |all| all.hull(memory.trim_ticks)));
             }
         }
         let Some(next) = next else { return 0 };
-        trims = next;
+        trim_ticks = next;
         square = square + Interval::new(0.0, growth);
     }
-    MOST_TICKS
+    MAX_TICKS
 }
 
 /// The largest seen distance, in steps, at which the local law can be in charge after a tick, having been `before` or not;
 /// none if that is not within a few capture radii, or nowhere.
-fn reach<L: Subject>(descent: &Descent<'_, L>, capture: f64, before: bool) -> Option<f64> {
+fn reach<L: SampledController>(descent: &Descent<'_, L>, capture: f64, before: bool) -> Option<f64> {
     let all = Interval::new(0.0, 4.0 * capture);
     let possible =
         |rho: Interval| descent.local_possible(&Region::anywhere(rho, Interval::point(0.0)), before);
@@ -72,42 +78,47 @@ fn reach<L: Subject>(descent: &Descent<'_, L>, capture: f64, before: bool) -> Op
 }
 
 /// For how many ticks a law can remember to have trimmed where the local one is not in charge.
-fn trims_afar<L: Subject>(descent: &Descent<'_, L>) -> Option<Interval> {
+fn trim_ticks_afar<L: SampledController>(descent: &Descent<'_, L>) -> Option<Interval> {
     let everywhere = Region::anywhere(Interval::new(0.0, 1e6), Interval::point(0.0));
-    let mut trims = Memory::<Interval>::fresh().trims;
-    let complete = descent.minds_known().all(|mind| {
-        let program = || descent.step(&everywhere, mind.memories()).memory;
-        explore(MOST_WAYS, program, |memory| {
-            if !memory.near.certain() {
-                trims = trims.hull(memory.trims);
+    let mut trim_ticks = HybridState::<Interval>::new().trim_ticks;
+    let complete = descent.known_states().all(|discrete_state| {
+        let program = || descent.step(&everywhere, discrete_state.as_memory_set()).state;
+        explore_branches(MAX_BRANCHES, program, |memory| {
+            if !memory.local_mode.certain() {
+                trim_ticks = trim_ticks.hull(memory.trim_ticks);
             }
         })
     });
-    complete.then_some(trims)
+    complete.then_some(trim_ticks)
 }
 
 /// Bound of what a tick of the local law can add to the square of the true distance \[m²].
-fn growth<L: Subject>(descent: &Descent<'_, L>, reach: f64, boxes: &mut usize) -> Option<f64> {
+fn growth<L: SampledController>(descent: &Descent<'_, L>, reach: f64, boxes: &mut usize) -> Option<f64> {
     let seen = Interval::new(0.0, reach);
-    let minds: Vec<Mind> = descent.minds_known().collect();
-    let all = Region::around(seen, &crate::noise::Noise::default());
-    let ranked = |region: Region| Ranked { badness: growth_in(descent, &minds, &region), region };
-    let mut open: BinaryHeap<Ranked> = all.map(ranked).collect();
-    for _ in 0..WORK / minds.len().max(1) {
+    let discrete_states: Vec<DiscreteState> = descent.known_states().collect();
+    let all = Region::around(seen, &crate::noise::NoiseBounds::default());
+    let ranked =
+        |region: Region| PrioritizedBox { priority: growth_in(descent, &discrete_states, &region), region };
+    let mut open: BinaryHeap<PrioritizedBox> = all.map(ranked).collect();
+    for _ in 0..WORK / discrete_states.len().max(1) {
         let Some(worst) = open.pop() else { break };
         *boxes += 1;
         let (low, high) = worst.region.halves_at_goal();
         open.extend([low, high].map(ranked));
     }
-    open.peek().map(|worst| worst.badness).filter(|growth| growth.is_finite())
+    open.peek().map(|worst| worst.priority).filter(|growth| growth.is_finite())
 }
 
 /// The same in `region`; infinite where nothing is known.
-fn growth_in<L: Subject>(descent: &Descent<'_, L>, minds: &[Mind], region: &Region) -> f64 {
+fn growth_in<L: SampledController>(
+    descent: &Descent<'_, L>,
+    discrete_states: &[DiscreteState],
+    region: &Region,
+) -> f64 {
     let mut outcomes = Vec::new();
-    let known = minds.iter().all(|mind| {
-        descent.outcomes_of(region, *mind, MOST_WAYS, &mut outcomes)
-            || !descent.local_possible_from(region, *mind)
+    let known = discrete_states.iter().all(|discrete_state| {
+        descent.branch_outcomes(region, *discrete_state, MAX_BRANCHES, &mut outcomes)
+            || !descent.local_possible_from(region, *discrete_state)
     });
     if !known {
         return f64::INFINITY;
@@ -117,7 +128,7 @@ fn growth_in<L: Subject>(descent: &Descent<'_, L>, minds: &[Mind], region: &Regi
     let (ahead, aside) = region.true_place(descent.noise.heading);
     let time = Interval::new(0.0, descent.period);
     let mut growth = 0.0_f64;
-    for outcome in outcomes.iter().filter(|outcome| outcome.mind.near) {
+    for outcome in outcomes.iter().filter(|outcome| outcome.discrete_state.local_mode) {
         let twist = descent.noise.driven(&drive, outcome.twist);
         for piece in 0..PIECES {
             // d(ρ²)/dt = −2·v·x with the goal x ahead.

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{DRIVE, hybrid, noise, paper_gains, request, shipped};
-use surepose::{HybridLaw, Rest};
-use surepose_cert::{MarginAsked, Noise, Reason, Request, certify, drift, margin_map};
+use common::{DRIVE, deployed, hybrid, noise, paper_gains, request};
+use surepose::{Deadband, HybridLaw};
+use surepose_cert::{MarginRequest, NoiseBounds, RefusalReason, Request, certify, drift, margin_map};
 
 /// Period \[s], noise of the position \[m] and of the heading \[°], and what is certified of it: the capture radius and the
 /// final position bound \[m], rounded up. What is promised is 5 cm and 12 cm.
@@ -19,8 +19,8 @@ const CASES: [(f64, [f64; 2], [f64; 2]); 4] = [
 fn the_default_law_is_certified_at_both_periods_and_noises() {
     for (period, [position, heading_deg], [radius, last]) in CASES {
         let law = hybrid(period);
-        let subject = shipped(law);
-        let certificate = certify(&request(&subject, law.gains.h, period, noise(position, heading_deg)));
+        let controller = deployed(law);
+        let certificate = certify(&request(&controller, law.gains.h, period, noise(position, heading_deg)));
         assert!(certificate.certified, "{period} s, {position} m: {certificate:?}");
         assert!(certificate.capture_radius.is_some_and(|r| r <= radius), "{certificate:?}");
         assert!(certificate.final_position_bound.is_some_and(|bound| bound <= last), "{certificate:?}");
@@ -29,12 +29,12 @@ fn the_default_law_is_certified_at_both_periods_and_noises() {
 }
 
 #[test]
-fn a_law_that_is_told_of_noise_is_certified_too() {
+fn law_with_known_noise_is_certified() {
     for (period, [position, heading_deg], [radius, last]) in CASES {
         let law = hybrid(period);
-        let law = HybridLaw { rest: Some(Rest::of(0.005, period)), ..law };
-        let subject = shipped(law);
-        let certificate = certify(&request(&subject, law.gains.h, period, noise(position, heading_deg)));
+        let law = HybridLaw { deadband: Some(Deadband::from_noise(0.005, period)), ..law };
+        let controller = deployed(law);
+        let certificate = certify(&request(&controller, law.gains.h, period, noise(position, heading_deg)));
         assert!(certificate.certified, "{period} s, {position} m: {certificate:?}");
         assert!(certificate.capture_radius.is_some_and(|r| r <= radius), "{certificate:?}");
         assert!(certificate.final_position_bound.is_some_and(|bound| bound <= last), "{certificate:?}");
@@ -42,41 +42,46 @@ fn a_law_that_is_told_of_noise_is_certified_too() {
 }
 
 #[test]
-fn the_heading_comes_to_its_bound_and_without_noise_the_switch_keeps_its_mind() {
+fn heading_bound_and_switch_hysteresis_hold_without_noise() {
     let law = hybrid(0.02);
-    let subject = shipped(law);
-    let quiet = certify(&request(&subject, law.gains.h, 0.02, noise(0.0, 0.0)));
-    let settling = quiet.settling.expect("certified");
-    assert!(settling.switch_keeps_its_mind(), "{settling:?}");
-    let noisy = certify(&request(&subject, law.gains.h, 0.02, noise(0.007, 0.25)));
-    let settling = noisy.settling.expect("certified");
-    assert!(settling.heading_bound.is_some_and(|bound| bound < 8_f64.to_radians()), "{settling:?}");
+    let controller = deployed(law);
+    let quiet = certify(&request(&controller, law.gains.h, 0.02, noise(0.0, 0.0)));
+    let terminal_phase = quiet.terminal_phase.expect("certified");
+    assert!(terminal_phase.has_switch_hysteresis(), "{terminal_phase:?}");
+    let noisy = certify(&request(&controller, law.gains.h, 0.02, noise(0.007, 0.25)));
+    let terminal_phase = noisy.terminal_phase.expect("certified");
+    assert!(
+        terminal_phase.heading_bound.is_some_and(|bound| bound < 8_f64.to_radians()),
+        "{terminal_phase:?}"
+    );
 }
 
 #[test]
 fn a_longer_period_is_found_and_a_much_longer_one_is_not() {
     let law = hybrid(0.02);
-    let subject = shipped(law);
-    let asked = Request { longest_period: 1.0, ..request(&subject, law.gains.h, 0.02, noise(0.007, 0.25)) };
+    let controller = deployed(law);
+    let asked =
+        Request { max_period_searched: 1.0, ..request(&controller, law.gains.h, 0.02, noise(0.007, 0.25)) };
     let longest = certify(&asked).max_period.expect("certified");
     assert!((0.04..0.2).contains(&longest), "{longest}");
-    let slow = certify(&request(&subject, law.gains.h, 2.0 * longest, noise(0.007, 0.25)));
+    let slow = certify(&request(&controller, law.gains.h, 2.0 * longest, noise(0.007, 0.25)));
     assert!(!slow.certified, "{slow:?}");
 }
 
 #[test]
 fn the_paper_s_gains_are_refused_at_a_tenth_of_a_second_with_a_confirmed_counterexample() {
-    let subject = shipped(paper_gains(0.1));
+    let controller = deployed(paper_gains(0.1));
     for noise in [noise(0.0, 0.0), noise(0.007, 0.25)] {
-        let certificate = certify(&request(&subject, 1.0, 0.1, noise));
+        let certificate = certify(&request(&controller, 1.0, 0.1, noise));
         assert!(!certificate.certified);
-        assert_eq!(certificate.reason, Some(Reason::UnstableByItself));
+        assert_eq!(certificate.reason, Some(RefusalReason::UnstableByItself));
         let found = certificate.counterexample.expect("a concrete situation");
-        let again = found.situation.simulate(&subject, &DRIVE, 0.1, &certificate.weight, found.limited);
-        assert_eq!(again, found.consequence);
-        assert!(again.weight_after > again.weight_before, "{again:?}");
+        let again =
+            found.disturbed_state.simulate(&controller, &DRIVE, 0.1, &certificate.lyapunov, found.limited);
+        assert_eq!(again, found.transition);
+        assert!(again.lyapunov_after > again.lyapunov_before, "{again:?}");
         // What goes wrong is visible without W: the bearing of the leading end swings through and grows.
-        let bearing = |goal: &surepose::Navigation<f64>| goal.alpha.radians().sin().abs();
+        let bearing = |goal: &surepose::NavigationVariables<f64>| goal.alpha.radians().sin().abs();
         assert!(bearing(&again.after) > bearing(&again.before), "{again:?}");
     }
 }
@@ -84,20 +89,20 @@ fn the_paper_s_gains_are_refused_at_a_tenth_of_a_second_with_a_confirmed_counter
 #[test]
 fn noise_as_large_as_the_disc_is_refused_with_a_confirmed_counterexample() {
     let law = hybrid(0.02);
-    let subject = shipped(law);
-    let certificate = certify(&request(&subject, law.gains.h, 0.02, noise(0.2, 5.0)));
-    assert_eq!(certificate.reason, Some(Reason::NoDescent));
+    let controller = deployed(law);
+    let certificate = certify(&request(&controller, law.gains.h, 0.02, noise(0.2, 5.0)));
+    assert_eq!(certificate.reason, Some(RefusalReason::NoDescent));
     let found = certificate.counterexample.expect("a concrete situation");
-    assert!(found.limited && found.consequence.weight_after >= found.consequence.weight_before);
-    let off = found.situation.noise_x.hypot(found.situation.noise_y);
-    assert!(off <= 0.2 && found.situation.noise_heading.abs() <= 5_f64.to_radians());
+    assert!(found.limited && found.transition.lyapunov_after >= found.transition.lyapunov_before);
+    let off = found.disturbed_state.noise_x.hypot(found.disturbed_state.noise_y);
+    assert!(off <= 0.2 && found.disturbed_state.noise_heading.abs() <= 5_f64.to_radians());
 }
 
 #[test]
 fn numbers_that_make_no_sense_are_refused() {
     let law = hybrid(0.02);
-    let subject = shipped(law);
-    let plain = request(&subject, law.gains.h, 0.02, noise(0.007, 0.25));
+    let controller = deployed(law);
+    let plain = request(&controller, law.gains.h, 0.02, noise(0.007, 0.25));
     for asked in [
         Request { period: f64::NAN, ..plain },
         Request { period: 0.0, ..plain },
@@ -106,7 +111,7 @@ fn numbers_that_make_no_sense_are_refused() {
         Request { h: -1.0, ..plain },
         Request { workspace: f64::INFINITY, ..plain },
     ] {
-        assert_eq!(certify(&asked).reason, Some(Reason::Unusable), "{asked:?}");
+        assert_eq!(certify(&asked).reason, Some(RefusalReason::Unusable), "{asked:?}");
     }
 }
 
@@ -114,18 +119,18 @@ fn numbers_that_make_no_sense_are_refused() {
 fn gaussian_noise_of_the_bench_lets_w_fall_on_average() {
     for period in [0.02, 0.1] {
         let law = hybrid(period);
-        let subject = shipped(law);
+        let controller = deployed(law);
         let pose = Request {
-            largest_capture_radius: 0.3,
-            ..request(&subject, law.gains.h, period, noise(0.005, 0.3))
+            max_capture_radius: 0.3,
+            ..request(&controller, law.gains.h, period, noise(0.005, 0.3))
         };
         let found = drift(&pose).expect("a drift");
         println!("{period} s, pose noise: {found:?}");
         assert!(found.radius < 0.15 && found.rate > 0.05, "{found:?}");
-        let wheels = Noise { rim_speed_part: 0.05, ..pose.noise };
+        let wheels = NoiseBounds { rim_speed_part: 0.05, ..pose.noise };
         println!(
             "{period} s, wheels too: {:?}",
-            drift(&Request { noise: wheels, largest_capture_radius: 1.0, ..pose })
+            drift(&Request { noise: wheels, max_capture_radius: 1.0, ..pose })
         );
     }
 }
@@ -133,12 +138,12 @@ fn gaussian_noise_of_the_bench_lets_w_fall_on_average() {
 #[test]
 fn the_margin_is_positive_all_round_where_the_law_is_certified() {
     let law = hybrid(0.02);
-    let subject = shipped(law);
-    let asked = request(&subject, law.gains.h, 0.02, noise(0.007, 0.25));
-    let weight = certify(&asked).weight;
+    let controller = deployed(law);
+    let asked = request(&controller, law.gains.h, 0.02, noise(0.007, 0.25));
+    let lyapunov = certify(&asked).lyapunov;
     let at = |rho: f64, per_quadrant, boxes| {
-        let asked_for = MarginAsked { rho: (rho, rho), per_quadrant, boxes, bare: false, shown: None };
-        margin_map(&asked, weight, asked_for, |_| true).expect("nobody ends it")
+        let asked_for = MarginRequest { rho: (rho, rho), per_quadrant, boxes, bare: false, shown: None };
+        margin_map(&asked, lyapunov, asked_for, |_| true).expect("nobody ends it")
     };
     let map = at(0.1, 12, 24);
     assert_eq!(map.fall.len(), 48 * 48);
@@ -151,13 +156,13 @@ fn the_margin_is_positive_all_round_where_the_law_is_certified() {
 }
 
 #[test]
-fn nothing_is_claimed_where_the_robot_may_have_arrived_and_rest() {
+fn no_margin_is_claimed_inside_the_deadband_region() {
     let law = hybrid(0.02);
-    let subject = shipped(law);
-    let asked = request(&subject, law.gains.h, 0.02, noise(0.007, 0.25));
+    let controller = deployed(law);
+    let asked = request(&controller, law.gains.h, 0.02, noise(0.007, 0.25));
     let radius = |rests_within| certify(&Request { rests_within, ..asked }).capture_radius;
     // The default tolerance, widened by its release, is inside of what is shown anyhow.
     assert_eq!(radius(0.015), radius(0.0));
     assert!(radius(0.06).is_some_and(|radius| (0.067..0.068).contains(&radius)));
-    assert_eq!(certify(&Request { rests_within: 0.145, ..asked }).reason, Some(Reason::RestsTooFar));
+    assert_eq!(certify(&Request { rests_within: 0.145, ..asked }).reason, Some(RefusalReason::RestsTooFar));
 }

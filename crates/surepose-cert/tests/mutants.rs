@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{hybrid, noise, request, shipped};
-use surepose::{Angle, Decision, Mask, Memory, Navigation, Scalar, Twist};
-use surepose_cert::{Shipped, Subject, certify};
+use common::{deployed, hybrid, noise, request};
+use surepose::{Angle, ControlOutput, HybridState, Mask, NavigationVariables, Scalar, Twist};
+use surepose_cert::{DeployedController, SampledController, certify};
 
 /// The faults.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,28 +37,28 @@ enum Fault {
 }
 
 struct Mutant {
-    law: Shipped,
+    law: DeployedController,
     fault: Fault,
 }
 
-impl Subject for Mutant {
-    fn decide<S: Scalar>(&self, seen: &Navigation<S>, before: Memory<S>) -> Decision<S> {
+impl SampledController for Mutant {
+    fn compute<S: Scalar>(&self, seen: &NavigationVariables<S>, before: HybridState<S>) -> ControlOutput<S> {
         let (mut seen, mut before) = (*seen, before);
         match self.fault {
             Fault::BearingMirrored => seen.alpha = -seen.alpha,
-            Fault::BearingBiased => seen.alpha = seen.alpha.turned(S::of(0.6)),
+            Fault::BearingBiased => seen.alpha = seen.alpha.rotated_by(S::from_f64(0.6)),
             Fault::ApproachForBearing => seen.alpha = seen.phi,
             Fault::GoalBehind => seen.alpha = seen.alpha + Angle::half_turn(),
-            Fault::MemoryForgotten => before = Memory::fresh(),
+            Fault::MemoryForgotten => before = HybridState::new(),
             Fault::DirectionConfused => before.reverse = !before.reverse,
-            Fault::SideConfused => before.side = -before.side,
-            Fault::DistanceNotSeen => seen.rho = S::of(0.0),
+            Fault::SideConfused => before.turn_direction = -before.turn_direction,
+            Fault::DistanceNotSeen => seen.rho = S::from_f64(0.0),
             _ => {}
         }
-        let decision = self.law.decide(&seen, before);
-        let Twist { v, omega } = decision.twist;
-        let (near, zero) = (decision.memory.near, S::of(0.0));
-        let local = |there: Twist<S>| Twist::select(near, there, decision.twist);
+        let output = self.law.compute(&seen, before);
+        let Twist { v, omega } = output.twist;
+        let (near, zero) = (output.state.local_mode, S::from_f64(0.0));
+        let local = |there: Twist<S>| Twist::select(near, there, output.twist);
         let (sin, cos) = seen.alpha.sin_cos();
         let twist = match self.fault {
             Fault::DrivesAway => Twist::new(-v, omega),
@@ -67,34 +67,34 @@ impl Subject for Mutant {
             Fault::NeverTurns => Twist::new(v, zero),
             Fault::TurnsLeftOnly => Twist::new(v, omega.abs()),
             Fault::DrivesNoseFirstOnly => Twist::new(v.abs(), omega),
-            Fault::DrivesWhateverTheBearing => Twist::new(S::of(0.3), omega),
-            Fault::SineForCosine => Twist::new(seen.rho.min(S::of(0.3)) * sin, omega),
+            Fault::DrivesWhateverTheBearing => Twist::new(S::from_f64(0.3), omega),
+            Fault::SineForCosine => Twist::new(seen.rho.min(S::from_f64(0.3)) * sin, omega),
             Fault::BearingNotWrapped => {
-                let turn = S::select(seen.alpha.radians().lt(zero), S::of(75.0), zero);
+                let turn = S::select(seen.alpha.radians().lt(zero), S::from_f64(75.0), zero);
                 Twist::new(v, omega + turn)
             }
             Fault::TailNotMirrored => {
-                Twist::select(decision.memory.reverse, Twist::new(-v, omega), decision.twist)
+                Twist::select(output.state.reverse, Twist::new(-v, omega), output.twist)
             }
             Fault::LocalDrivesAway => local(Twist::new(-v, omega)),
             Fault::LocalTurnsAway => local(Twist::new(v, -omega)),
             Fault::LocalNeverTurns => local(Twist::new(v + zero * cos, zero)),
-            _ => decision.twist,
+            _ => output.twist,
         };
-        let mut memory = decision.memory;
+        let mut memory = output.state;
         if self.fault == Fault::LocalNeverInCharge {
-            memory.near = S::Mask::splat(false);
+            memory.local_mode = S::Mask::splat(false);
         }
-        Decision { twist, memory }
+        ControlOutput { twist, state: memory }
     }
 
-    fn grant<S: Scalar>(&self, wanted: Twist<S>) -> Twist<S> {
-        let granted = self.law.grant(wanted);
+    fn limit<S: Scalar>(&self, desired: Twist<S>) -> Twist<S> {
+        let limited = self.law.limit(desired);
         match self.fault {
-            Fault::NoSpeedLimit => wanted,
-            Fault::LimitsTurnOnly => Twist::new(wanted.v, granted.omega),
-            Fault::LimitsDriveOnly => Twist::new(granted.v, wanted.omega),
-            _ => granted,
+            Fault::NoSpeedLimit => desired,
+            Fault::LimitsTurnOnly => Twist::new(desired.v, limited.omega),
+            Fault::LimitsDriveOnly => Twist::new(limited.v, desired.omega),
+            _ => limited,
         }
     }
 }
@@ -132,7 +132,7 @@ fn every_fault_is_refused() {
     let law = hybrid(0.02);
     let mut passed = Vec::new();
     for fault in FAULTS {
-        let mutant = Mutant { law: shipped(law), fault };
+        let mutant = Mutant { law: deployed(law), fault };
         let certificate = certify(&request(&mutant, law.gains.h, 0.02, noise(0.007, 0.25)));
         println!(
             "{fault:?}: {:?}, counterexample {}",
@@ -162,8 +162,8 @@ fn gains_that_are_wrong_are_refused() {
         ("k_θ negative", wrong(|law| law.gains.k_theta *= -1.0)),
         ("k_α hardly there", wrong(|law| law.gains.k_alpha *= 1e-3)),
     ] {
-        let subject = shipped(law);
-        let certificate = certify(&request(&subject, good.gains.h, 0.02, noise(0.007, 0.25)));
+        let controller = deployed(law);
+        let certificate = certify(&request(&controller, good.gains.h, 0.02, noise(0.007, 0.25)));
         println!("{name}: {:?}", certificate.reason);
         assert!(!certificate.certified, "{name}");
     }

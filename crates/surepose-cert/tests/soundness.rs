@@ -6,40 +6,50 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{DRIVE, Dice, disturb, hybrid, noise, request, shipped, trials};
-use surepose::{HybridLaw, Rest, Scalar};
-use surepose_cert::{Certificate, Mind, Noise, Shipped, Situation, certify};
+use common::{DRIVE, Rng, deployed, disturb, hybrid, noise, request, trials};
+use surepose::{Deadband, HybridLaw, Scalar};
+use surepose_cert::{Certificate, DeployedController, DiscreteState, DisturbedState, NoiseBounds, certify};
 
 const CASES: [(f64, f64, f64); 4] =
     [(0.02, 0.007, 0.25), (0.1, 0.007, 0.25), (0.02, 0.02, 1.2), (0.1, 0.02, 1.2)];
 
-fn certified(period: f64, noise: Noise, rest: Option<Rest<f64>>) -> (Shipped, Certificate) {
-    let law = HybridLaw { rest, ..hybrid(period) };
-    let subject = shipped(law);
-    let certificate = certify(&request(&subject, law.gains.h, period, noise));
+fn certified(
+    period: f64,
+    noise: NoiseBounds,
+    deadband: Option<Deadband<f64>>,
+) -> (DeployedController, Certificate) {
+    let law = HybridLaw { deadband, ..hybrid(period) };
+    let controller = deployed(law);
+    let certificate = certify(&request(&controller, law.gains.h, period, noise));
     assert!(certificate.certified);
-    (subject, certificate)
+    (controller, certificate)
 }
 
 #[test]
 fn no_random_situation_violates_the_certified_decrease() {
     for (k, (period, position, heading_deg)) in CASES.into_iter().enumerate() {
         let bounds = noise(position, heading_deg);
-        let (subject, certificate) = certified(period, bounds, None);
+        let (controller, certificate) = certified(period, bounds, None);
         let (radius, rate) = (certificate.capture_radius.unwrap(), certificate.decrease_rate.unwrap());
-        let mut dice = Dice(k as u64);
+        let mut rng = Rng(k as u64);
         let mut least = f64::INFINITY;
         for _ in 0..trials() / 4 {
-            let rho = radius * (5.0 / radius).powf(0.5 * (1.0 + dice.either()));
-            let side = if dice.flip() { 1 } else { -1 };
-            let mind = Mind { near: false, reverse: dice.flip(), side, travel: 0 };
-            let mut situation = Situation::polar(rho, PI * dice.either(), PI * dice.either(), mind);
-            disturb(&mut situation, &bounds, &mut dice);
-            let tick = situation.simulate(&subject, &DRIVE, period, &certificate.weight, true);
+            let rho = radius * (5.0 / radius).powf(0.5 * (1.0 + rng.either()));
+            let side = if rng.flip() { 1 } else { -1 };
+            let discrete_state = DiscreteState {
+                local_mode: false,
+                reverse: rng.flip(),
+                turn_direction: side,
+                drive_direction: 0,
+            };
+            let mut disturbed_state =
+                DisturbedState::polar(rho, PI * rng.either(), PI * rng.either(), discrete_state);
+            disturb(&mut disturbed_state, &bounds, &mut rng);
+            let tick = disturbed_state.simulate(&controller, &DRIVE, period, &certificate.lyapunov, true);
             if tick.before.rho >= radius {
-                let fall = (tick.weight_before - tick.weight_after) / period;
+                let fall = (tick.lyapunov_before - tick.lyapunov_after) / period;
                 least = least.min(fall);
-                assert!(fall >= rate * (1.0 - 1e-9), "falls by {fall} only: {situation:?} {tick:?}");
+                assert!(fall >= rate * (1.0 - 1e-9), "falls by {fall} only: {disturbed_state:?} {tick:?}");
             }
         }
         println!("{period} s, {position} m: certified {rate:.3}/s, least seen {least:.3}/s");
@@ -51,20 +61,21 @@ fn runs_are_captured_in_time_and_stay_captured() {
     for k in 0..2 * CASES.len() {
         let (period, position, heading_deg) = CASES[k / 2];
         let bounds = noise(position, heading_deg);
-        let rest = (k % 2 == 1).then(|| Rest::of(0.005, period));
-        let (subject, certificate) = certified(period, bounds, rest);
+        let deadband = (k % 2 == 1).then(|| Deadband::from_noise(0.005, period));
+        let (controller, certificate) = certified(period, bounds, deadband);
         let (radius, last) = (certificate.capture_radius.unwrap(), certificate.final_position_bound.unwrap());
         let latest = certificate.time_bound.unwrap();
-        let mut dice = Dice(100 + k as u64);
+        let mut rng = Rng(100 + k as u64);
         let (mut longest, mut farthest) = (0.0_f64, 0.0_f64);
         for _ in 0..12 {
-            let fresh = Mind { near: false, reverse: false, side: 0, travel: 0 };
-            let mut situation = Situation::polar(4.9, PI * dice.either(), PI * dice.either(), fresh);
+            let fresh =
+                DiscreteState { local_mode: false, reverse: false, turn_direction: 0, drive_direction: 0 };
+            let mut disturbed_state = DisturbedState::polar(4.9, PI * rng.either(), PI * rng.either(), fresh);
             let mut captured = None;
             let mut ticks = 0_u32;
             while captured.is_none_or(|at| ticks < at + 2000) {
-                disturb(&mut situation, &bounds, &mut dice);
-                let tick = situation.simulate(&subject, &DRIVE, period, &certificate.weight, true);
+                disturb(&mut disturbed_state, &bounds, &mut rng);
+                let tick = disturbed_state.simulate(&controller, &DRIVE, period, &certificate.lyapunov, true);
                 let time = f64::from(ticks) * period;
                 if captured.is_none() && tick.before.rho < radius {
                     captured = Some(ticks);
@@ -77,23 +88,23 @@ fn runs_are_captured_in_time_and_stay_captured() {
                     assert!(time <= latest, "not captured after {time} s");
                 }
                 let (alpha, phi) = (tick.after.alpha.radians(), tick.after.phi.radians());
-                situation = Situation {
-                    trims: tick.trims,
-                    ..Situation::polar(tick.after.rho, alpha, phi, tick.mind)
+                disturbed_state = DisturbedState {
+                    trim_ticks: tick.trim_ticks,
+                    ..DisturbedState::polar(tick.after.rho, alpha, phi, tick.discrete_state)
                 };
                 ticks += 1;
             }
         }
         println!(
-            "{period} s, {position} m, {rest:?}: captured by {longest:.1} s (bound {latest:.0} s), then within {farthest:.4} m (bound {last:.4} m)"
+            "{period} s, {position} m, {deadband:?}: captured by {longest:.1} s (bound {latest:.0} s), then within {farthest:.4} m (bound {last:.4} m)"
         );
     }
 }
 
 #[test]
 fn the_random_numbers_fill_their_range() {
-    let mut dice = Dice(7);
-    let all: Vec<f64> = (0..1000).map(|_| dice.either()).collect();
+    let mut rng = Rng(7);
+    let all: Vec<f64> = (0..1000).map(|_| rng.either()).collect();
     assert!(all.iter().all(|x| (-1.0..1.0).contains(x)));
     assert!(
         all.iter().copied().fold(0.0, Scalar::max) > 0.99

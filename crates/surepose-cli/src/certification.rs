@@ -2,15 +2,17 @@
 
 use serde::Serialize;
 use surepose::{Law, param};
-use surepose_cert::{Certificate, Drift, Margins, Noise, Request, Shipped, certify, drift, margins};
+use surepose_cert::{
+    Certificate, DeployedController, Drift, Margins, NoiseBounds, Request, certify, drift, margins,
+};
 use surepose_data::Config;
 
 /// Largest distance from which the robot starts \[m].
 const WORKSPACE: f64 = 5.0;
 /// A larger capture radius is no use \[m].
-const LARGEST_CAPTURE_RADIUS: f64 = 0.15;
+const MAX_CAPTURE_RADIUS: f64 = 0.15;
 /// Longest period that is looked for \[s].
-const LONGEST_PERIOD: f64 = 1.0;
+const MAX_PERIOD: f64 = 1.0;
 
 /// Noise bounds for which the default loop is certified: those of a localisation with laser and compass.
 pub(crate) const POSITION_NOISE: f64 = 0.007;
@@ -18,13 +20,13 @@ pub(crate) const POSITION_NOISE: f64 = 0.007;
 pub(crate) const HEADING_NOISE_DEG: f64 = 0.25;
 
 /// The certificate of the configured loop, with the longest period that it would allow.
-pub(crate) fn certificate(config: &Config, noise: Noise) -> Certificate {
-    asked(loop_of(config), noise, LONGEST_PERIOD, certify)
+pub(crate) fn certificate(config: &Config, noise: NoiseBounds) -> Certificate {
+    asked(loop_of(config), noise, MAX_PERIOD, certify)
 }
 
 /// What the certificate bounds, under the keys of the command line's JSON; what was not shown is absent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Bounds {
+pub(crate) struct CertifiedBounds {
     /// The true distance from the goal below which the robot comes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) capture_radius_m: Option<f64>,
@@ -36,10 +38,10 @@ pub(crate) struct Bounds {
     pub(crate) final_position_bound_m: Option<f64>,
 }
 
-impl Bounds {
+impl CertifiedBounds {
     /// Those of a certificate.
-    pub(crate) fn of(certificate: &Certificate) -> Self {
-        let heading = certificate.settling.and_then(|settling| settling.heading_bound);
+    pub(crate) fn from_certificate(certificate: &Certificate) -> Self {
+        let heading = certificate.terminal_phase.and_then(|terminal_phase| terminal_phase.heading_bound);
         Self {
             capture_radius_m: certificate.capture_radius,
             final_heading_bound_deg: heading.map(f64::to_degrees),
@@ -57,10 +59,11 @@ impl Bounds {
 }
 
 /// What the certificate of the configured loop bounds, with this law instead of its own; nothing where it is refused.
-pub(crate) fn bounds(config: &Config, law: &Law<f64>, noise: Noise) -> Option<Bounds> {
-    let (subject, period, rests_within) = loop_of(config);
-    let certificate = asked((Shipped { law: *law, ..subject }, period, rests_within), noise, 0.0, certify);
-    certificate.certified.then(|| Bounds::of(&certificate))
+pub(crate) fn bounds(config: &Config, law: &Law<f64>, noise: NoiseBounds) -> Option<CertifiedBounds> {
+    let (controller, period, rests_within) = loop_of(config);
+    let certificate =
+        asked((DeployedController { law: *law, ..controller }, period, rests_within), noise, 0.0, certify);
+    certificate.certified.then(|| CertifiedBounds::from_certificate(&certificate))
 }
 
 /// What is to be said of this configuration before it drives anything.
@@ -69,8 +72,11 @@ pub(crate) fn bounds(config: &Config, law: &Law<f64>, noise: Noise) -> Option<Bo
 pub(crate) fn warnings(config: &Config) -> Vec<String> {
     let mut warnings = config.warnings();
     if loop_of(config) != loop_of(&Config::default().fitted()) {
-        let noise =
-            Noise { position: POSITION_NOISE, heading: HEADING_NOISE_DEG.to_radians(), ..Noise::default() };
+        let noise = NoiseBounds {
+            position: POSITION_NOISE,
+            heading: HEADING_NOISE_DEG.to_radians(),
+            ..NoiseBounds::default()
+        };
         if let Some(reason) = asked(loop_of(config), noise, 0.0, certify).reason {
             warnings.push(format!(
                 "this loop is not certified for {POSITION_NOISE} m and {HEADING_NOISE_DEG}° of noise: {reason}; see \
@@ -82,7 +88,7 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
 }
 
 /// What holds of the configured loop where the bounds of `noise` are standard deviations of white Gaussian noise.
-pub(crate) fn average(config: &Config, noise: Noise) -> Option<Drift> {
+pub(crate) fn average(config: &Config, noise: NoiseBounds) -> Option<Drift> {
     asked(loop_of(config), noise, 0.0, drift)
 }
 
@@ -95,7 +101,7 @@ const MARGIN_WITH_GAPS: (usize, usize) = (9, 8);
 /// on.
 pub(crate) fn margin(
     config: &Config,
-    noise: Noise,
+    noise: NoiseBounds,
     certificate: &Certificate,
     watch: impl FnMut(f64) -> bool,
 ) -> Option<Margins> {
@@ -105,48 +111,48 @@ pub(crate) fn margin(
 
 /// What `answer` says to the request about a loop.
 fn asked<T>(
-    (subject, period, rests_within): (Shipped, f64, f64),
-    noise: Noise,
-    longest_period: f64,
-    answer: impl FnOnce(&Request<'_, Shipped>) -> T,
+    (controller, period, rests_within): (DeployedController, f64, f64),
+    noise: NoiseBounds,
+    max_period_searched: f64,
+    answer: impl FnOnce(&Request<'_, DeployedController>) -> T,
 ) -> T {
     answer(&Request {
-        subject: &subject,
-        drive: subject.drive,
-        limits: subject.limits,
-        h: subject.law.gains().h,
+        controller: &controller,
+        drive: controller.drive,
+        limits: controller.limits,
+        h: controller.law.gains().h,
         period,
         noise,
         workspace: WORKSPACE,
-        largest_capture_radius: LARGEST_CAPTURE_RADIUS,
+        max_capture_radius: MAX_CAPTURE_RADIUS,
         rests_within,
-        longest_period,
+        max_period_searched,
     })
 }
 
 /// All that the certificate is about: law and limits, the period, and the seen distance within which the robot may have
 /// arrived and rest.
-fn loop_of(config: &Config) -> (Shipped, f64, f64) {
+fn loop_of(config: &Config) -> (DeployedController, f64, f64) {
     let (law, drive, braking, limits) = (config.law(), config.drive(), config.braking(), config.limits());
-    let subject = Shipped { law, drive, braking, limits };
+    let controller = DeployedController { law, drive, braking, limits };
     let tolerance = config.controller().tolerance;
-    (subject, config.number(&param::PERIOD), tolerance.position * tolerance.release)
+    (controller, config.number(&param::PERIOD), tolerance.position * tolerance.hysteresis)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Bounds;
+    use super::CertifiedBounds;
 
     #[test]
-    fn a_bound_that_is_lost_is_not_kept_and_one_that_is_won_is() {
-        let all = Bounds {
+    fn bounds_comparison_rejects_lost_bounds() {
+        let all = CertifiedBounds {
             capture_radius_m: Some(0.035),
             final_heading_bound_deg: Some(7.0),
             final_position_bound_m: Some(0.04),
         };
-        let wider = Bounds { capture_radius_m: Some(0.076), ..all };
-        let without_heading = Bounds { final_heading_bound_deg: None, ..all };
-        let without_position = Bounds { final_position_bound_m: None, ..all };
+        let wider = CertifiedBounds { capture_radius_m: Some(0.076), ..all };
+        let without_heading = CertifiedBounds { final_heading_bound_deg: None, ..all };
+        let without_position = CertifiedBounds { final_position_bound_m: None, ..all };
         assert!(wider.keep(&all) && all.keep(&without_heading) && without_heading.keep(&without_heading));
         assert!(!without_heading.keep(&all) && !without_position.keep(&all));
         assert!(!without_heading.keep(&without_position));

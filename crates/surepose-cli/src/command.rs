@@ -14,8 +14,8 @@ mod tune;
 
 use clap::Subcommand;
 
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
 use crate::output::Output;
 
 /// What to do.
@@ -52,7 +52,7 @@ impl Default for Command {
 
 impl Command {
     /// Does it.
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         match self {
             Self::Run(command) => command.run(output),
             Self::Reproduce(command) => command.run(output),

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
 use crate::output::{Output, text, warning};
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
@@ -64,7 +64,7 @@ pub(crate) fn asked() -> bool {
 ///
 /// # Errors
 /// Those of standard output.
-pub(crate) fn nothing(output: Output) -> Result<Exit, Failure> {
+pub(crate) fn nothing(output: Output) -> Result<Exit, CliError> {
     warning(NOTHING);
     if output.json {
         text(&empty())?;

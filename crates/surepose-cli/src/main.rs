@@ -3,14 +3,14 @@
 //! The program is thin: it reads options and files, calls the libraries, and prints. One file per command.
 
 mod certification;
-mod columns;
 mod command;
+mod error;
 mod exit;
-mod failure;
-mod folder;
 mod interrupt;
 mod maps;
 mod output;
+mod output_dir;
+mod parquet;
 mod progress;
 mod settings;
 
@@ -18,8 +18,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use error::CliError;
 use exit::Exit;
-use failure::Failure;
 
 /// Drive a differential robot to a pose, and be sure.
 #[derive(Debug, Parser)]
@@ -67,7 +67,7 @@ Exit codes:
   130  interrupted; what was finished is kept";
 
 fn main() -> ExitCode {
-    failure::style_messages();
+    error::style_messages();
     let ended = match Program::try_parse() {
         Ok(program) => {
             let output = output::Output { json: program.json };
@@ -86,7 +86,7 @@ fn main() -> ExitCode {
 }
 
 /// Says what is wrong with the command line, or prints the help or the version that was asked for.
-fn parted(problem: &clap::Error) -> Result<Exit, Failure> {
+fn parted(problem: &clap::Error) -> Result<Exit, CliError> {
     let printed = problem.print();
     if problem.use_stderr() {
         return Ok(Exit::Usage);

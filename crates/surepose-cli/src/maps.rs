@@ -6,29 +6,29 @@ use surepose_data::grid::Grid;
 use surepose_data::wall_map::{self, WallMap};
 use surepose_data::{DataError, map_server};
 use surepose_lab::mapping::from_grid;
-use surepose_lab::rig::Reading;
+use surepose_lab::robot::ScanMethod;
 
 use crate::output::warning;
 
 /// What a map file holds.
-pub(crate) enum Known {
+pub(crate) enum MapFile {
     Walls(WallMap),
     Grid(Grid),
 }
 
 /// A map file, which its name tells the kind of, compressed or not: `.toml`, `.yaml`, or Wean Hall's own.
-pub(crate) fn known_in(path: &Path) -> Result<Known, DataError> {
+pub(crate) fn read_map_file(path: &Path) -> Result<MapFile, DataError> {
     let ends_in = |path: &Path, extension: &str| {
         path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
     };
     let name = if ends_in(path, "gz") { &path.with_extension("") } else { path };
     let is = |extension: &str| ends_in(name, extension);
     Ok(if is("toml") {
-        Known::Walls(wall_map::read(path)?)
+        MapFile::Walls(wall_map::read(path)?)
     } else if is("yaml") || is("yml") {
-        Known::Grid(grid_in(path)?)
+        MapFile::Grid(grid_in(path)?)
     } else {
-        Known::Grid(surepose_data::wean::read_grid(path)?)
+        MapFile::Grid(surepose_data::cmu_wean::read_grid(path)?)
     })
 }
 
@@ -47,9 +47,9 @@ pub(crate) fn walls_in(path: &Path) -> Result<WallMap, DataError> {
 }
 
 /// The same, and how scans are laid on them: walls that a grid was traced for are short.
-pub(crate) fn walls_to_read(path: &Path) -> Result<(WallMap, Reading), DataError> {
-    Ok(match known_in(path)? {
-        Known::Walls(map) => (map, Reading::Lines),
-        Known::Grid(grid) => (from_grid::walls_of(&grid).map, Reading::Beams),
+pub(crate) fn walls_to_read(path: &Path) -> Result<(WallMap, ScanMethod), DataError> {
+    Ok(match read_map_file(path)? {
+        MapFile::Walls(map) => (map, ScanMethod::Lines),
+        MapFile::Grid(grid) => (from_grid::extract_walls(&grid).map, ScanMethod::Beams),
     })
 }

@@ -6,7 +6,7 @@ use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::failure::Failure;
+use crate::error::CliError;
 use crate::interrupt;
 
 /// Columns of a message.
@@ -28,7 +28,7 @@ impl Output {
         self,
         json: &Map<String, Value>,
         table: impl FnOnce() -> Table,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), CliError> {
         if self.json {
             return text(&format!("{}\n", Value::Object(json.clone())));
         }
@@ -50,7 +50,7 @@ pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
 ///
 /// # Errors
 /// What else can be wrong with standard output: a full disk takes a result away, and a script must not go on without it.
-pub(crate) fn text(text: &str) -> Result<(), Failure> {
+pub(crate) fn text(text: &str) -> Result<(), CliError> {
     // A result that is being printed is the one that there is.
     interrupt::listen();
     let mut out = std::io::stdout().lock();
@@ -58,9 +58,9 @@ pub(crate) fn text(text: &str) -> Result<(), Failure> {
 }
 
 /// What came of printing on standard output, with what is still held back.
-pub(crate) fn printed(so_far: std::io::Result<()>) -> Result<(), Failure> {
+pub(crate) fn printed(so_far: std::io::Result<()>) -> Result<(), CliError> {
     match so_far.and_then(|()| std::io::stdout().flush()) {
-        Err(problem) if problem.kind() != ErrorKind::BrokenPipe => Err(Failure::Print { problem }),
+        Err(problem) if problem.kind() != ErrorKind::BrokenPipe => Err(CliError::Print { problem }),
         _ => Ok(()),
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::failure::Failure;
+use crate::error::CliError;
 use crate::interrupt;
 use crate::output::Output;
 
@@ -35,7 +35,7 @@ pub(crate) fn attended<T: Send>(
     part: impl Fn() -> f64,
     stop: impl Fn(),
     work: impl FnOnce() -> T + Send,
-) -> Result<T, Failure> {
+) -> Result<T, CliError> {
     interrupt::listen();
     let done = std::thread::scope(|scope| {
         let running = scope.spawn(work);
@@ -52,7 +52,7 @@ pub(crate) fn attended<T: Send>(
     });
     bar.finish_and_clear();
     // A thread ends early only where the library is at fault; there is then nothing to report.
-    done.map_err(|_| Failure::Usage {
+    done.map_err(|_| CliError::Usage {
         what: "the work ended early".to_owned(),
         help: "this is a mistake of the program".to_owned(),
     })

@@ -8,10 +8,10 @@ use std::str::FromStr;
 use clap::Args;
 use surepose::{Angle, Body, Map, Pose, param};
 use surepose_data::Config;
-use surepose_data::config::{Origin, Setting, Value};
+use surepose_data::config::{Setting, Value, ValueSource};
 use surepose_ros2::Names;
 
-use crate::failure::Failure;
+use crate::error::CliError;
 
 /// Where the configuration comes from.
 #[derive(Clone, Debug, Default, Args)]
@@ -32,7 +32,7 @@ impl ConfigArgs {
     }
 
     /// `base`, with the file's values and the options' over it.
-    pub(crate) fn over(&self, base: Config) -> Result<Config, Failure> {
+    pub(crate) fn over(&self, base: Config) -> Result<Config, CliError> {
         let mut config = base;
         if let Some(file) = &self.config {
             config = config.with_file(file)?;
@@ -56,13 +56,13 @@ pub(crate) struct LawArgs {
 
 impl LawArgs {
     /// `base`, with the file's values and the options' over it.
-    pub(crate) fn over(&self, base: Config) -> Result<Config, Failure> {
+    pub(crate) fn over(&self, base: Config) -> Result<Config, CliError> {
         let config = self.config.over(base)?;
         let Some(name) = &self.law else { return Ok(config) };
         let set = config.choice(&param::LAW_NAME);
-        if config.origin(&param::LAW_NAME) == Origin::CommandLine && set != name {
+        if config.origin(&param::LAW_NAME) == ValueSource::CommandLine && set != name {
             let what = format!("--law {name} and --set law.name={set} are two laws");
-            return Err(Failure::Usage { what, help: "leave one of them out".to_owned() });
+            return Err(CliError::Usage { what, help: "leave one of them out".to_owned() });
         }
         Ok(config.with_option_of("--law", &format!("law.name={name}"))?)
     }
@@ -109,8 +109,8 @@ impl FromStr for PoseArg {
 }
 
 /// What the topics of a recording are called.
-pub(crate) fn names_of(remap: &[String]) -> Result<Names, Failure> {
-    Names::new("/", remap).map_err(|error| Failure::Usage {
+pub(crate) fn names_of(remap: &[String]) -> Result<Names, CliError> {
+    Names::new("/", remap).map_err(|error| CliError::Usage {
         what: error.to_string(),
         help: "for example --remap odom:=/base/odom".to_owned(),
     })

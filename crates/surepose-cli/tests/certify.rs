@@ -98,7 +98,7 @@ fn the_margin_is_drawn_and_agrees_with_the_certificate() {
 }
 
 #[test]
-fn gaussian_noise_is_certified_on_average_and_says_what_it_leaves_out() {
+fn drift_certificate_covers_gaussian_noise() {
     let asked = |part: &str| {
         let bench = ["--noise-position", "0.005", "--noise-heading", "0.3", "--noise-speed-part", part];
         surepose(&[&["certify", "--gaussian", "--json"][..], &bench].concat())

@@ -126,7 +126,7 @@ fn the_parquet_file_holds_the_numbers_of_the_csv() {
     let far = "law.capture_radius_m=0.033";
     let arguments = ["--runs", "60", "--law", "paper", "--noise", "bench", "--period", "0.1", "--set", far];
     let files = written("sweep-parquet", &arguments);
-    let bytes = |wanted: &str| files.iter().find(|(name, _)| name == wanted).expect("written").1.clone();
+    let bytes = |expected: &str| files.iter().find(|(name, _)| name == expected).expect("written").1.clone();
     let mut csv = csv::Reader::from_reader(std::io::Cursor::new(bytes("trials.csv")));
     let header = csv.headers().expect("a header").clone();
     let lines: Vec<csv::StringRecord> = csv.records().map(|line| line.expect("a line")).collect();
@@ -176,7 +176,7 @@ fn pictures_stay_small_and_few_starts_or_failures_draw_too() {
 
 /// Only the full loop has a filter to judge.
 #[test]
-fn the_full_loop_says_how_good_the_filter_is() {
+fn full_loop_reports_filter_consistency() {
     let keys = ["nees_mean", "position_rmse_m", "heading_rmse_deg", "refused_part"];
     let full = surepose(&["sweep", "--loop", "ekf", "--runs", "50", "--json"]);
     assert_eq!(full.code, 0, "{}", full.stderr);
@@ -239,7 +239,7 @@ fn a_wrong_command_line_exits_with_2() {
 }
 
 #[test]
-fn a_sweep_in_which_nothing_arrives_says_so() {
+fn sweep_without_success_is_reported() {
     let run = surepose(&["sweep", "--runs", "20", "--set", "law.k_v=0.001"]);
     assert!(run.stderr.contains("success") && run.stderr.contains("0.000 %"), "{}", run.stderr);
     assert!(!run.stderr.contains("reversals"), "{}", run.stderr);

@@ -62,9 +62,9 @@ fn the_configuration_holds_what_was_tuned_and_given_and_nothing_of_the_bench() {
         .map(|(key, _)| key)
         .collect();
     keys.sort_unstable();
-    let mut wanted = [&GAINS[..], &["braking", "name", "period_s", "track_m"]].concat();
-    wanted.sort_unstable();
-    assert_eq!(keys, wanted, "{text}");
+    let mut expected = [&GAINS[..], &["braking", "name", "period_s", "track_m"]].concat();
+    expected.sort_unstable();
+    assert_eq!(keys, expected, "{text}");
 
     let shown = surepose(&["config", "show", path, "--json"]).json();
     let default = surepose(&["config", "show", "--json"]).json();

@@ -15,13 +15,13 @@
 //! it was corrected.
 //!
 //! # Laser position
-//! The pose on a `FLASER` line is used as that of the laser: [`Scan::mount`] is zero, and the parameter
+//! The pose on a `FLASER` line is used as that of the laser: [`ScanRecord::mount`] is zero, and the parameter
 //! `robot_frontlaser_offset` is not applied. In `freiburg-101`, where it is −0.04 m, the map drawn from all scans is
 //! sharpest without it (entropy over 6 cm cells: 8.668 without, 8.817 with; 9.226 and 9.329 in `belgioioso`).
 //!
 //! # Stamps
-//! Some logs, `belgioioso` among them, have stamps rounded to hours. [`Scan::odometry`] and
-//! [`Scan::odometry_before`] join scans and odometry without them.
+//! Some logs, `belgioioso` among them, have stamps rounded to hours. [`ScanRecord::odometry`] and
+//! [`ScanRecord::odometry_before`] join scans and odometry without them.
 
 use std::ops::Range;
 use std::path::Path;
@@ -30,9 +30,9 @@ use surepose::{Angle, Body, Map, Pose};
 
 use crate::error::{DataError, Problem, excerpt};
 use crate::half_circle;
-use crate::lines::{Clock, Column, Line, Lines};
+use crate::lines::{Clock, Field, LineReader, TextLine};
 use crate::quantity::{ANGLE, POSITION};
-use crate::recording::{Mount, Recording, Scan, StampedPose};
+use crate::recording::{Recording, ScanRecord, SensorPose, StampedPose};
 
 /// Ranges that are returns \[m\]. The laser reports 81.9 m where nothing came back; what it reports between 50 m and
 /// that is beyond its rated range.
@@ -46,14 +46,14 @@ const FLASER_OTHERS: usize = 11;
 /// # Errors
 /// A missing, unreadable or malformed file, by name and line.
 pub fn read(path: &Path) -> Result<Recording<StampedPose>, DataError> {
-    parse(Lines::open(path)?)
+    parse(LineReader::open(path)?)
 }
 
 /// Reads a log from its lines.
 ///
 /// # Errors
 /// A malformed line, by number; a log without scans.
-pub fn parse(mut lines: Lines<'_>) -> Result<Recording<StampedPose>, DataError> {
+pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedPose>, DataError> {
     let mut log = Log::default();
     while let Some(line) = lines.next_record()? {
         let columns = line.all_columns();
@@ -104,7 +104,7 @@ impl Default for Log {
 }
 
 impl Log {
-    fn flaser(&mut self, line: Line<'_>, values: &[Column<'_>]) -> Result<(), DataError> {
+    fn flaser(&mut self, line: TextLine<'_>, values: &[Field<'_>]) -> Result<(), DataError> {
         let Some((count, values)) = values.split_first() else {
             return Err(too_few(line, 1));
         };
@@ -126,12 +126,12 @@ impl Log {
         let corrected = place(x, y, heading)?;
         let (angle_min, angle_increment) = half_circle::beams(found);
         self.recording.reference.push(stamped(time, corrected));
-        self.recording.scans.push(Scan {
+        self.recording.scans.push(ScanRecord {
             time,
             angle_min,
             angle_increment,
             ranges,
-            mount: Mount::default(),
+            mount: SensorPose::default(),
             odometry: self.raw.map(|raw| stamped(time, raw)),
             odometry_before: self.recording.odometry.len(),
         });
@@ -139,7 +139,7 @@ impl Log {
         Ok(())
     }
 
-    fn odom(&mut self, line: Line<'_>) -> Result<(), DataError> {
+    fn odom(&mut self, line: TextLine<'_>) -> Result<(), DataError> {
         let [_name, x, y, heading, _v, _w, _a, time, _host, _log_time] =
             line.split("ODOM, x, y, heading, v, w, acceleration, time, host, log time")?;
         let here = place(&x, &y, &heading)?;
@@ -159,13 +159,13 @@ impl Log {
     }
 }
 
-fn too_few(line: Line<'_>, found: usize) -> DataError {
+fn too_few(line: TextLine<'_>, found: usize) -> DataError {
     let layout = "FLASER, number of ranges, ranges, x, y, heading, x, y, heading, time, host, log time";
     line.error(Problem::Columns { expected: FLASER_OTHERS + 1, found, layout })
 }
 
-fn place(x: &Column<'_>, y: &Column<'_>, heading: &Column<'_>) -> Result<Place, DataError> {
-    let heading = Angle::wrapped(heading.read("heading", &ANGLE)?);
+fn place(x: &Field<'_>, y: &Field<'_>, heading: &Field<'_>) -> Result<Place, DataError> {
+    let heading = Angle::from_radians(heading.read("heading", &ANGLE)?);
     Ok(Pose::new(x.read("x", &POSITION)?, y.read("y", &POSITION)?, heading))
 }
 

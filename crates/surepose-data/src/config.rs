@@ -5,20 +5,20 @@
 //! core's constants can be made from it without failing: [`build`](self) is where that happens, once for every
 //! command.
 
-mod advice;
 mod build;
 mod file;
 mod key;
 mod problem;
 #[cfg(test)]
 mod tests;
+mod warnings;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use surepose::param::{self, Kind, Parameter};
 
-pub use build::{CompassMounting, LaserMounting};
+pub use build::{CompassParameters, LaserParameters};
 pub use key::parameter;
 pub use problem::{ConfigError, ConfigProblem};
 
@@ -39,7 +39,7 @@ pub struct Setting {
     /// Its value, in the unit of its key.
     pub value: Value,
     /// Where the value came from.
-    pub origin: Origin,
+    pub origin: ValueSource,
 }
 
 /// The value of a parameter, in the unit of its key.
@@ -53,7 +53,7 @@ pub enum Value {
 
 /// Where a value came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum ValueSource {
     /// The table of parameters.
     Default,
     /// What fits a format of recordings, or a scenario, better than the default.
@@ -78,7 +78,7 @@ impl fmt::Display for Value {
     }
 }
 
-impl fmt::Display for Origin {
+impl fmt::Display for ValueSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Default => f.write_str("default"),
@@ -92,7 +92,8 @@ impl fmt::Display for Origin {
 impl Default for Config {
     /// Every parameter at the table's default.
     fn default() -> Self {
-        let setting = |parameter| Setting { parameter, value: default(parameter), origin: Origin::Default };
+        let setting =
+            |parameter| Setting { parameter, value: default(parameter), origin: ValueSource::Default };
         Self { settings: param::ALL.iter().map(setting).collect() }
     }
 }
@@ -126,7 +127,7 @@ impl Config {
     #[must_use]
     pub fn with_preset(mut self, name: &'static str, values: &[(&Parameter, f64)]) -> Self {
         for (parameter, value) in values {
-            self.put_number(parameter, *value, Origin::Preset(name));
+            self.put_number(parameter, *value, ValueSource::Preset(name));
         }
         self
     }
@@ -142,7 +143,7 @@ impl Config {
         if let Kind::Choice { options } = parameter.kind
             && let Some(option) = options.iter().find(|option| **option == choice)
         {
-            self.put(Setting { parameter, value: Value::Choice(option), origin: Origin::Preset(name) });
+            self.put(Setting { parameter, value: Value::Choice(option), origin: ValueSource::Preset(name) });
         }
         self
     }
@@ -169,7 +170,7 @@ impl Config {
         let toml = option_as_toml(text).ok_or_else(malformed)?;
         let settings = file::parse(name, toml.as_bytes()).map_err(ConfigError::without_lines)?;
         let [setting] = settings.as_slice() else { return Err(malformed()) };
-        self.put(Setting { origin: Origin::CommandLine, ..setting.clone() });
+        self.put(Setting { origin: ValueSource::CommandLine, ..setting.clone() });
         Ok(self)
     }
 
@@ -190,8 +191,8 @@ impl Config {
     }
 
     /// Where a value came from.
-    pub fn origin(&self, parameter: &Parameter) -> Origin {
-        self.setting(parameter).map_or(Origin::Default, |setting| setting.origin.clone())
+    pub fn origin(&self, parameter: &Parameter) -> ValueSource {
+        self.setting(parameter).map_or(ValueSource::Default, |setting| setting.origin.clone())
     }
 
     /// Every value, in the order of the table.
@@ -207,10 +208,10 @@ impl Config {
         self.settings.iter().find(|setting| setting.parameter == parameter)
     }
 
-    fn put_number(&mut self, parameter: &Parameter, value: f64, origin: Origin) {
+    fn put_number(&mut self, parameter: &Parameter, value: f64, origin: ValueSource) {
         let fits = match parameter.kind {
-            Kind::Number { range, .. } => range.admits(value),
-            Kind::Whole { range, .. } => range.admits(value) && value.fract() == 0.0,
+            Kind::Number { range, .. } => range.contains(value),
+            Kind::Integer { range, .. } => range.contains(value) && value.fract() == 0.0,
             Kind::Choice { .. } => false,
         };
         if fits && let Some(slot) = self.settings.iter_mut().find(|slot| slot.parameter == parameter) {
@@ -229,7 +230,7 @@ impl Config {
 fn default(parameter: &Parameter) -> Value {
     match parameter.kind {
         Kind::Number { default, .. } => Value::Number(default),
-        Kind::Whole { default, .. } => Value::Number(default.into()),
+        Kind::Integer { default, .. } => Value::Number(default.into()),
         Kind::Choice { options } => Value::Choice(options.first().copied().unwrap_or("")),
     }
 }

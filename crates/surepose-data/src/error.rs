@@ -60,14 +60,14 @@ pub enum Problem {
         found: u64,
     },
     /// A column holds no number (or no whole number where one is needed).
-    #[error("column {column} ({name}) is not {wanted}: '{value}'")]
+    #[error("column {column} ({name}) is not {expected}: '{value}'")]
     NotANumber {
         /// Column, counted from 1.
         column: usize,
         /// What the column holds.
         name: &'static str,
         /// `a number` or `a whole number`.
-        wanted: &'static str,
+        expected: &'static str,
         /// The text found there, shortened.
         value: String,
     },
@@ -130,10 +130,10 @@ pub enum Problem {
         message: String,
     },
     /// A recording without the robot that was asked for.
-    #[error("robot {wanted} is not in this data set; it has robots {present}")]
+    #[error("robot {expected} is not in this data set; it has robots {present}")]
     UnknownRobot {
         /// The robot that was asked for.
-        wanted: u32,
+        expected: u32,
         /// The robots there are, separated by commas.
         present: String,
     },
@@ -178,10 +178,10 @@ impl fmt::Display for Place<'_> {
 
 /// Text from a file made fit for a message: short, and without control characters.
 pub(crate) fn excerpt(text: &[u8]) -> String {
-    const LONGEST: usize = 32;
-    let head = &text[..text.len().min(LONGEST)];
+    const MAX_SHOWN: usize = 32;
+    let head = &text[..text.len().min(MAX_SHOWN)];
     let mut shown: String = String::from_utf8_lossy(head).escape_debug().collect();
-    if text.len() > LONGEST {
+    if text.len() > MAX_SHOWN {
         shown.push('…');
     }
     shown

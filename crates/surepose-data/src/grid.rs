@@ -3,7 +3,7 @@
 use surepose::{Angle, Frame, Map, Point, Pose};
 
 /// Most cells of a grid: 8192 by 8192, half a gigabyte.
-pub const MOST_CELLS: usize = 1 << 26;
+pub const MAX_CELLS: usize = 1 << 26;
 
 /// A rectangle of square cells, each occupied with some probability.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Grid {
     /// Side of a cell \[m\].
     pub resolution: f64,
     /// Where the outer corner of cell (0, 0) lies in the map, and how the grid is turned there.
-    pub origin: Origin,
+    pub origin: GridOrigin,
     /// Probability that a cell is occupied, `None` where it is unknown; `height` rows of `width` cells, beginning
     /// with the row at the origin.
     pub cells: Vec<Option<f32>>,
@@ -23,7 +23,7 @@ pub struct Grid {
 
 /// Where a grid lies in the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Origin {
+pub struct GridOrigin {
     /// Position \[m\].
     pub x: f64,
     /// Position \[m\].
@@ -59,7 +59,7 @@ impl Grid {
 
     /// Where the frame of the cells lies in the map.
     pub fn map_from_cells(&self) -> Pose<Map, Cells, f64> {
-        Pose::new(self.origin.x, self.origin.y, Angle::wrapped(self.origin.heading))
+        Pose::new(self.origin.x, self.origin.y, Angle::from_radians(self.origin.heading))
     }
 }
 

@@ -7,12 +7,12 @@
 //! |---|---|---|
 //! | [`mrclam`] | UTIAS MRCLAM folder: commanded velocities, barcode sightings, motion capture | [`mrclam::RobotLog`] |
 //! | [`carmen`] | CARMEN log corrected by SLAM: `FLASER`, `ODOM` | [`Recording`](recording::Recording) of poses |
-//! | [`ticks`] | `mines_rover`: wheel counters and 682 ranges per line | [`Recording`](recording::Recording) of ticks |
-//! | [`wean`] | CMU Wean Hall: log of `O` and `L` lines; text grid | [`Recording`](recording::Recording) of poses, [`grid::Grid`] |
+//! | [`mines_rover`] | `mines_rover`: wheel counters and 682 ranges per line | [`Recording`](recording::Recording) of ticks |
+//! | [`cmu_wean`] | CMU Wean Hall: log of `O` and `L` lines; text grid | [`Recording`](recording::Recording) of poses, [`grid::Grid`] |
 //! | [`map_server`] | ROS map server: YAML beside an image | [`grid::Grid`] |
 //! | [`pgm`] | grey images, `P5` and `P2` | [`pgm::Image`] |
 //! | [`wall_map`] | walls by their end points, TOML; also written | [`wall_map::WallMap`] |
-//! | [`starts`] | start poses, CSV | poses seen from the goal |
+//! | [`start_poses`] | start poses, CSV | poses seen from the goal |
 //! | [`config`] | the configuration, TOML | [`Config`] |
 //!
 //! Recordings, grids and images may be plain or gzip; their first two bytes tell which, not their name.
@@ -35,12 +35,13 @@
 //! that goes back. Only what a format itself calls missing is a value: a laser beam without return, and a barcode
 //! that belongs to nobody.
 //!
-//! No input makes a parser panic. Memory is bounded by constants: a text is at most [`lines::LONGEST_TEXT`] bytes
-//! after decompression, a line [`lines::LONGEST_LINE`] bytes, a grid [`grid::MOST_CELLS`] cells, and nothing is allocated
+//! No input makes a parser panic. Memory is bounded by constants: a text is at most [`lines::MAX_TEXT_BYTES`] bytes
+//! after decompression, a line [`lines::MAX_LINE_BYTES`] bytes, a grid [`grid::MAX_CELLS`] cells, and nothing is allocated
 //! for a count that a file merely declares; a gzip bomb of the shortest valid records ends, refused, at 1.05 GB.
 //! `fuzz/` has a target per parser.
 
 pub mod carmen;
+pub mod cmu_wean;
 pub mod config;
 mod document;
 pub mod error;
@@ -48,15 +49,14 @@ pub mod grid;
 mod half_circle;
 pub mod lines;
 pub mod map_server;
+pub mod mines_rover;
 pub mod mrclam;
 pub mod pgm;
 mod quantity;
 pub mod recording;
 mod source;
-pub mod starts;
-pub mod ticks;
+pub mod start_poses;
 pub mod wall_map;
-pub mod wean;
 
 pub use config::{Config, ConfigError};
 pub use error::{DataError, Problem};

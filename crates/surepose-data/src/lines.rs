@@ -1,7 +1,7 @@
 //! Lines of a text recording, plain or gzip, with their numbers, and columns with typed errors.
 //!
-//! Memory is bounded: one line is held at a time, a line is at most [`LONGEST_LINE`] bytes and a text at most
-//! [`LONGEST_TEXT`] bytes after decompression, so neither a binary file nor a gzip bomb exhausts the machine.
+//! Memory is bounded: one line is held at a time, a line is at most [`MAX_LINE_BYTES`] bytes and a text at most
+//! [`MAX_TEXT_BYTES`] bytes after decompression, so neither a binary file nor a gzip bomb exhausts the machine.
 
 use std::io::{BufRead, Read};
 use std::ops::Range;
@@ -12,16 +12,16 @@ use crate::quantity::{Quantity, RANGE, TIME};
 use crate::source::Source;
 
 /// Longest line that is read \[bytes\]: a scan of 100 000 ranges.
-pub const LONGEST_LINE: usize = 1 << 20;
+pub const MAX_LINE_BYTES: usize = 1 << 20;
 
 /// Longest text that is read, after decompression \[bytes\].
-pub const LONGEST_TEXT: u64 = 1 << 28;
+pub const MAX_TEXT_BYTES: u64 = 1 << 28;
 
 /// U+FEFF in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A text file, read line by line.
-pub struct Lines<'a> {
+pub struct LineReader<'a> {
     file: PathBuf,
     source: Source<'a>,
     line: Vec<u8>,
@@ -29,7 +29,7 @@ pub struct Lines<'a> {
     bytes_left: u64,
 }
 
-impl Lines<'static> {
+impl LineReader<'static> {
     /// Opens a file, plain or gzip; which of the two, its first bytes tell.
     ///
     /// # Errors
@@ -40,14 +40,14 @@ impl Lines<'static> {
     }
 }
 
-impl<'a> Lines<'a> {
+impl<'a> LineReader<'a> {
     /// Reads text, plain or gzip, that is in memory; `file` is the name that errors give it.
     pub fn from_bytes(file: &Path, bytes: &'a [u8]) -> Self {
         Self::new(file, Source::from_bytes(bytes))
     }
 
     fn new(file: &Path, source: Source<'a>) -> Self {
-        Self { file: file.to_owned(), source, line: Vec::new(), number: 0, bytes_left: LONGEST_TEXT }
+        Self { file: file.to_owned(), source, line: Vec::new(), number: 0, bytes_left: MAX_TEXT_BYTES }
     }
 
     /// The name of the file, as errors give it.
@@ -64,7 +64,7 @@ impl<'a> Lines<'a> {
     ///
     /// # Errors
     /// A damaged gzip stream, an unreadable disk, a line or a text beyond its limit.
-    pub fn next_line(&mut self) -> Result<Option<Line<'_>>, DataError> {
+    pub fn next_line(&mut self) -> Result<Option<TextLine<'_>>, DataError> {
         while self.advance()? {
             if !self.current().text.is_empty() {
                 return Ok(Some(self.current()));
@@ -74,7 +74,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The next line that is not a `#` comment either.
-    pub(crate) fn next_record(&mut self) -> Result<Option<Line<'_>>, DataError> {
+    pub(crate) fn next_record(&mut self) -> Result<Option<TextLine<'_>>, DataError> {
         while self.advance()? {
             if !matches!(self.current().text, [] | [b'#', ..]) {
                 return Ok(Some(self.current()));
@@ -87,24 +87,24 @@ impl<'a> Lines<'a> {
     fn advance(&mut self) -> Result<bool, DataError> {
         self.line.clear();
         self.number += 1;
-        let limit = self.bytes_left.min(LONGEST_LINE as u64) + 1;
+        let limit = self.bytes_left.min(MAX_LINE_BYTES as u64) + 1;
         let result = (&mut self.source.input).take(limit).read_until(b'\n', &mut self.line);
         let read = result.map_err(|error| self.line_error(self.source.unreadable(error)))? as u64;
         if read > self.bytes_left {
-            return Err(self.line_error(Problem::TooLarge { limit: LONGEST_TEXT }));
+            return Err(self.line_error(Problem::TooLarge { limit: MAX_TEXT_BYTES }));
         }
-        if read > LONGEST_LINE as u64 {
-            return Err(self.line_error(Problem::LineTooLong { limit: LONGEST_LINE }));
+        if read > MAX_LINE_BYTES as u64 {
+            return Err(self.line_error(Problem::LineTooLong { limit: MAX_LINE_BYTES }));
         }
         self.bytes_left -= read;
         Ok(read > 0)
     }
 
     /// The line that was read, without the mark that some editors put at a text's start.
-    fn current(&self) -> Line<'_> {
+    fn current(&self) -> TextLine<'_> {
         let marked = if self.number == 1 { self.line.strip_prefix(BYTE_ORDER_MARK) } else { None };
         let text = marked.unwrap_or(&self.line).trim_ascii();
-        Line { file: &self.file, number: self.number, text }
+        TextLine { file: &self.file, number: self.number, text }
     }
 
     fn line_error(&self, problem: Problem) -> DataError {
@@ -114,13 +114,13 @@ impl<'a> Lines<'a> {
 
 /// One line of a file, without the blanks around it.
 #[derive(Clone, Copy, Debug)]
-pub struct Line<'l> {
+pub struct TextLine<'l> {
     file: &'l Path,
     number: u64,
     text: &'l [u8],
 }
 
-impl<'l> Line<'l> {
+impl<'l> TextLine<'l> {
     /// The text of the line.
     pub fn text(&self) -> &'l [u8] {
         self.text
@@ -132,18 +132,18 @@ impl<'l> Line<'l> {
     }
 
     /// The columns, split at blanks.
-    pub(crate) fn columns(self) -> impl Iterator<Item = Column<'l>> {
+    pub(crate) fn columns(self) -> impl Iterator<Item = Field<'l>> {
         let words = self.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        words.enumerate().map(move |(before, text)| Column { line: self, number: before + 1, text })
+        words.enumerate().map(move |(before, text)| Field { line: self, number: before + 1, text })
     }
 
-    /// All columns; a line has at most half as many as [`LONGEST_LINE`].
-    pub(crate) fn all_columns(self) -> Vec<Column<'l>> {
+    /// All columns; a line has at most half as many as [`MAX_LINE_BYTES`].
+    pub(crate) fn all_columns(self) -> Vec<Field<'l>> {
         self.columns().collect()
     }
 
     /// Exactly `N` columns; `layout` names them for the error.
-    pub(crate) fn split<const N: usize>(self, layout: &'static str) -> Result<[Column<'l>; N], DataError> {
+    pub(crate) fn split<const N: usize>(self, layout: &'static str) -> Result<[Field<'l>; N], DataError> {
         self.exactly(self.columns(), layout)
     }
 
@@ -151,17 +151,17 @@ impl<'l> Line<'l> {
     pub(crate) fn split_at_commas<const N: usize>(
         self,
         layout: &'static str,
-    ) -> Result<[Column<'l>; N], DataError> {
+    ) -> Result<[Field<'l>; N], DataError> {
         let cells = self.text.split(|&byte| byte == b',').map(<[u8]>::trim_ascii).enumerate();
-        self.exactly(cells.map(|(before, text)| Column { line: self, number: before + 1, text }), layout)
+        self.exactly(cells.map(|(before, text)| Field { line: self, number: before + 1, text }), layout)
     }
 
     fn exactly<const N: usize>(
         self,
-        mut columns: impl Iterator<Item = Column<'l>>,
+        mut columns: impl Iterator<Item = Field<'l>>,
         layout: &'static str,
-    ) -> Result<[Column<'l>; N], DataError> {
-        let mut exact = [Column { line: self, number: 0, text: &[] }; N];
+    ) -> Result<[Field<'l>; N], DataError> {
+        let mut exact = [Field { line: self, number: 0, text: &[] }; N];
         let mut found = 0;
         for (place, column) in exact.iter_mut().zip(&mut columns) {
             *place = column;
@@ -174,13 +174,13 @@ impl<'l> Line<'l> {
 
 /// One column of a line.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Column<'l> {
-    line: Line<'l>,
+pub(crate) struct Field<'l> {
+    line: TextLine<'l>,
     number: usize,
     text: &'l [u8],
 }
 
-impl<'l> Column<'l> {
+impl<'l> Field<'l> {
     /// The text of the column.
     pub(crate) fn text(&self) -> &'l [u8] {
         self.text
@@ -217,22 +217,25 @@ impl<'l> Column<'l> {
 
     /// A finite number.
     pub(crate) fn finite(&self, name: &'static str) -> Result<f64, DataError> {
-        let (column, wanted) = (self.number, "a number");
+        let (column, expected) = (self.number, "a number");
         match fast_float2::parse::<f64, _>(self.text) {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(self.line.error(Problem::NotFinite { column, name, value: excerpt(self.text) })),
-            Err(_) => {
-                Err(self.line.error(Problem::NotANumber { column, name, wanted, value: excerpt(self.text) }))
-            }
+            Err(_) => Err(self.line.error(Problem::NotANumber {
+                column,
+                name,
+                expected,
+                value: excerpt(self.text),
+            })),
         }
     }
 
     /// A whole number.
     pub(crate) fn whole<N: std::str::FromStr>(&self, name: &'static str) -> Result<N, DataError> {
         let parsed = std::str::from_utf8(self.text).ok().and_then(|text| text.parse().ok());
-        let (column, wanted) = (self.number, "a whole number");
+        let (column, expected) = (self.number, "a whole number");
         parsed.ok_or_else(|| {
-            self.line.error(Problem::NotANumber { column, name, wanted, value: excerpt(self.text) })
+            self.line.error(Problem::NotANumber { column, name, expected, value: excerpt(self.text) })
         })
     }
 }
@@ -245,7 +248,7 @@ pub(crate) struct Clock {
 
 impl Clock {
     /// Reads the stamp in `column`, which is in units of `unit` seconds.
-    pub(crate) fn stamp(&mut self, column: Column<'_>, unit: f64) -> Result<f64, DataError> {
+    pub(crate) fn stamp(&mut self, column: Field<'_>, unit: f64) -> Result<f64, DataError> {
         let found = column.read_in("time", &TIME, unit)?;
         match self.previous.replace(found) {
             Some(previous) if found < previous => {

@@ -11,21 +11,21 @@ use std::path::{Path, PathBuf};
 
 use crate::document::{utf8, wrong};
 use crate::error::DataError;
-use crate::grid::{Grid, Origin};
+use crate::grid::{Grid, GridOrigin};
 use crate::pgm::{self, Image};
 use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION, plain};
-use crate::source::{LONGEST_DOCUMENT, read_all};
+use crate::source::{MAX_DOCUMENT_BYTES, read_all};
 use document::Document;
 
 /// What the YAML file says about the image.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Description {
+pub struct MapMetadata {
     /// The image, as written: relative to the folder of the YAML file.
     pub image: PathBuf,
     /// Side of a pixel \[m\].
     pub resolution: f64,
     /// Where the lower left corner of the image lies in the map.
-    pub origin: Origin,
+    pub origin: GridOrigin,
     /// Whether white is occupied.
     pub negate: bool,
     /// A pixel above this probability is occupied.
@@ -33,12 +33,12 @@ pub struct Description {
     /// A pixel below this probability is free.
     pub free_threshold: f64,
     /// What becomes of pixels between the thresholds.
-    pub mode: Mode,
+    pub mode: MapMode,
 }
 
 /// How grey becomes occupancy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
+pub enum MapMode {
     /// Free, occupied, or else unknown.
     #[default]
     Trinary,
@@ -84,8 +84,8 @@ pub fn image_of(path: &Path) -> Result<PathBuf, DataError> {
 }
 
 /// What the YAML file says, the image that is there, and whether that is another one than is named.
-fn described(path: &Path) -> Result<(Description, PathBuf, Option<Renamed>), DataError> {
-    let description = parse(path, &read_all(path, LONGEST_DOCUMENT)?)?;
+fn described(path: &Path) -> Result<(MapMetadata, PathBuf, Option<Renamed>), DataError> {
+    let description = parse(path, &read_all(path, MAX_DOCUMENT_BYTES)?)?;
     let named = path.with_file_name("").join(&description.image);
     let same = path.with_extension("pgm");
     if named.exists() || !same.exists() {
@@ -98,7 +98,7 @@ fn described(path: &Path) -> Result<(Description, PathBuf, Option<Renamed>), Dat
 ///
 /// # Errors
 /// Text that is not YAML, a key that is missing, or a value that cannot be, by line.
-pub fn parse(file: &Path, bytes: &[u8]) -> Result<Description, DataError> {
+pub fn parse(file: &Path, bytes: &[u8]) -> Result<MapMetadata, DataError> {
     let document = Document::read(file, utf8(file, bytes)?)?;
     let check = |name: &str, (value, line): (f64, u64), quantity: &Quantity| {
         if quantity.admits(value) {
@@ -109,10 +109,10 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<Description, DataError> {
     };
     let [x, y, heading] = document.numbers("origin")?;
     let free = document.number("free_thresh")?;
-    let description = Description {
+    let description = MapMetadata {
         image: PathBuf::from(document.required("image")?.text()),
         resolution: check("resolution", document.number("resolution")?, &RESOLUTION)?,
-        origin: Origin {
+        origin: GridOrigin {
             x: check("origin x", x, &POSITION)?,
             y: check("origin y", y, &POSITION)?,
             heading: check("origin heading", heading, &ANGLE)?,
@@ -134,18 +134,18 @@ fn negate_in(document: &Document<'_>) -> Result<bool, DataError> {
     found.truth().ok_or_else(|| document.unexpected("negate", found, "0, 1, false or true"))
 }
 
-/// `mode`, by default [`Mode::Trinary`].
-fn mode_in(document: &Document<'_>) -> Result<Mode, DataError> {
-    let Some(found) = document.scalar("mode")? else { return Ok(Mode::default()) };
+/// `mode`, by default [`MapMode::Trinary`].
+fn mode_in(document: &Document<'_>) -> Result<MapMode, DataError> {
+    let Some(found) = document.scalar("mode")? else { return Ok(MapMode::default()) };
     match found.text() {
-        "trinary" => Ok(Mode::Trinary),
-        "scale" => Ok(Mode::Scale),
-        "raw" => Ok(Mode::Raw),
+        "trinary" => Ok(MapMode::Trinary),
+        "scale" => Ok(MapMode::Scale),
+        "raw" => Ok(MapMode::Raw),
         _ => Err(document.unexpected("mode", found, "trinary, scale or raw")),
     }
 }
 
-impl Description {
+impl MapMetadata {
     /// The grid that `image` shows.
     pub fn grid(&self, image: &Image) -> Grid {
         let white = f64::from(image.white);
@@ -159,14 +159,14 @@ impl Description {
     fn occupancy(&self, shade: f64) -> Option<f32> {
         let occupied = if self.negate { shade } else { 1.0 - shade };
         match self.mode {
-            Mode::Raw => {
+            MapMode::Raw => {
                 let percent = (shade * 255.0).round();
                 (percent <= 100.0).then_some((percent / 100.0) as f32)
             }
             _ if occupied > self.occupied_threshold => Some(1.0),
             _ if occupied < self.free_threshold => Some(0.0),
-            Mode::Trinary => None,
-            Mode::Scale => {
+            MapMode::Trinary => None,
+            MapMode::Scale => {
                 let between = self.occupied_threshold - self.free_threshold;
                 Some(((occupied - self.free_threshold) / between) as f32)
             }

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{DataError, Problem};
-use crate::lines::{Clock, Lines};
+use crate::lines::{Clock, LineReader};
 use crate::quantity::{ANGLE, POSITION, POSITION_STD, RANGE, SPEED, TURN_RATE};
 use crate::recording::{StampedPose, StampedTwist};
 
@@ -28,7 +28,7 @@ pub struct RobotLog {
     /// Commanded velocities, by time.
     pub odometry: Vec<StampedTwist>,
     /// Sightings of landmarks and of other robots, by time.
-    pub sightings: Vec<Sighting>,
+    pub sightings: Vec<LandmarkObservation>,
     /// True poses, by time.
     pub reference: Vec<StampedPose>,
     /// The landmarks, by subject.
@@ -52,7 +52,7 @@ pub struct Landmark {
 
 /// One barcode seen by the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sighting {
+pub struct LandmarkObservation {
     /// Time \[s\].
     pub time: f64,
     /// Who was seen.
@@ -93,7 +93,7 @@ pub fn read(folder: &Path, robot: u32) -> Result<RobotLog, DataError> {
     let present = robots(folder)?;
     if !present.contains(&robot) {
         let present = present.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-        return Err(DataError::in_file(folder, Problem::UnknownRobot { wanted: robot, present }));
+        return Err(DataError::in_file(folder, Problem::UnknownRobot { expected: robot, present }));
     }
     parse(Files {
         barcodes: open(folder, "Barcodes.dat")?,
@@ -128,15 +128,15 @@ pub fn robots(folder: &Path) -> Result<Vec<u32>, DataError> {
 /// The five texts behind one robot's log.
 pub struct Files<'a> {
     /// `Barcodes.dat`.
-    pub barcodes: Lines<'a>,
+    pub barcodes: LineReader<'a>,
     /// `Landmark_Groundtruth.dat`.
-    pub landmarks: Lines<'a>,
+    pub landmarks: LineReader<'a>,
     /// `RobotN_Odometry.dat`.
-    pub odometry: Lines<'a>,
+    pub odometry: LineReader<'a>,
     /// `RobotN_Measurement.dat`.
-    pub sightings: Lines<'a>,
+    pub sightings: LineReader<'a>,
     /// `RobotN_Groundtruth.dat`.
-    pub reference: Lines<'a>,
+    pub reference: LineReader<'a>,
 }
 
 /// Reads one robot's log from its texts.
@@ -165,13 +165,13 @@ fn robot_of_odometry(name: &str) -> Option<u32> {
 }
 
 /// Opens `name` or, where it is absent, `name.gz`.
-fn open(folder: &Path, name: &str) -> Result<Lines<'static>, DataError> {
+fn open(folder: &Path, name: &str) -> Result<LineReader<'static>, DataError> {
     let plain: PathBuf = folder.join(name);
     let compressed = folder.join(format!("{name}.gz"));
-    Lines::open(if compressed.exists() && !plain.exists() { &compressed } else { &plain })
+    LineReader::open(if compressed.exists() && !plain.exists() { &compressed } else { &plain })
 }
 
-fn parse_barcodes(mut lines: Lines<'_>) -> Result<BTreeMap<u32, u32>, DataError> {
+fn parse_barcodes(mut lines: LineReader<'_>) -> Result<BTreeMap<u32, u32>, DataError> {
     let mut subjects = BTreeMap::new();
     while let Some(line) = lines.next_record()? {
         let [subject, barcode] = line.split("subject, barcode")?;
@@ -184,7 +184,7 @@ fn parse_barcodes(mut lines: Lines<'_>) -> Result<BTreeMap<u32, u32>, DataError>
     Ok(subjects)
 }
 
-fn parse_landmarks(mut lines: Lines<'_>) -> Result<BTreeMap<u32, Landmark>, DataError> {
+fn parse_landmarks(mut lines: LineReader<'_>) -> Result<BTreeMap<u32, Landmark>, DataError> {
     let mut landmarks = BTreeMap::new();
     while let Some(line) = lines.next_record()? {
         let [subject, x, y, x_std, y_std] = line.split("subject, x, y, x std, y std")?;
@@ -203,7 +203,7 @@ fn parse_landmarks(mut lines: Lines<'_>) -> Result<BTreeMap<u32, Landmark>, Data
     Ok(landmarks)
 }
 
-fn parse_odometry(mut lines: Lines<'_>) -> Result<Vec<StampedTwist>, DataError> {
+fn parse_odometry(mut lines: LineReader<'_>) -> Result<Vec<StampedTwist>, DataError> {
     let (mut twists, mut clock) = (Vec::new(), Clock::default());
     while let Some(line) = lines.next_record()? {
         let [time, speed, turn_rate] = line.split("time, forward speed, turn rate")?;
@@ -217,11 +217,14 @@ fn parse_odometry(mut lines: Lines<'_>) -> Result<Vec<StampedTwist>, DataError> 
     Ok(twists)
 }
 
-fn parse_sightings(mut lines: Lines<'_>, target: impl Fn(u32) -> Target) -> Result<Vec<Sighting>, DataError> {
+fn parse_sightings(
+    mut lines: LineReader<'_>,
+    target: impl Fn(u32) -> Target,
+) -> Result<Vec<LandmarkObservation>, DataError> {
     let (mut sightings, mut clock) = (Vec::new(), Clock::default());
     while let Some(line) = lines.next_record()? {
         let [time, barcode, range, bearing] = line.split("time, barcode, range, bearing")?;
-        sightings.push(Sighting {
+        sightings.push(LandmarkObservation {
             time: clock.stamp(time, 1.0)?,
             target: target(barcode.whole("barcode")?),
             range: range.read("range", &RANGE)?,
@@ -231,7 +234,7 @@ fn parse_sightings(mut lines: Lines<'_>, target: impl Fn(u32) -> Target) -> Resu
     Ok(sightings)
 }
 
-fn parse_reference(mut lines: Lines<'_>) -> Result<Vec<StampedPose>, DataError> {
+fn parse_reference(mut lines: LineReader<'_>) -> Result<Vec<StampedPose>, DataError> {
     let (mut poses, mut clock) = (Vec::new(), Clock::default());
     while let Some(line) = lines.next_record()? {
         let [time, x, y, heading] = line.split("time, x, y, heading")?;
@@ -246,7 +249,7 @@ fn parse_reference(mut lines: Lines<'_>) -> Result<Vec<StampedPose>, DataError> 
     Ok(poses)
 }
 
-fn present(lines: &Lines<'_>, what: &'static str, empty: bool) -> Result<(), DataError> {
+fn present(lines: &LineReader<'_>, what: &'static str, empty: bool) -> Result<(), DataError> {
     if empty { Err(lines.error(Problem::Empty { what })) } else { Ok(()) }
 }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::document::line_of;
 use crate::error::{DataError, Problem, excerpt};
-use crate::grid::MOST_CELLS;
-use crate::lines::LONGEST_TEXT;
+use crate::grid::MAX_CELLS;
+use crate::lines::MAX_TEXT_BYTES;
 use crate::source::read_all;
 
 /// A grey image.
@@ -26,7 +26,7 @@ pub struct Image {
 /// # Errors
 /// A missing, unreadable or malformed file, by name, and by line where it is text.
 pub fn read(path: &Path) -> Result<Image, DataError> {
-    parse(path, &read_all(path, LONGEST_TEXT)?)
+    parse(path, &read_all(path, MAX_TEXT_BYTES)?)
 }
 
 /// Reads an image that is in memory; `file` is the name that errors give it.
@@ -42,14 +42,14 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<Image, DataError> {
         let found = excerpt(magic);
         return Err(words.error(Problem::UnknownRecord { found, expected: "a PGM image: P5 or P2" }));
     }
-    let width = words.number("width", MOST_CELLS)?;
-    let height = words.number("height", MOST_CELLS)?;
+    let width = words.number("width", MAX_CELLS)?;
+    let height = words.number("height", MAX_CELLS)?;
     let white = words.number("white value", usize::from(u16::MAX))?;
     if width == 0 || height == 0 || white == 0 {
         return Err(words.wrong("width, height and white value must be above zero"));
     }
-    let count = width.checked_mul(height).filter(|&count| count <= MOST_CELLS);
-    let count = count.ok_or_else(|| words.wrong(format!("more than {MOST_CELLS} pixels; cut the map")))?;
+    let count = width.checked_mul(height).filter(|&count| count <= MAX_CELLS);
+    let count = count.ok_or_else(|| words.wrong(format!("more than {MAX_CELLS} pixels; cut the map")))?;
     let white = u16::try_from(white).unwrap_or(u16::MAX);
     let pixels = if magic == b"P5" { words.binary(count, white)? } else { words.plain(count, white)? };
     Ok(Image { width, height, white, pixels })

@@ -1,6 +1,6 @@
 //! What recordings hold, in SI units and radians: stamped poses, twists and wheel ticks, and laser scans.
 //!
-//! Every number is finite (a missing laser return apart, see [`Scan::ranges`]) and inside the bounds of its
+//! Every number is finite (a missing laser return apart, see [`ScanRecord::ranges`]) and inside the bounds of its
 //! quantity. Headings are as the format has them, so not always wrapped. Stamps are those of the recording, never going back within one
 //! list; their zero is the recording's own.
 
@@ -10,7 +10,7 @@ pub struct Recording<O> {
     /// Odometry, by time.
     pub odometry: Vec<O>,
     /// Laser scans, by time.
-    pub scans: Vec<Scan>,
+    pub scans: Vec<ScanRecord>,
     /// Poses to be judged against, by time; empty where the recording has none.
     pub reference: Vec<StampedPose>,
 }
@@ -54,7 +54,7 @@ pub struct StampedTicks {
 
 /// One sweep of a laser range finder, counter-clockwise.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scan {
+pub struct ScanRecord {
     /// Time \[s\].
     pub time: f64,
     /// Direction of the first beam, seen from the laser's heading \[rad\].
@@ -64,7 +64,7 @@ pub struct Scan {
     /// One range per beam, above zero \[m\]; [`f64::INFINITY`] where nothing came back.
     pub ranges: Vec<f64>,
     /// Where the laser sits on the robot.
-    pub mount: Mount,
+    pub mount: SensorPose,
     /// Where odometry put the robot at the moment of the scan, if the recording tells.
     pub odometry: Option<StampedPose>,
     /// How many records of [`Recording::odometry`] precede this scan. It joins the two lists even where the stamps
@@ -74,7 +74,7 @@ pub struct Scan {
 
 /// Where a laser sits on the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Mount {
+pub struct SensorPose {
     /// Ahead of the wheel axle \[m\].
     pub x: f64,
     /// To the left of the middle \[m\].
@@ -83,7 +83,7 @@ pub struct Mount {
     pub heading: f64,
 }
 
-impl Scan {
+impl ScanRecord {
     /// Direction of beam `index`, seen from the laser's heading \[rad\].
     pub fn angle(&self, index: usize) -> f64 {
         self.angle_min + index as f64 * self.angle_increment
@@ -91,23 +91,23 @@ impl Scan {
 }
 
 /// A record with a time stamp.
-pub trait Stamped {
+pub trait Timestamped {
     /// Time \[s\].
     fn time(&self) -> f64;
 }
 
 macro_rules! stamped {
     ($($record:ty),*) => {
-        $(impl Stamped for $record {
+        $(impl Timestamped for $record {
             fn time(&self) -> f64 {
                 self.time
             }
         })*
     };
 }
-stamped!(StampedPose, StampedTwist, StampedTicks, Scan);
+stamped!(StampedPose, StampedTwist, StampedTicks, ScanRecord);
 
-impl<O: Stamped> Recording<O> {
+impl<O: Timestamped> Recording<O> {
     /// Time from the first record to the last \[s\]. It is 0 for a recording whose stamps were rounded away: such
     /// records have an order, but no rate.
     pub fn duration(&self) -> f64 {
@@ -123,6 +123,6 @@ impl<O: Stamped> Recording<O> {
 }
 
 /// First and last stamp of records that are in order.
-fn span<R: Stamped>(records: &[R]) -> Option<(f64, f64)> {
+fn span<R: Timestamped>(records: &[R]) -> Option<(f64, f64)> {
     Some((records.first()?.time(), records.last()?.time()))
 }

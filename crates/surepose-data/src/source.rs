@@ -13,7 +13,7 @@ use crate::error::{DataError, Problem};
 pub use zstd::ZstdReader;
 
 /// Longest YAML or TOML document that is read \[bytes\].
-pub(crate) const LONGEST_DOCUMENT: u64 = 1 << 24;
+pub(crate) const MAX_DOCUMENT_BYTES: u64 = 1 << 24;
 
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 const BUFFER: usize = 1 << 16;

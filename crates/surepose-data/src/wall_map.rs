@@ -26,10 +26,10 @@ use toml::Spanned;
 use crate::document::{line_of, utf8, wrong};
 use crate::error::DataError;
 use crate::quantity::{COVARIANCE, POSITION, plain};
-use crate::source::{LONGEST_DOCUMENT, read_all};
+use crate::source::{MAX_DOCUMENT_BYTES, read_all};
 
 /// Shortest wall that is one \[m\]; below it, the direction is rounding.
-const SHORTEST: f64 = 1e-3;
+const MIN_WALL_LENGTH: f64 = 1e-3;
 
 /// Straight walls on a plane.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -39,12 +39,12 @@ pub struct WallMap {
     pub name: Option<String>,
     /// The walls, in the order of the file.
     #[serde(rename = "wall")]
-    pub walls: Vec<Wall>,
+    pub walls: Vec<MapWall>,
 }
 
 /// One straight wall.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Wall {
+pub struct MapWall {
     /// What the wall is called.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -56,13 +56,13 @@ pub struct Wall {
     pub to: [f64; 2],
     /// How well the wall's line is known; absent for a wall that is exact.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub covariance: Option<LineCovariance>,
+    pub covariance: Option<WallCovariance>,
 }
 
 /// Covariance of a line's distance r and direction ψ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct LineCovariance {
+pub struct WallCovariance {
     /// Variance of r \[m²\].
     #[serde(rename = "r_r_m2")]
     pub r_r: f64,
@@ -88,7 +88,7 @@ impl WallMap {
     }
 }
 
-impl Wall {
+impl MapWall {
     /// Length of the wall \[m\].
     pub fn length(&self) -> f64 {
         (self.to[0] - self.from[0]).hypot(self.to[1] - self.from[1])
@@ -100,7 +100,7 @@ impl Wall {
 /// # Errors
 /// A missing, unreadable or malformed file, by name and line.
 pub fn read(path: &Path) -> Result<WallMap, DataError> {
-    parse(path, &read_all(path, LONGEST_DOCUMENT)?)
+    parse(path, &read_all(path, MAX_DOCUMENT_BYTES)?)
 }
 
 /// Reads the text of a wall map; `file` is the name that errors give it.
@@ -123,7 +123,7 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<WallMap, DataError> {
         let places = [&from, &to].map(|[x, y]| [x.span().start, y.span().start]);
         let covariance_at = covariance.as_ref().map_or(place, |covariance| covariance.span().start);
         let [from, to] = [from, to].map(|end| end.map(Spanned::into_inner));
-        let wall = Wall { name, from, to, covariance: covariance.map(Spanned::into_inner) };
+        let wall = MapWall { name, from, to, covariance: covariance.map(Spanned::into_inner) };
         check(&wall).map(|()| wall).map_err(|(part, message)| {
             let offset = match part {
                 Part::Coordinate { end, axis } => places[end][axis],
@@ -154,7 +154,7 @@ struct Written {
     from: [Spanned<f64>; 2],
     #[serde(rename = "to_m")]
     to: [Spanned<f64>; 2],
-    covariance: Option<Spanned<LineCovariance>>,
+    covariance: Option<Spanned<WallCovariance>>,
 }
 
 /// The part of a wall that is wrong.
@@ -169,7 +169,7 @@ enum Part {
 }
 
 /// Says what is wrong with a wall, and where, if anything is.
-fn check(wall: &Wall) -> Result<(), (Part, String)> {
+fn check(wall: &MapWall) -> Result<(), (Part, String)> {
     for (end, (name, at)) in [("from_m", wall.from), ("to_m", wall.to)].into_iter().enumerate() {
         if let Some(axis) = at.iter().position(|&value| !POSITION.admits(value)) {
             let [x, y] = at.map(plain);
@@ -179,16 +179,16 @@ fn check(wall: &Wall) -> Result<(), (Part, String)> {
             ));
         }
     }
-    if wall.length() < SHORTEST {
-        let message = format!("the wall is shorter than {SHORTEST} m; its two ends must differ");
+    if wall.length() < MIN_WALL_LENGTH {
+        let message = format!("the wall is shorter than {MIN_WALL_LENGTH} m; its two ends must differ");
         return Err((Part::Whole, message));
     }
     let covariance = wall.covariance.as_ref().map_or(Ok(()), check_covariance);
     covariance.map_err(|message| (Part::Covariance, message))
 }
 
-fn check_covariance(covariance: &LineCovariance) -> Result<(), String> {
-    let LineCovariance { r_r, r_psi, psi_psi } = *covariance;
+fn check_covariance(covariance: &WallCovariance) -> Result<(), String> {
+    let WallCovariance { r_r, r_psi, psi_psi } = *covariance;
     if ![r_r, r_psi, psi_psi].iter().all(|&value| COVARIANCE.admits(value)) {
         let [r_r, r_psi, psi_psi] = [r_r, r_psi, psi_psi].map(plain);
         return Err(format!("covariance is [{r_r}, {r_psi}, {psi_psi}], outside {COVARIANCE}"));

@@ -5,10 +5,10 @@
 
 mod real {
     mod carmen;
+    mod cmu_wean;
     mod maps;
+    mod mines_rover;
     mod mrclam;
-    mod ticks;
-    mod wean;
 }
 
 use std::path::PathBuf;

@@ -7,9 +7,9 @@
 
 use std::process::ExitCode;
 
-use surepose_lab::drive::{Outcome, drive};
-use surepose_lab::rig::{Scenario, Sensors};
-use surepose_sim::{Clutter, Fault, Kind, Sensor};
+use surepose_lab::robot::{Scenario, Sensors};
+use surepose_lab::simulation::{SimulationOutcome, simulate};
+use surepose_sim::{Clutter, Fault, FaultKind, Sensor};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -21,21 +21,21 @@ fn main() -> ExitCode {
         |index: usize, usual: f64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
     let (start, clutter) = (number(2, 4.0), Clutter { fraction: number(3, 0.0), width: 5.0 });
     let sensors = Sensors { compass: arguments.get(4).is_none_or(|sensors| sensors != "laser"), laser: true };
-    let wanted = arguments.get(1).map_or("", String::as_str);
+    let filter = arguments.get(1).map_or("", String::as_str);
     println!(
         "{:30} {:>6} {:>6} {:>9} {:>9} {:>9} {:>9}  not parked",
         "", "parked", "lost", "NEES", "x,y m", "θ °", "time s"
     );
-    for (name, fault) in disturbances(start).into_iter().filter(|(name, _)| name.contains(wanted)) {
+    for (name, fault) in disturbances(start).into_iter().filter(|(name, _)| name.contains(filter)) {
         let scenario =
             Scenario { faults: fault.into_iter().collect(), clutter, sensors, ..Scenario::default() };
-        let runs: Vec<_> = (1..=count).map(|seed| drive(&scenario, seed).1).collect();
-        let is_parked = |run: &surepose_lab::drive::Summary| {
-            run.outcome == Outcome::Reached
+        let runs: Vec<_> = (1..=count).map(|seed| simulate(&scenario, seed).1).collect();
+        let is_parked = |run: &surepose_lab::simulation::SimulationSummary| {
+            run.outcome == SimulationOutcome::Reached
                 && run.final_position_error_m <= 0.01
                 && run.final_heading_error_deg <= 1.0
         };
-        let mean = |of: &dyn Fn(&surepose_lab::drive::Summary) -> Option<f64>| {
+        let mean = |of: &dyn Fn(&surepose_lab::simulation::SimulationSummary) -> Option<f64>| {
             runs.iter().filter_map(of).sum::<f64>() / runs.len() as f64
         };
         let square = |value: Option<f64>| value.map(|value| value * value);
@@ -66,22 +66,23 @@ fn disturbances(start: f64) -> Vec<(String, Option<Fault>)> {
         [0.2, 0.1, 0.0],
         [0.4, -0.3, 0.0],
     ] {
-        all.push((format!("pushed {push:?} m"), Some(Fault::at(start, Kind::Pushed(push)))));
+        all.push((format!("pushed {push:?} m"), Some(Fault::at(start, FaultKind::Displaced(push)))));
     }
     for turned in [2.0_f64, 5.0, 15.0] {
         let push = [0.0, 0.0, turned.to_radians()];
-        all.push((format!("turned {turned}°"), Some(Fault::at(start, Kind::Pushed(push)))));
+        all.push((format!("turned {turned}°"), Some(Fault::at(start, FaultKind::Displaced(push)))));
     }
     for (off, during) in [(0.05, 1.0), (0.1, 1.0), (-0.1, 1.0), (0.1, 3.0), (0.5, 0.5)] {
-        let fault = Fault::between(start, start + during, Kind::Offset(Sensor::Laser, off));
+        let fault = Fault::between(start, start + during, FaultKind::Offset(Sensor::Laser, off));
         all.push((format!("ranges off {off} m, {during} s"), Some(fault)));
     }
     for (off, during) in [(3.0_f64, 1.0), (10.0, 1.0), (30.0, 3.0)] {
-        let fault = Fault::between(start, start + during, Kind::Offset(Sensor::Compass, off.to_radians()));
+        let fault =
+            Fault::between(start, start + during, FaultKind::Offset(Sensor::Compass, off.to_radians()));
         all.push((format!("compass off {off}°, {during} s"), Some(fault)));
     }
     for (off, during) in [(0.1, 1.0), (0.3, 1.0), (-1.0, 1.0)] {
-        let fault = Fault::between(start, start + during, Kind::Offset(Sensor::Encoders, off));
+        let fault = Fault::between(start, start + during, FaultKind::Offset(Sensor::Encoders, off));
         all.push((format!("rims off by {off}, {during} s"), Some(fault)));
     }
     all

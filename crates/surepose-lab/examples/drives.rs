@@ -9,8 +9,8 @@ use std::process::ExitCode;
 use surepose::Limits;
 use surepose::param::{START_HEADING, START_X, START_Y};
 use surepose_data::Config;
-use surepose_lab::drive::{Outcome, Sample, Summary, drive};
-use surepose_lab::rig::Scenario;
+use surepose_lab::robot::Scenario;
+use surepose_lab::simulation::{Sample, SimulationOutcome, SimulationSummary, simulate};
 use surepose_sim::{Arena, Seed};
 
 fn main() -> ExitCode {
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
 
 /// A drive, and what its robot may do.
 struct Run {
-    summary: Summary,
+    summary: SimulationSummary,
     limits: Limits<f64>,
     /// Numbers of its time series that are none.
     broken: usize,
@@ -56,14 +56,16 @@ struct Run {
 
 impl Run {
     fn of(scenario: &Scenario, seed: u64) -> Self {
-        let (samples, summary) = drive(scenario, seed);
+        let (samples, summary) = simulate(scenario, seed);
         let broken = samples.iter().map(broken).sum();
         Self { summary, limits: scenario.config.limits(), broken }
     }
 
     fn is_parked(&self) -> bool {
-        let Summary { outcome, final_position_error_m, final_heading_error_deg, .. } = self.summary;
-        outcome == Outcome::Reached && final_position_error_m <= 0.01 && final_heading_error_deg <= 1.0
+        let SimulationSummary { outcome, final_position_error_m, final_heading_error_deg, .. } = self.summary;
+        outcome == SimulationOutcome::Reached
+            && final_position_error_m <= 0.01
+            && final_heading_error_deg <= 1.0
     }
 
     /// The largest wheel speed and acceleration that were asked for, over what is allowed.
@@ -92,7 +94,7 @@ fn report(name: &str, runs: &[Run]) -> bool {
         .map(Run::use_of_limits)
         .fold([0.0_f64; 2], |worst, used| [worst[0].max(used[0]), worst[1].max(used[1])]);
     let nees = runs.iter().filter_map(|run| run.summary.nees_mean).sum::<f64>() / runs.len() as f64;
-    let sorted = |value: fn(&Summary) -> f64| {
+    let sorted = |value: fn(&SimulationSummary) -> f64| {
         let mut values: Vec<f64> = runs.iter().map(|run| value(&run.summary)).collect();
         values.sort_by(f64::total_cmp);
         move |part: f64| values[((values.len() - 1) as f64 * part).round() as usize]

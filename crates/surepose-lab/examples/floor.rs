@@ -7,8 +7,8 @@
 
 use std::process::ExitCode;
 
-use surepose::{Direction, Gains, Law, PaperLaw};
-use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Starts, Sweep, fitted_law};
+use surepose::{Direction, Gains, Law, Tran2012Law};
+use surepose_lab::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise, fitted_law};
 
 const PERIOD: f64 = 0.02;
 
@@ -18,7 +18,7 @@ fn main() -> ExitCode {
         eprintln!("usage: floor f64|f32 none|bench|ekf paper|fitted [THREADS [ROBOTS [PERIODS]]]");
         return ExitCode::from(2);
     };
-    let best = (0..5).map(|_| sweep.pace(periods)).fold(0.0, f64::max);
+    let best = (0..5).map(|_| sweep.periods_per_second(periods)).fold(0.0, f64::max);
     println!("{} on {}: {:.1} Msteps/s", arguments.join(" "), surepose_lanes::instruction_set(), best * 1e-6);
     ExitCode::SUCCESS
 }
@@ -32,13 +32,13 @@ fn sweep(arguments: &[String]) -> Option<(Sweep, u64)> {
         _ => return None,
     };
     let (noise, estimate) = match text(1)? {
-        "none" => (Noise::NONE, Estimate::Given),
-        "bench" => (Noise::BENCH, Estimate::Given),
-        "ekf" => (Noise::BENCH, Estimate::Filtered(Filter::BENCH)),
+        "none" => (SweepNoise::NONE, PoseSource::Given),
+        "bench" => (SweepNoise::BENCH, PoseSource::Given),
+        "ekf" => (SweepNoise::BENCH, PoseSource::Filtered(Filter::BENCH)),
         _ => return None,
     };
     let law = match text(2)? {
-        "paper" => Law::Paper(PaperLaw {
+        "paper" => Law::Tran2012(Tran2012Law {
             gains: Gains { k_v: 4.0, k_alpha: 8.0, h: 0.5, k_theta: 2.0 },
             capture_radius: 0.03,
             capture_heading: core::f64::consts::PI,

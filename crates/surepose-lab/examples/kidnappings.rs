@@ -1,11 +1,11 @@
 //! Kidnaps robots:
-//! `cargo run --release -p surepose-lab --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml] [FIRST SEED] [SENSORS]`,
+//! `cargo run --release -p surepose-lab --example run_trials -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml] [FIRST SEED] [SENSORS]`,
 //! with SENSORS `laser`, `laser+compass` or, without it, both in turn.
 
 use surepose::{Body, Map, Pose};
 use surepose_data::{Config, map_server};
-use surepose_lab::lost::{Place, Setup, kidnap, kidnappings};
-use surepose_lab::rig::{Reading, Sensors};
+use surepose_lab::kidnapping::{KidnappingSetup, SpawnArea, run_trial, run_trials};
+use surepose_lab::robot::{ScanMethod, Sensors};
 use surepose_sim::{Arena, Clutter};
 
 fn main() {
@@ -14,28 +14,28 @@ fn main() {
         |index: usize, usual: f64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
     let (trials, fraction, first) = (number(0, 50.0) as u64, number(1, 0.0), number(3, 1.0) as u64);
     let name = arguments.get(2).map_or("paper", String::as_str);
-    let (place, reading) = match Arena::named(name) {
-        Some(arena) => (Place::anywhere(arena), Reading::Lines),
+    let (area, scan_method) = match Arena::named(name) {
+        Some(arena) => (SpawnArea::anywhere(arena), ScanMethod::Lines),
         None => match map_server::read(name.as_ref()) {
-            Ok((grid, _)) => (Place::on_grid("map", &grid), Reading::Beams),
+            Ok((grid, _)) => (SpawnArea::on_grid("map", &grid), ScanMethod::Beams),
             Err(error) => {
                 eprintln!("{error}");
                 return;
             }
         },
     };
-    println!("{} walls", place.arena.walls().len());
-    let wanted = |name: &str| arguments.get(4).is_none_or(|wanted| wanted == name);
+    println!("{} walls", area.arena.walls().len());
+    let filter = |name: &str| arguments.get(4).is_none_or(|filter| filter == name);
     let without = Sensors { compass: false, laser: true };
     let sets = [("laser+compass", Sensors::ALL), ("laser", without)];
-    for (_, sensors) in sets.into_iter().filter(|(name, _)| wanted(name)) {
+    for (_, sensors) in sets.into_iter().filter(|(name, _)| filter(name)) {
         let clutter = Clutter { fraction, width: 5.0 };
-        let setup = Setup { config: Config::default(), sensors, reading, clutter };
-        let sum = kidnappings(&place, &setup, first..first + trials);
+        let setup = KidnappingSetup { config: Config::default(), sensors, scan_method, clutter };
+        let sum = run_trials(&area, &setup, first..first + trials);
         println!("{name} {sensors:?} clutter {fraction}: {sum:?}");
         println!("flagged {:.4} recovered {:.4}", sum.flagged_share(), sum.recovered_share());
         for seed in sum.failed_seeds.iter().chain(&sum.late_seeds).take(24) {
-            let trial = kidnap(&place, &setup, *seed);
+            let trial = run_trial(&area, &setup, *seed);
             let pose = |at: Pose<Map, Body, f64>| {
                 format!("({:.2}, {:.2}, {:.0}°)", at.x, at.y, at.heading.degrees())
             };

@@ -1,11 +1,11 @@
-//! The figures of localisation in the loop world: `localisation RUNS [BEAMS]`.
+//! The figures of localisation in the loop world: `localization RUNS [BEAMS]`.
 
 use std::process::ExitCode;
 
 use surepose::param::LASER_BEAMS;
 use surepose_data::Config;
-use surepose_lab::Watch;
-use surepose_lab::reproduce::{Configuration, LoopWorld, extraction, localisation};
+use surepose_lab::CancelToken;
+use surepose_lab::reproduce::{Configuration, LoopWorld, extraction, localization};
 use surepose_sim::Clutter;
 
 fn main() -> ExitCode {
@@ -21,7 +21,7 @@ fn main() -> ExitCode {
         let Ok(world) = LoopWorld::new(&config, clutter) else { return ExitCode::FAILURE };
         println!("{name}, {beams} beams, {runs} runs");
         for configuration in Configuration::ALL {
-            if let Some(a) = localisation(&world, configuration, 1..runs + 1, &Watch::default()) {
+            if let Some(a) = localization(&world, configuration, 1..runs + 1, &CancelToken::default()) {
                 let (position, heading) = (a.position_rmse * 1e3, a.heading_rmse.to_degrees());
                 println!(
                     "  {:<24} {position:8.3} mm {heading:7.4}° NEES {:.3}",
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
                 );
             }
         }
-        let Some(e) = extraction(&world, 1..runs.min(50) + 1, &Watch::default()) else { continue };
+        let Some(e) = extraction(&world, 1..runs.min(50) + 1, &CancelToken::default()) else { continue };
         println!(
             "  found {} of {}, line NEES {:.3} over {}, spurious {}, wrong {} of {}",
             e.found,

@@ -3,7 +3,7 @@
 //! Wheel ticks say how far the wheels turned, walls seen again say how far the robot came. Poses, walls and parameters
 //! are found together, by maximum likelihood:
 //!
-//! 1. *sightings*: the lines of every scan, as the core finds them, each with its covariance;
+//! 1. *line observations*: the lines of every scan, as the core finds them, each with its covariance;
 //! 2. *association*: a line near where a wall was last seen is that wall; a wall out of sight for 1.5 s is forgotten, so
 //!    no map is needed and a place that looks like another does no harm;
 //! 3. *fit*: Gauss–Newton over all poses, walls and parameters at once. Unknowns leave in the order of time, so the cost
@@ -26,33 +26,33 @@
 mod association;
 mod clock;
 mod fit;
-mod front;
+mod frontal;
+mod line_observation;
 mod model;
 mod outcome;
 mod parameter;
 mod recording;
-mod sighting;
 pub mod simulated;
 mod trajectory;
 mod uncertainty;
 
-use surepose::Compass;
+use surepose::HeadingMeasurement;
 use surepose_data::Config;
-use surepose_data::ticks::{ROVER, Rover};
+use surepose_data::mines_rover::{ROVER, Rover};
 
-pub use outcome::{Calibration, Estimate};
-pub use parameter::{COUNT, Geometry, Parameter};
-pub use recording::{Recording, StampedHeading};
+pub use outcome::{Calibration, ParameterEstimate};
+pub use parameter::{COUNT, CalibrationParameter, Geometry};
+pub use recording::{CalibrationRecording, StampedHeading};
 
-use association::Likeness;
+use association::AssociationThresholds;
 use fit::Fit;
-use front::Singular;
+use frontal::Singular;
 use uncertainty::{Uncertainty, uncertainty};
 
-use crate::Watch;
+use crate::CancelToken;
 
-/// The fewest sightings of walls that are worth a try.
-const FEWEST: usize = 50;
+/// The fewest line observations of walls that are worth a try.
+const MIN_RECORDS: usize = 50;
 
 /// What is known beforehand.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,9 +66,9 @@ pub struct Options {
     /// Standard deviation of a beam's direction \[rad].
     pub bearing_std: f64,
     /// Nearer returns are none \[m].
-    pub nearest: f64,
+    pub range_min: f64,
     /// Farther returns are none \[m].
-    pub farthest: f64,
+    pub range_max: f64,
     /// How a wall's distance scatters from scan to scan beyond what the beams' noise explains \[m]: walls that are not
     /// quite straight, ranges that depend on what is met.
     pub wall_distance_std: f64,
@@ -81,7 +81,7 @@ pub struct Options {
     /// Standard deviation of the compass \[rad].
     pub compass_std: f64,
     /// The robot's heading in the map at the first record, where it is known.
-    pub start_heading: Option<Compass<f64>>,
+    pub start_heading: Option<HeadingMeasurement<f64>>,
 }
 
 /// Why there is no calibration.
@@ -96,7 +96,9 @@ pub enum CalibrationError {
     #[error("the wheel counters have no two records of different times; are the stamps right?")]
     NoTicks,
     /// Too few walls were seen.
-    #[error("walls were seen {found} times, and it takes {FEWEST}: calibration needs a laser among walls")]
+    #[error(
+        "walls were seen {found} times, and it takes {MIN_RECORDS}: calibration needs a laser among walls"
+    )]
     FewWalls {
         /// How often.
         found: usize,
@@ -123,14 +125,14 @@ impl From<Singular> for CalibrationError {
 
 impl Options {
     /// What a configuration says.
-    pub fn of(config: &Config) -> Self {
+    pub fn from_config(config: &Config) -> Self {
         let (drive, laser, compass) = (config.drive(), config.laser(), config.compass());
         let mount = laser.body_from_laser;
         Self {
             nominal: Geometry([
                 drive.radius.left,
                 drive.radius.right,
-                drive.track,
+                drive.wheel_separation,
                 mount.x,
                 mount.y,
                 mount.heading.radians(),
@@ -141,8 +143,8 @@ impl Options {
             delta: config.ekf().delta,
             range_std: laser.range_std,
             bearing_std: laser.bearing_std,
-            nearest: 0.02,
-            farthest: 50.0,
+            range_min: 0.02,
+            range_max: 50.0,
             wall_distance_std: 0.0,
             wall_direction_std: 0.0,
             sweep_period: 0.0,
@@ -156,12 +158,12 @@ impl Options {
     ///
     /// Its ranges scatter by 5 to 10 mm and are up to 1 % off by what they meet: hence the scatter of walls.
     pub fn rover() -> Self {
-        let Rover { wheel_radius, track, mount, .. } = ROVER;
+        let Rover { wheel_radius, wheel_separation, mount, .. } = ROVER;
         Self {
             nominal: Geometry([
                 wheel_radius,
                 wheel_radius,
-                track,
+                wheel_separation,
                 mount.x,
                 mount.y,
                 mount.heading,
@@ -171,20 +173,20 @@ impl Options {
             ]),
             range_std: 0.015,
             bearing_std: 0.15_f64.to_radians(),
-            farthest: 5.6,
+            range_max: 5.6,
             wall_distance_std: 0.01,
             wall_direction_std: 0.5_f64.to_radians(),
             sweep_period: 0.1,
             scans_are_even: true,
-            ..Self::of(&Config::default())
+            ..Self::from_config(&Config::default())
         }
     }
 
     fn are_sound(&self) -> bool {
         let positive = [
-            self.nominal.get(Parameter::LeftWheelRadius),
-            self.nominal.get(Parameter::RightWheelRadius),
-            self.nominal.get(Parameter::Track),
+            self.nominal.get(CalibrationParameter::LeftWheelRadius),
+            self.nominal.get(CalibrationParameter::RightWheelRadius),
+            self.nominal.get(CalibrationParameter::WheelSeparation),
             self.delta,
             self.range_std,
             self.compass_std,
@@ -200,19 +202,19 @@ impl Options {
 /// How many stages a calibration has.
 pub const STAGES: usize = 9;
 
-/// Fits the parameters to a recording; `watch` counts the [`STAGES`], and may end it between two.
+/// Fits the parameters to a recording; `cancel` counts the [`STAGES`], and may end it between two.
 ///
 /// # Errors
 /// A recording that does not allow it, see [`CalibrationError`]. A parameter that the motion did not excite is no error:
-/// its [`Estimate`] says so.
+/// its [`ParameterEstimate`] says so.
 pub fn calibrate(
-    recording: &Recording,
+    recording: &CalibrationRecording,
     options: &Options,
-    watch: &Watch,
+    cancel: &CancelToken,
 ) -> Result<Calibration, CalibrationError> {
     let stage = || {
-        watch.count();
-        if watch.stopped() { Err(CalibrationError::Stopped) } else { Ok(()) }
+        cancel.count();
+        if cancel.is_cancelled() { Err(CalibrationError::Stopped) } else { Ok(()) }
     };
     let counts = recording.ticks_per_turn.is_finite() && recording.ticks_per_turn > 0.0;
     if !counts || !options.are_sound() {
@@ -222,20 +224,20 @@ pub fn calibrate(
     if steps.is_empty() {
         return Err(CalibrationError::NoTicks);
     }
-    let even = if options.scans_are_even { clock::evenly(&recording.scans) } else { Vec::new() };
+    let even = if options.scans_are_even { clock::regularize_stamps(&recording.scans) } else { Vec::new() };
     let scans = if options.scans_are_even { &even } else { &recording.scans };
-    let sightings = sighting::sightings(scans, &steps, &options.nominal, options);
-    if sightings.len() < FEWEST {
-        return Err(CalibrationError::FewWalls { found: sightings.len() });
+    let line_observations = line_observation::line_observations(scans, &steps, &options.nominal, options);
+    if line_observations.len() < MIN_RECORDS {
+        return Err(CalibrationError::FewWalls { found: line_observations.len() });
     }
 
     stage()?;
-    let mut fit = Fit::begin(recording, &steps, &sightings, options);
-    fit.associate(Likeness { direction: 0.08, distance: 0.1, memory: 1.5 });
+    let mut fit = Fit::begin(recording, &steps, &line_observations, options);
+    fit.associate(AssociationThresholds { direction: 0.08, distance: 0.1, memory: 1.5 });
     fit.converge(false)?;
     stage()?;
     for _ in 0..2 {
-        fit.associate(Likeness { direction: 0.06, distance: 0.1, memory: 1.5 });
+        fit.associate(AssociationThresholds { direction: 0.06, distance: 0.1, memory: 1.5 });
         fit.converge(false)?;
         stage()?;
         fit.fit_scatter()?;
@@ -245,18 +247,18 @@ pub fn calibrate(
     }
 
     let Uncertainty { mut covariance, log_delta_std } = uncertainty(&fit)?;
-    watch.count();
+    cancel.count();
     if let Some(start) = options.start_heading {
-        let offset = Parameter::CompassOffset as usize;
+        let offset = CalibrationParameter::CompassOffset as usize;
         covariance[(offset, offset)] += start.std * start.std;
     }
     Ok(Calibration::new(
         fit.geometry,
         covariance,
         options.nominal,
-        (fit.scatter.delta, log_delta_std),
+        (fit.noise.delta, log_delta_std),
         options.start_heading.is_some(),
-        fit.scatter.wall,
-        (scans.len(), sightings.len()),
+        fit.noise.wall,
+        (scans.len(), line_observations.len()),
     ))
 }

@@ -2,17 +2,17 @@
 //! the paper's figures.
 
 pub mod calibrate;
-pub mod drive;
-pub mod lost;
+mod cancel;
+pub mod distance_field;
+pub mod kidnapping;
 pub mod mapping;
 pub mod optimal;
 pub mod picture;
 pub mod replay;
 pub mod reproduce;
-pub mod rig;
-pub mod survey;
+pub mod robot;
+pub mod simulation;
 pub mod sweep;
 pub mod tune;
-mod watch;
 
-pub use watch::Watch;
+pub use cancel::CancelToken;

@@ -1,21 +1,21 @@
 //! Wall maps from what a robot saw, and from occupancy grids.
 //!
 //! Both come down to points on surfaces, each with the direction of the free space before it ([`cloud`]); straight runs
-//! of such points become walls ([`grow`]).
+//! of such points become walls ([`fit_wall`]).
 
-pub mod cloud;
+pub mod fit_walls;
 pub mod from_grid;
 pub mod from_log;
-pub mod grow;
+pub mod point_cloud;
 
 use serde::Serialize;
 use surepose_data::wall_map::WallMap;
 
-use grow::Grown;
+use fit_walls::FittedWall;
 
 /// A wall map, and how well it fits what it was made from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mapped {
+pub struct MappingResult {
     /// The walls; each one's normal, to the right of the way from its first end to its second, points to free space.
     pub map: WallMap,
     /// The figures.
@@ -39,20 +39,20 @@ pub struct MapReport {
 
 impl MapReport {
     /// The figures of a map of which nothing but the walls is known.
-    pub fn of(map: &WallMap) -> Self {
+    pub fn from_map(map: &WallMap) -> Self {
         let length_m =
-            map.walls.iter().map(surepose_data::wall_map::Wall::length).fold(0.0, core::ops::Add::add);
+            map.walls.iter().map(surepose_data::wall_map::MapWall::length).fold(0.0, core::ops::Add::add);
         Self { walls: map.walls.len(), length_m, residual_rms_m: None, explained: None }
     }
 
-    fn of_grown(map: &WallMap, grown: &[Grown], points: usize) -> Self {
+    fn from_fit(map: &WallMap, grown: &[FittedWall], points: usize) -> Self {
         let on_walls: usize = grown.iter().map(|wall| wall.members.len()).sum();
-        let squares: f64 = grown.iter().map(|wall| wall.square_residuals).sum();
+        let squares: f64 = grown.iter().map(|wall| wall.residual_sum_of_squares).sum();
         let of = |sum: f64, count: usize| (count > 0).then(|| sum / count as f64);
         Self {
             residual_rms_m: of(squares, on_walls).map(libm::sqrt),
             explained: of(on_walls as f64, points),
-            ..Self::of(map)
+            ..Self::from_map(map)
         }
     }
 }

@@ -15,11 +15,11 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Body, Drive, Goal, Pose};
+use surepose::{Angle, Body, DiffDrive, Goal, Pose};
 
 /// One of the two ways to move that a fastest trajectory is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Action {
+pub enum OptimalAction {
     /// Turn on the spot, counter-clockwise \[rad].
     Turn(f64),
     /// Drive straight, forward \[m].
@@ -32,31 +32,31 @@ pub struct Optimal {
     /// How long it takes \[s].
     pub time: f64,
     /// What to do, in this order; some are of length 0.
-    pub actions: [Action; 4],
+    pub actions: [OptimalAction; 4],
 }
 
 /// The fastest trajectory from `start`, seen from the goal, to rest on the goal.
 ///
 /// `wheel_speed` bounds the speed of each wheel's rim \[m/s], and is positive.
-pub fn fastest(start: Pose<Goal, Body, f64>, drive: &Drive<f64>, wheel_speed: f64) -> Optimal {
-    let half_track = 0.5 * drive.track;
-    let ends_straight = turn_straight_turn_straight(start, half_track);
+pub fn fastest(start: Pose<Goal, Body, f64>, drive: &DiffDrive<f64>, wheel_speed: f64) -> Optimal {
+    let half_separation = 0.5 * drive.wheel_separation;
+    let ends_straight = turn_straight_turn_straight(start, half_separation);
     // Driven backwards in time, the mirror image is a trajectory from the goal to the start.
     let back: Pose<Goal, Body, f64> = {
         let goal_from_start = start.inverse();
         Pose::new(goal_from_start.x, goal_from_start.y, goal_from_start.heading)
     };
-    let starts_straight = undone(turn_straight_turn_straight(back, half_track));
-    let cost = |actions: &[Action; 4]| length(actions, half_track);
+    let starts_straight = undone(turn_straight_turn_straight(back, half_separation));
+    let cost = |actions: &[OptimalAction; 4]| length(actions, half_separation);
     let actions = if cost(&starts_straight) < cost(&ends_straight) { starts_straight } else { ends_straight };
     Optimal { time: cost(&actions) / wheel_speed, actions }
 }
 
 /// The best word that ends with a straight.
-fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_track: f64) -> [Action; 4] {
+fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_separation: f64) -> [OptimalAction; 4] {
     let (x, y, first) = (-start.x, -start.y, start.heading);
     let along = libm::atan2(y, x);
-    let level = 1.0 - y.abs() / (2.0 * half_track);
+    let level = 1.0 - y.abs() / (2.0 * half_separation);
     let stationary = libm::acos(level.clamp(-1.0, 1.0));
     let candidates = [
         first.radians(),
@@ -69,10 +69,10 @@ fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_track: f64) ->
         PI - stationary,
         stationary - PI,
     ];
-    let mut best = ([Action::Turn(0.0); 4], f64::INFINITY);
+    let mut best = ([OptimalAction::Turn(0.0); 4], f64::INFINITY);
     for direction in candidates {
-        if let Some(word) = word(x, y, first, Angle::wrapped(direction)) {
-            let cost = length(&word, half_track);
+        if let Some(word) = word(x, y, first, Angle::from_radians(direction)) {
+            let cost = length(&word, half_separation);
             if cost < best.1 {
                 best = (word, cost);
             }
@@ -82,7 +82,7 @@ fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_track: f64) ->
 }
 
 /// Turn from `first` to `direction`, straight, turn to the goal's heading, straight: over (`x`, `y`) \[m].
-fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[Action; 4]> {
+fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[OptimalAction; 4]> {
     let (sin, cos) = direction.sin_cos();
     // A straight along the goal's axis cannot go aside; one nearly along it would go without end.
     let (one, two) = if y.abs() <= 1e-12 {
@@ -93,28 +93,28 @@ fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[Act
         (y / sin, x - y * cos / sin)
     };
     Some([
-        Action::Turn((direction - first).radians()),
-        Action::Straight(one),
-        Action::Turn((-direction).radians()),
-        Action::Straight(two),
+        OptimalAction::Turn((direction - first).radians()),
+        OptimalAction::Straight(one),
+        OptimalAction::Turn((-direction).radians()),
+        OptimalAction::Straight(two),
     ])
 }
 
 /// The same trajectory from its end to its start.
-fn undone(word: [Action; 4]) -> [Action; 4] {
+fn undone(word: [OptimalAction; 4]) -> [OptimalAction; 4] {
     let [a, b, c, d] = word.map(|action| match action {
-        Action::Turn(angle) => Action::Turn(-angle),
-        Action::Straight(distance) => Action::Straight(-distance),
+        OptimalAction::Turn(angle) => OptimalAction::Turn(-angle),
+        OptimalAction::Straight(distance) => OptimalAction::Straight(-distance),
     });
     [d, c, b, a]
 }
 
 /// What the faster wheel rolls \[m].
-fn length(word: &[Action; 4], half_track: f64) -> f64 {
+fn length(word: &[OptimalAction; 4], half_separation: f64) -> f64 {
     word.iter()
         .map(|action| match action {
-            Action::Turn(angle) => half_track * angle.abs(),
-            Action::Straight(distance) => distance.abs(),
+            OptimalAction::Turn(angle) => half_separation * angle.abs(),
+            OptimalAction::Straight(distance) => distance.abs(),
         })
         .sum()
 }
@@ -123,17 +123,17 @@ fn length(word: &[Action; 4], half_track: f64) -> f64 {
 mod tests {
     use std::f64::consts::PI;
 
-    use surepose::{Angle, Body, Drive, Goal, Integration, Motion, Pose};
+    use surepose::{Angle, Body, DiffDrive, Goal, Integration, Motion, Pose};
     use surepose_sim::Seed;
 
-    use super::{Action, fastest};
+    use super::{OptimalAction, fastest};
 
-    const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
+    const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
     const HALF: f64 = 0.3;
     const SPEED: f64 = 0.3;
 
     fn pose(x: f64, y: f64, heading: f64) -> Pose<Goal, Body, f64> {
-        Pose::new(x, y, Angle::wrapped(heading))
+        Pose::new(x, y, Angle::from_radians(heading))
     }
 
     fn time(x: f64, y: f64, heading: f64) -> f64 {
@@ -149,7 +149,7 @@ mod tests {
 
     /// The wheel's way over the word with `direction` of the first straight, written anew from geometry.
     fn scanned(x: f64, y: f64, first: f64, samples: usize) -> f64 {
-        let turn = |a: f64| Angle::wrapped(a).radians().abs();
+        let turn = |a: f64| Angle::from_radians(a).radians().abs();
         (0..samples)
             .map(|k| {
                 let direction = (k as f64 + 0.5) / samples as f64 * 2.0 * PI;
@@ -184,7 +184,8 @@ mod tests {
     fn parallel_parking_uses_two_straights() {
         let best = fastest(pose(0.0, -0.05, 0.0), &DRIVE, SPEED);
         assert!(best.time < 0.9 * (0.05 + HALF * PI) / SPEED, "{best:?}");
-        let straights = best.actions.iter().filter(|a| matches!(a, Action::Straight(s) if s.abs() > 1e-6));
+        let straights =
+            best.actions.iter().filter(|a| matches!(a, OptimalAction::Straight(s) if s.abs() > 1e-6));
         assert_eq!(straights.count(), 2, "{best:?}");
     }
 
@@ -196,11 +197,11 @@ mod tests {
             let (mut at, mut rolled) = (start, 0.0);
             for action in best.actions {
                 let motion = match action {
-                    Action::Turn(turn) => Motion { length: 0.0, turn },
-                    Action::Straight(length) => Motion { length, turn: 0.0 },
+                    OptimalAction::Turn(turn) => Motion { length: 0.0, turn },
+                    OptimalAction::Straight(length) => Motion { length, turn: 0.0 },
                 };
                 rolled += motion.length.abs() + HALF * motion.turn.abs();
-                at = at.moved(motion, Integration::Arc);
+                at = at.integrate(motion, Integration::Arc);
             }
             assert!(at.x.abs() < 1e-7 && at.y.abs() < 1e-7 && at.heading.radians().abs() < 1e-9, "{best:?}");
             assert!((rolled / SPEED - best.time).abs() < 1e-9);

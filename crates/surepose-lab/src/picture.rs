@@ -1,22 +1,22 @@
 //! Pictures of drives and of the paper's figures.
 
+mod building_map;
+mod downsampled;
 mod drive;
 mod figures;
-mod film;
-mod hall;
-mod localisation;
+mod html_player;
+mod localization;
 mod margin;
 mod sweep;
-mod thinned;
 mod walls;
 
+pub use building_map::building_map;
+pub use downsampled::downsampled;
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
 pub use figures::{fig3, fig6, fig7};
-pub use film::film;
-pub use hall::hall;
-pub use localisation::{Localised, fig4, fig5};
+pub use html_player::html_player;
+pub use localization::{LocalizationRun, fig4, fig5};
 pub use margin::{margin, margin_over_distance};
 pub use surepose_plot::{Picture, PlotError};
-pub use sweep::{spreads, start_map};
-pub use thinned::thinned;
-pub use walls::{Ground, wall_map};
+pub use sweep::{quantile_plots, start_map};
+pub use walls::{MapBackground, wall_map};

@@ -2,15 +2,17 @@
 
 mod extraction;
 mod following;
-mod localisation;
+mod localization;
 mod loop_world;
 mod parking;
 mod seeds;
-mod stabilisation;
+mod stabilization;
 
 pub use extraction::{Extraction, extraction};
-pub use following::{Followed, Following, PathFigures, Shape, ShapeFigures, following};
-pub use localisation::{Accuracy, Comparison, Configuration, Moment, comparison, deviations, localisation};
+pub use following::{PathAccuracy, PathFigures, PathFollowing, PathRuns, ShapeFigures, following};
+pub use localization::{
+    Accuracy, Comparison, Configuration, DeviationSample, comparison, deviations, localization,
+};
 pub use loop_world::LoopWorld;
 pub use parking::{GoalFigures, PAPER_GOALS, Parked, parking};
-pub use stabilisation::{Instant, Stabilised, StabilisedFigures, local_law, stabilisation};
+pub use stabilization::{LawSample, StabilizationFigures, StabilizedRun, local_law, stabilization};

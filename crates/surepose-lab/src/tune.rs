@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use surepose::Law;
 
-pub use candidate::Candidate;
+pub use candidate::GainCandidate;
 
 use crate::sweep::{Starts, Sweep, SweepReport};
 
@@ -31,22 +31,22 @@ pub struct Tune {
     /// The trials by which gains are judged in the end, with the law to begin from. The search has seeds of its own.
     pub sweep: Sweep,
     /// Other gains to begin from where the law's are not certified.
-    pub fallback: Candidate,
+    pub fallback: GainCandidate,
     /// Least gains and capture radius that are tried.
-    pub least: Candidate,
+    pub least: GainCandidate,
     /// The largest.
-    pub most: Candidate,
+    pub most: GainCandidate,
     /// Rounds of the search.
     pub rounds: usize,
 }
 
 /// What tuning found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tuned {
+pub struct TuneResult {
     /// The gains to use: certified, and no slower than those to begin from. None where nothing was certified.
-    pub best: Option<Candidate>,
+    pub best: Option<GainCandidate>,
     /// The gains that the search began with, and whether they are certified.
-    pub start: Candidate,
+    pub start: GainCandidate,
     /// Whether those are certified.
     pub start_certified: bool,
     /// The trials with them.
@@ -64,8 +64,8 @@ pub struct Tuned {
 
 /// How far a search is, and whether it shall end early. Shared with whoever watches.
 #[derive(Debug, Default)]
-pub struct Watch {
-    sweeps: crate::Watch,
+pub struct TuneProgress {
+    sweeps: crate::CancelToken,
     steps: AtomicUsize,
 }
 
@@ -75,7 +75,7 @@ pub const STRESS: f64 = 1.3;
 /// As many trials from near the goal, with [`STRESS`] times the noise.
 fn stressed(sweep: &Sweep) -> Sweep {
     Sweep {
-        starts: Starts::near(sweep.starts.len(), sweep.seed),
+        starts: Starts::near_goal(sweep.starts.len(), sweep.seed),
         noise: sweep.noise.scaled(STRESS),
         ..sweep.clone()
     }
@@ -84,15 +84,15 @@ fn stressed(sweep: &Sweep) -> Sweep {
 /// Trials that judge the result of a search that was stopped: whoever stopped it does not want to wait.
 const RUNS_AFTER_STOP: usize = 2000;
 
-impl Watch {
+impl TuneProgress {
     /// How many of the rounds, and the judgement after them, are done.
-    pub fn done(&self) -> usize {
+    pub fn completed(&self) -> usize {
         self.steps.load(Ordering::Relaxed)
     }
 
     /// Ends the search: the best that was certified so far is still judged.
-    pub fn stop(&self) {
-        self.sweeps.stop();
+    pub fn cancel(&self) {
+        self.sweeps.cancel();
     }
 
     fn count(&self) {
@@ -102,31 +102,33 @@ impl Watch {
 
 impl Tune {
     /// Searches. `certified` says whether a law may be used.
-    pub fn run(&self, certified: &dyn Fn(&Law<f64>) -> bool, watch: &Watch) -> Tuned {
-        let mut search = Search::new(self, certified, &watch.sweeps);
+    pub fn run(&self, certified: &dyn Fn(&Law<f64>) -> bool, progress: &TuneProgress) -> TuneResult {
+        let mut search = Search::new(self, certified, &progress.sweeps);
         let start_certified = search.begin();
         for round in 0..self.rounds {
-            if watch.sweeps.stopped() {
+            if progress.sweeps.is_cancelled() {
                 break;
             }
             search.round(round);
-            watch.count();
+            progress.count();
         }
-        self.judged(&search, start_certified, watch)
+        self.judged(&search, start_certified, progress)
     }
 
     /// The best candidates on trials that the search has not seen: the first that stands the test is taken.
-    fn judged(&self, search: &Search<'_>, start_certified: bool, watch: &Watch) -> Tuned {
-        let start = Candidate::of(&self.sweep.law);
+    fn judged(&self, search: &Search<'_>, start_certified: bool, progress: &TuneProgress) -> TuneResult {
+        let start = GainCandidate::from_law(&self.sweep.law);
         let starts = match &self.sweep.starts {
-            Starts::Random(runs) if watch.sweeps.stopped() => Starts::Random(RUNS_AFTER_STOP.min(*runs)),
+            Starts::Random(runs) if progress.sweeps.is_cancelled() => {
+                Starts::Random(RUNS_AFTER_STOP.min(*runs))
+            }
             starts => starts.clone(),
         };
         let fresh = Sweep { starts, ..self.sweep.clone() };
-        let drive = |candidate: &Candidate| {
+        let drive = |candidate: &GainCandidate| {
             let sweep = Sweep { law: candidate.with(&self.sweep.law), ..fresh.clone() };
-            let stressed = stressed(&sweep).run(&crate::Watch::default());
-            let report = sweep.run(&crate::Watch::default());
+            let stressed = stressed(&sweep).run(&crate::CancelToken::default());
+            let report = sweep.run(&crate::CancelToken::default());
             (report, stressed.success_rate)
         };
         let before = drive(&start);
@@ -136,14 +138,14 @@ impl Tune {
             let stands = !start_certified || no_worse(&after.0, &before.0) && after.1 >= before.1;
             stands.then_some((*candidate, after))
         });
-        watch.count();
+        progress.count();
         let (best, (after, stressed_after)) = match found {
             Some((best, (report, stressed))) => (Some(best), (Some(report), stressed)),
             None if start_certified => (Some(start), (Some(before.0.clone()), before.1)),
             None => (None, (None, None)),
         };
         let (before, stressed_before) = before;
-        Tuned {
+        TuneResult {
             best,
             start,
             start_certified,

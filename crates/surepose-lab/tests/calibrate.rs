@@ -8,17 +8,19 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use surepose::Compass;
+use surepose::HeadingMeasurement;
 use surepose_data::Config;
+use surepose_data::mines_rover::{self, ROVER};
 use surepose_data::recording::StampedTicks;
-use surepose_data::ticks::{self, ROVER};
-use surepose_lab::Watch;
+use surepose_lab::CancelToken;
 use surepose_lab::calibrate::simulated::{Simulated, drive, nominal, straight};
-use surepose_lab::calibrate::{Calibration, CalibrationError, Options, Parameter, Recording, calibrate};
+use surepose_lab::calibrate::{
+    Calibration, CalibrationError, CalibrationParameter, CalibrationRecording, Options, calibrate,
+};
 
 fn options(simulated: &Simulated) -> Options {
-    let start_heading = Some(Compass { heading: simulated.start_heading, std: 0.0 });
-    Options { nominal: nominal(), farthest: 8.0, start_heading, ..Options::of(&Config::default()) }
+    let start_heading = Some(HeadingMeasurement { heading: simulated.start_heading, std: 0.0 });
+    Options { nominal: nominal(), range_max: 8.0, start_heading, ..Options::from_config(&Config::default()) }
 }
 
 /// Errors in standard errors of every parameter, over recordings of a minute.
@@ -26,7 +28,7 @@ fn errors(seeds: std::ops::Range<u64>) -> BTreeMap<&'static str, Vec<f64>> {
     let mut errors: BTreeMap<_, Vec<f64>> = BTreeMap::new();
     for seed in seeds {
         let simulated = drive(seed, 60.0);
-        let found = calibrate(&simulated.recording, &options(&simulated), &Watch::default())
+        let found = calibrate(&simulated.recording, &options(&simulated), &CancelToken::default())
             .expect("a drive among walls");
         let found = found.parameters();
         for (name, truth) in simulated.truths() {
@@ -69,8 +71,10 @@ fn a_hundred_recordings() {
 #[test]
 fn what_the_motion_does_not_excite_is_named_and_has_no_number() {
     let simulated = straight(1, 12.0);
-    let found = calibrate(&simulated.recording, &options(&simulated), &Watch::default()).unwrap();
-    for parameter in [Parameter::Track, Parameter::LaserX, Parameter::LaserY] {
+    let found = calibrate(&simulated.recording, &options(&simulated), &CancelToken::default()).unwrap();
+    for parameter in
+        [CalibrationParameter::WheelSeparation, CalibrationParameter::LaserX, CalibrationParameter::LaserY]
+    {
         let estimate = found.estimate(parameter);
         assert!(estimate.value.is_none() && estimate.std_error.is_none(), "{parameter:?}: {estimate:?}");
         assert!(estimate.not_excited.is_some_and(|what| what.contains("turning")), "{parameter:?}");
@@ -88,15 +92,20 @@ fn the_configuration_is_one_and_holds_what_was_found() {
     let simulated = drive(3, 30.0);
     let mut options = options(&simulated);
     options.start_heading = None;
-    let found = calibrate(&simulated.recording, &options, &Watch::default()).unwrap();
+    let found = calibrate(&simulated.recording, &options, &CancelToken::default()).unwrap();
     let text = found.configuration();
     let config = Config::default().with_text("calibration".as_ref(), text.as_bytes()).expect(&text);
-    let track = found.estimate(Parameter::Track);
-    assert!((config.drive().track - track.value.unwrap()).abs() < track.std_error.unwrap(), "{text}");
+    let wheel_separation = found.estimate(CalibrationParameter::WheelSeparation);
+    assert!(
+        (config.drive().wheel_separation - wheel_separation.value.unwrap()).abs()
+            < wheel_separation.std_error.unwrap(),
+        "{text}"
+    );
     let radius = config.drive().radius;
-    for (applied, wheel) in
-        [(radius.left, Parameter::LeftWheelRadius), (radius.right, Parameter::RightWheelRadius)]
-    {
+    for (applied, wheel) in [
+        (radius.left, CalibrationParameter::LeftWheelRadius),
+        (radius.right, CalibrationParameter::RightWheelRadius),
+    ] {
         let found = found.estimate(wheel);
         assert!((applied - found.value.unwrap()).abs() < 0.1 * found.std_error.unwrap(), "{wheel:?}: {text}");
     }
@@ -108,18 +117,21 @@ fn recordings_that_cannot_tell_are_refused_by_reason() {
     let simulated = drive(0, 5.0);
     let options = options(&simulated);
     let ticks = StampedTicks { time: 0.0, left: 0, right: 0 };
-    let still = Recording { ticks: vec![ticks, ticks], ..simulated.recording.clone() };
-    assert_eq!(calibrate(&still, &options, &Watch::default()), Err(CalibrationError::NoTicks));
-    let blind = Recording { scans: Vec::new(), ..simulated.recording.clone() };
-    assert_eq!(calibrate(&blind, &options, &Watch::default()), Err(CalibrationError::FewWalls { found: 0 }));
+    let still = CalibrationRecording { ticks: vec![ticks, ticks], ..simulated.recording.clone() };
+    assert_eq!(calibrate(&still, &options, &CancelToken::default()), Err(CalibrationError::NoTicks));
+    let blind = CalibrationRecording { scans: Vec::new(), ..simulated.recording.clone() };
+    assert_eq!(
+        calibrate(&blind, &options, &CancelToken::default()),
+        Err(CalibrationError::FewWalls { found: 0 })
+    );
     let senseless = Options { range_std: f64::NAN, ..options };
     assert_eq!(
-        calibrate(&simulated.recording, &senseless, &Watch::default()),
+        calibrate(&simulated.recording, &senseless, &CancelToken::default()),
         Err(CalibrationError::BadOptions)
     );
-    let watch = Watch::default();
-    watch.stop();
-    assert_eq!(calibrate(&simulated.recording, &options, &watch), Err(CalibrationError::Stopped));
+    let cancel = CancelToken::default();
+    cancel.cancel();
+    assert_eq!(calibrate(&simulated.recording, &options, &cancel), Err(CalibrationError::Stopped));
 }
 
 fn rover(name: &str) -> Option<Calibration> {
@@ -135,14 +147,14 @@ fn rover(name: &str) -> Option<Calibration> {
         );
         return None;
     }
-    let log = ticks::read(&path).expect("a readable recording");
-    let recording = Recording {
+    let log = mines_rover::read(&path).expect("a readable recording");
+    let recording = CalibrationRecording {
         ticks_per_turn: ROVER.ticks_per_turn,
         ticks: log.odometry,
         scans: log.scans,
         headings: Vec::new(),
     };
-    Some(calibrate(&recording, &Options::rover(), &Watch::default()).expect("the rover calibrates"))
+    Some(calibrate(&recording, &Options::rover(), &CancelToken::default()).expect("the rover calibrates"))
 }
 
 /// Ten differences of which all are within this many standard errors with 95 % probability, if the errors are right: each

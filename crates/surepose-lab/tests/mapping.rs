@@ -5,7 +5,7 @@
 mod common;
 
 use common::recording;
-use surepose_data::grid::{Grid, Origin};
+use surepose_data::grid::{Grid, GridOrigin};
 use surepose_data::map_server;
 use surepose_lab::mapping::from_grid;
 
@@ -15,12 +15,12 @@ fn grid(solid: impl Fn(f64, f64) -> bool) -> Grid {
     let middle = |index: usize| (index as f64 + 0.5) * resolution;
     let cells = (0..height).flat_map(|row| (0..width).map(move |column| (middle(column), middle(row))));
     let cells = cells.map(|(x, y)| Some(if solid(x, y) { 1.0 } else { 0.0 })).collect();
-    Grid { width, height, resolution, origin: Origin::default(), cells }
+    Grid { width, height, resolution, origin: GridOrigin::default(), cells }
 }
 
 #[test]
 fn a_thick_wall_has_a_face_on_either_side() {
-    let mapped = from_grid::walls_of(&grid(|x, y| (2.0..2.3).contains(&x) && (1.0..3.0).contains(&y)));
+    let mapped = from_grid::extract_walls(&grid(|x, y| (2.0..2.3).contains(&x) && (1.0..3.0).contains(&y)));
     let upright: Vec<_> = mapped.map.walls.iter().filter(|wall| wall.length() > 1.5).collect();
     assert_eq!(upright.len(), 2, "{:?}", mapped.map);
     for wall in upright {
@@ -40,7 +40,7 @@ fn a_thick_wall_has_a_face_on_either_side() {
 fn a_thin_wall_is_one_wall_and_a_slanted_one_is_found_below_the_size_of_a_cell() {
     // The line y = 1 + 0.3 (x − 1), one to two cells thick.
     let off = |x: f64, y: f64| (y - 1.0 - 0.3 * (x - 1.0)) / f64::hypot(1.0, 0.3);
-    let mapped = from_grid::walls_of(&grid(|x, y| (1.0..5.0).contains(&x) && off(x, y).abs() < 0.026));
+    let mapped = from_grid::extract_walls(&grid(|x, y| (1.0..5.0).contains(&x) && off(x, y).abs() < 0.026));
     let long: Vec<_> = mapped.map.walls.iter().filter(|wall| wall.length() > 3.5).collect();
     assert_eq!(long.len(), 1, "{:?}", mapped.map);
     for [x, y] in [long[0].from, long[0].to] {
@@ -58,7 +58,7 @@ fn the_shared_maps_become_walls() {
         ("aws_small_house_map", 120..170, 0.97, 0.005),
     ] {
         let Some(path) = recording(&format!("maps/{name}.yaml")) else { continue };
-        let mapped = from_grid::walls_of(&map_server::read(&path).expect("a readable map").0);
+        let mapped = from_grid::extract_walls(&map_server::read(&path).expect("a readable map").0);
         println!("{name}: {:?}", mapped.report);
         assert!(walls.contains(&mapped.report.walls), "{name}");
         assert!(mapped.report.explained.is_some_and(|share| share > explained), "{name}");

@@ -11,8 +11,8 @@ use common::recording;
 use surepose::{Angle, Body, Map, Pose};
 use surepose_data::carmen as data;
 use surepose_data::recording::{Recording, StampedPose};
-use surepose_lab::Watch;
-use surepose_lab::replay::carmen::{Settings, map_of, replay_log};
+use surepose_lab::CancelToken;
+use surepose_lab::replay::carmen::{CarmenSettings, map_from_log, replay_log};
 use surepose_lab::replay::{ReplayError, ReplayReport};
 
 fn log(name: &str) -> Option<Recording<StampedPose>> {
@@ -39,8 +39,8 @@ fn assert_followed(name: &str, report: &ReplayReport, position: f64, heading: f6
 fn both_logs_are_followed_with_one_set_of_settings() {
     for (name, position, heading, scans) in MEASURED {
         let Some(log) = log(name) else { continue };
-        let report =
-            replay_log(&log, None, &Settings::default(), &Watch::default()).expect("a log with scans");
+        let report = replay_log(&log, None, &CarmenSettings::default(), &CancelToken::default())
+            .expect("a log with scans");
         assert_followed(name, &report, position, heading, scans);
         assert!(report.dead_reckoning_position_rmse_m.is_some_and(|rmse| rmse > 1.5), "{name}");
     }
@@ -50,13 +50,13 @@ fn both_logs_are_followed_with_one_set_of_settings() {
 fn biased(log: &Recording<StampedPose>, bias: f64) -> Recording<StampedPose> {
     let mut result = log.clone();
     let pose =
-        |at: &StampedPose| -> Pose<Map, Body, f64> { Pose::new(at.x, at.y, Angle::wrapped(at.heading)) };
+        |at: &StampedPose| -> Pose<Map, Body, f64> { Pose::new(at.x, at.y, Angle::from_radians(at.heading)) };
     let mut scans = log.scans.iter().map(|scan| scan.odometry_before).peekable();
     let mut at = log.odometry.first().map(pose).expect("odometry");
     for (k, pair) in log.odometry.windows(2).enumerate() {
         at = at * (pose(&pair[0]).inverse() * pose(&pair[1]));
         while scans.next_if(|before| *before <= k + 1).is_some() {
-            at.heading = at.heading.turned(bias);
+            at.heading = at.heading.rotated_by(bias);
         }
         result.odometry[k + 1] =
             StampedPose { time: pair[1].time, x: at.x, y: at.y, heading: at.heading.radians() };
@@ -69,8 +69,8 @@ fn odometry_that_turns_too_much_does_no_harm() {
     for (name, position, heading, scans) in MEASURED {
         let Some(log) = log(name) else { continue };
         let log = biased(&log, -1.8_f64.to_radians());
-        let report =
-            replay_log(&log, None, &Settings::default(), &Watch::default()).expect("a log with scans");
+        let report = replay_log(&log, None, &CarmenSettings::default(), &CancelToken::default())
+            .expect("a log with scans");
         assert_followed(name, &report, position, heading, scans);
         // The odometry is as bad as that: by itself it ends tens of metres off, 1.8 m in `belgioioso` without the bias.
         assert!(report.dead_reckoning_position_rmse_m.is_some_and(|rmse| rmse > 20.0), "{name}");
@@ -80,11 +80,11 @@ fn odometry_that_turns_too_much_does_no_harm() {
 #[test]
 fn a_map_from_all_scans_explains_them() {
     let Some(log) = log("freiburg-101") else { return };
-    let mapped = map_of(&log, 1, &Settings::default().mapping);
+    let mapped = map_from_log(&log, 1, &CarmenSettings::default().mapping);
     println!("{:?}", mapped.report);
     assert!(mapped.report.explained.is_some_and(|share| share > 0.92));
     assert!(mapped.report.residual_rms_m.is_some_and(|rms| rms < 0.024));
-    let report = replay_log(&log, Some(&mapped.map), &Settings::default(), &Watch::default())
+    let report = replay_log(&log, Some(&mapped.map), &CarmenSettings::default(), &CancelToken::default())
         .expect("a log with scans");
     assert_eq!(report.accepted, 291, "with a map of its own every scan but the first is seen");
 }
@@ -94,12 +94,12 @@ fn a_log_with_one_scan_has_no_start() {
     let Some(mut log) = log("freiburg-101") else { return };
     log.scans.truncate(1);
     assert!(matches!(
-        replay_log(&log, None, &Settings::default(), &Watch::default()),
+        replay_log(&log, None, &CarmenSettings::default(), &CancelToken::default()),
         Err(ReplayError::NoStart)
     ));
     log.scans.clear();
     assert!(matches!(
-        replay_log(&log, None, &Settings::default(), &Watch::default()),
+        replay_log(&log, None, &CarmenSettings::default(), &CancelToken::default()),
         Err(ReplayError::NoStart)
     ));
 }

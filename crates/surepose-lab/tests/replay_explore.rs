@@ -8,12 +8,12 @@ mod common;
 
 use common::recording;
 use surepose::{Angle, Body, Map, Pose};
+use surepose_data::cmu_wean as data;
 use surepose_data::grid::Grid;
 use surepose_data::recording::{Recording, StampedPose};
-use surepose_data::wean as data;
-use surepose_lab::Watch;
-use surepose_lab::replay::wean::{self, Followed};
-use surepose_lab::replay::{FollowerSettings, Hall, ticks};
+use surepose_lab::CancelToken;
+use surepose_lab::replay::cmu_wean::{self, WeanReplay};
+use surepose_lab::replay::{BuildingMap, LaserReplaySettings, mines_rover};
 
 /// A scan by number, and the pose (x, y, θ) at which it was taken.
 type Taken = (usize, f64, f64, f64);
@@ -33,24 +33,29 @@ fn run(name: &str) -> Option<(Recording<StampedPose>, Grid)> {
 }
 
 /// How far the robot is believed from where a scan was taken \[m], \[rad].
-fn off((scan, x, y, heading): Taken, way: &[Option<Pose<Map, Body, f64>>]) -> Option<(f64, f64)> {
-    let at = way[scan]?;
-    Some((libm::hypot(at.x - x, at.y - y), (at.heading - Angle::wrapped(heading)).radians().abs()))
+fn off((scan, x, y, heading): Taken, trajectory: &[Option<Pose<Map, Body, f64>>]) -> Option<(f64, f64)> {
+    let at = trajectory[scan]?;
+    Some((libm::hypot(at.x - x, at.y - y), (at.heading - Angle::from_radians(heading)).radians().abs()))
 }
 
 #[test]
 fn wean_hall_is_followed_from_a_given_start() {
-    let settings = wean::settings(&wean::preset());
+    let settings = cmu_wean::settings(&cmu_wean::preset());
     for ((name, places), share) in PLACES.into_iter().zip([0.75, 0.79]) {
         let Some((log, grid)) = run(name) else { continue };
         let start = Pose::new(40.0, 41.4, Angle::from_degrees(-96.0));
-        let Followed { report, way, .. } =
-            wean::replay(&log, &Hall::of_grid(grid), Some(start), &settings, &Watch::default());
+        let WeanReplay { report, trajectory, .. } = cmu_wean::replay(
+            &log,
+            &BuildingMap::from_grid(grid),
+            Some(start),
+            &settings,
+            &CancelToken::default(),
+        );
         println!("{name}: {report:?}");
         assert!(report.beams_on_walls.is_some_and(|mean| mean > share), "{name}");
         assert_eq!(report.position_rmse_m, None);
         for place in places {
-            let (off, turned) = off(place, &way).expect("followed from the start");
+            let (off, turned) = off(place, &trajectory).expect("followed from the start");
             assert!(off < 0.3 && turned < 0.1, "{name}, scan {}: {off} m, {turned} rad", place.0);
         }
     }
@@ -59,24 +64,25 @@ fn wean_hall_is_followed_from_a_given_start() {
 /// From the start, and from half a minute later, when the robot has left the doorway that is like no other. The place that
 /// looks most like the true one is six metres away; along the corridor walls tell little, and two beliefs differ by up to 0.7 m.
 #[test]
-fn wean_hall_tells_where_a_run_begins() {
-    let settings = wean::settings(&wean::preset());
+fn wean_hall_start_pose_is_found() {
+    let settings = cmu_wean::settings(&cmu_wean::preset());
     for (name, _) in PLACES {
         let Some((log, grid)) = run(name) else { continue };
-        let hall = Hall::of_grid(grid);
+        let building = BuildingMap::from_grid(grid);
         let start = Pose::new(40.0, 41.4, Angle::from_degrees(-96.0));
-        let followed = wean::replay(&log, &hall, Some(start), &settings, &Watch::default()).way;
+        let followed =
+            cmu_wean::replay(&log, &building, Some(start), &settings, &CancelToken::default()).trajectory;
         for late in [0.0, 30.0] {
             let mut log = log.clone();
             let dropped = log.scans.iter().take_while(|scan| scan.time < late).count();
             log.scans.drain(..dropped);
-            let Followed { report, way, places, before } =
-                wean::replay(&log, &hall, None, &settings, &Watch::default());
+            let WeanReplay { report, trajectory, candidates, before } =
+                cmu_wean::replay(&log, &building, None, &settings, &CancelToken::default());
             println!("{name} from {late} s: {report:?}");
             assert!(report.found_s.is_some_and(|after| after < 50.0) && report.withdrawn.is_none(), "{name}");
-            assert_eq!((report.hypotheses_left, places.len()), (Some(1), 0));
+            assert_eq!((report.hypotheses_left, candidates.len()), (Some(1), 0));
             assert!(!before.is_empty() && report.explained.is_some_and(|part| part > 0.75), "{name}");
-            for (found, known) in way.iter().zip(&followed[dropped..]) {
+            for (found, known) in trajectory.iter().zip(&followed[dropped..]) {
                 let Some((found, known)) = found.zip(*known) else { continue };
                 let off = found.origin().distance(known.origin());
                 let turned = (found.heading - known.heading).radians().abs();
@@ -89,30 +95,35 @@ fn wean_hall_tells_where_a_run_begins() {
 /// The corridor repeats itself every six metres: after a quarter of a minute in it several places explain the scans, and
 /// none is said to be it.
 #[test]
-fn wean_hall_is_not_guessed_at() {
+fn wean_hall_ambiguity_is_reported() {
     let Some((mut log, grid)) = run("robotdata1") else { return };
     log.scans.truncate(80);
-    let Followed { report, way, places, .. } =
-        wean::replay(&log, &Hall::of_grid(grid), None, &wean::settings(&wean::preset()), &Watch::default());
+    let WeanReplay { report, trajectory, candidates, .. } = cmu_wean::replay(
+        &log,
+        &BuildingMap::from_grid(grid),
+        None,
+        &cmu_wean::settings(&cmu_wean::preset()),
+        &CancelToken::default(),
+    );
     println!("{report:?}");
     assert_eq!((report.found_s, report.beams_on_walls), (None, None));
-    assert_eq!(report.hypotheses_left, Some(places.len()));
-    assert!(places.len() > 1 && way.iter().all(Option::is_none));
+    assert_eq!(report.hypotheses_left, Some(candidates.len()));
+    assert!(candidates.len() > 1 && trajectory.iter().all(Option::is_none));
 }
 
 /// On a grid without the part of the corridor in which the robot drives, other parts fit for a while.
 #[test]
 fn wean_hall_is_not_mistaken_for_another_part_of_it() {
-    let settings = wean::settings(&wean::preset());
+    let settings = cmu_wean::settings(&cmu_wean::preset());
     for (name, _) in PLACES {
         let Some((log, mut grid)) = run(name) else { continue };
         for (column, row) in (270..540).flat_map(|column| (0..540).map(move |row| (column, row))) {
             grid.cells[row * grid.width + column] = None;
         }
-        let Followed { report, way, .. } =
-            wean::replay(&log, &Hall::of_grid(grid), None, &settings, &Watch::default());
+        let WeanReplay { report, trajectory, .. } =
+            cmu_wean::replay(&log, &BuildingMap::from_grid(grid), None, &settings, &CancelToken::default());
         println!("{name}: {report:?}");
-        assert!(report.found_s.is_none() && way.iter().all(Option::is_none), "{name}");
+        assert!(report.found_s.is_none() && trajectory.iter().all(Option::is_none), "{name}");
     }
 }
 
@@ -121,9 +132,9 @@ fn wean_hall_is_not_mistaken_for_another_part_of_it() {
 fn the_rover_makes_its_own_map() {
     for (name, share, scans) in [("exp1", 0.79, 755), ("exp2", 0.77, 640)] {
         let Some(path) = recording(&format!("mines_rover/{name}.dat.gz")) else { continue };
-        let settings = FollowerSettings::of(&ticks::preset());
-        let log = surepose_data::ticks::read(&path).expect("a readable recording");
-        let explored = ticks::replay_log(&log, &settings, &Watch::default());
+        let settings = LaserReplaySettings::from_config(&mines_rover::preset());
+        let log = surepose_data::mines_rover::read(&path).expect("a readable recording");
+        let explored = mines_rover::replay_log(&log, &settings, &CancelToken::default());
         println!("{name}: {:?} {:?}", explored.report, explored.mapped.report);
         assert!(explored.report.beams_on_walls.is_some_and(|mean| mean > share), "{name}");
         assert!(explored.report.accepted + 5 >= scans, "{name}");

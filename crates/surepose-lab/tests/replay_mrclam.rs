@@ -6,13 +6,13 @@
 
 use std::path::PathBuf;
 
-use surepose_data::mrclam::{Landmark, RobotLog, Sighting, Target};
+use surepose_data::mrclam::{Landmark, LandmarkObservation, RobotLog, Target};
 use surepose_data::recording::{StampedPose, StampedTwist};
-use surepose_lab::replay::mrclam::{Settings, replay, replay_log};
+use surepose_lab::replay::mrclam::{MrclamSettings, replay, replay_log};
 use surepose_lab::replay::{ReplayError, ReplayReport};
 
 /// A robot that is told to stand still at (1, 0) facing a landmark at (4, 0), for 10 s.
-fn standing(sightings: Vec<Sighting>) -> RobotLog {
+fn standing(sightings: Vec<LandmarkObservation>) -> RobotLog {
     let times = || (0..=1000).map(|tick| f64::from(tick) * 0.01);
     RobotLog {
         odometry: times().map(|time| StampedTwist { time, speed: 0.0, turn_rate: 0.0 }).collect(),
@@ -23,14 +23,14 @@ fn standing(sightings: Vec<Sighting>) -> RobotLog {
 }
 
 /// What the camera records of that landmark.
-fn seen(time: f64, target: Target) -> Sighting {
-    Sighting { time, target, range: 3.0 * Settings::default().camera.scale, bearing: 0.0 }
+fn seen(time: f64, target: Target) -> LandmarkObservation {
+    LandmarkObservation { time, target, range: 3.0 * MrclamSettings::default().camera.scale, bearing: 0.0 }
 }
 
 #[test]
 fn every_sighting_is_accounted_for() {
-    let outlier = Sighting { range: 30.0, ..seen(5.0, Target::Landmark(6)) };
-    let behind = Sighting { bearing: 3.0, ..seen(6.0, Target::Landmark(6)) };
+    let outlier = LandmarkObservation { range: 30.0, ..seen(5.0, Target::Landmark(6)) };
+    let behind = LandmarkObservation { bearing: 3.0, ..seen(6.0, Target::Landmark(6)) };
     let log = standing(vec![
         seen(0.0, Target::Landmark(6)),
         seen(1.0, Target::Landmark(6)),
@@ -40,7 +40,7 @@ fn every_sighting_is_accounted_for() {
         behind,
         seen(20.0, Target::Landmark(6)),
     ]);
-    let report = replay_log(&log, &Settings::default()).unwrap();
+    let report = replay_log(&log, &MrclamSettings::default()).unwrap();
     // The first comes before the first command takes effect; the last after the last, and still counts.
     assert_eq!(report.accepted, 2);
     for (reason, count) in [("stale", 1), ("outlier", 1), ("not_finite", 1), ("future", 0)] {
@@ -57,9 +57,9 @@ fn without_a_reference_there_is_no_start() {
     let mut log = standing(vec![]);
     log.reference.truncate(1);
     log.reference[0].time = 100.0;
-    assert!(matches!(replay_log(&log, &Settings::default()), Err(ReplayError::NoStart)));
+    assert!(matches!(replay_log(&log, &MrclamSettings::default()), Err(ReplayError::NoStart)));
     log.odometry.clear();
-    assert!(matches!(replay_log(&log, &Settings::default()), Err(ReplayError::NoStart)));
+    assert!(matches!(replay_log(&log, &MrclamSettings::default()), Err(ReplayError::NoStart)));
 }
 
 fn data_set() -> Option<PathBuf> {
@@ -85,7 +85,7 @@ fn median(reports: &[ReplayReport], of: impl Fn(&ReplayReport) -> Option<f64>) -
 #[test]
 fn all_five_robots_are_followed_with_one_set_of_settings() {
     let Some(folder) = data_set() else { return };
-    let settings = Settings::default();
+    let settings = MrclamSettings::default();
     let reports: Vec<_> =
         (1..=5).map(|robot| replay(&folder, robot, &settings).expect("a readable data set")).collect();
     for (robot, report) in (1..).zip(&reports) {
@@ -113,7 +113,7 @@ fn all_five_robots_are_followed_with_one_set_of_settings() {
 fn a_replay_is_the_same_twice() {
     let Some(folder) = data_set() else { return };
     let run = || {
-        let report = replay(&folder, 4, &Settings::default()).expect("a readable data set");
+        let report = replay(&folder, 4, &MrclamSettings::default()).expect("a readable data set");
         ReplayReport { wall_s: 0.0, ..report }
     };
     assert_eq!(run(), run());

@@ -1,7 +1,7 @@
 //! Work compiled once for each instruction set, and the choice among them when it starts.
 
 /// Work worth vector instructions.
-pub trait Work {
+pub trait Kernel {
     /// What it gives.
     type Output;
 
@@ -13,7 +13,7 @@ pub trait Work {
 /// What `pulp` inlines into its function for each instruction set.
 struct Inlined<W>(W);
 
-impl<W: Work> pulp::NullaryFnOnce for Inlined<W> {
+impl<W: Kernel> pulp::NullaryFnOnce for Inlined<W> {
     type Output = W::Output;
 
     #[inline(always)]
@@ -23,7 +23,7 @@ impl<W: Work> pulp::NullaryFnOnce for Inlined<W> {
 }
 
 /// Does `work` with the widest vectors the processor has.
-pub fn on_widest<W: Work>(work: W) -> W::Output {
+pub fn dispatch_simd<W: Kernel>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     {
         use pulp::Simd;
@@ -37,7 +37,7 @@ pub fn on_widest<W: Work>(work: W) -> W::Output {
     work.run()
 }
 
-/// The name of what [`on_widest`] chooses here, for reports.
+/// The name of what [`dispatch_simd`] chooses here, for reports.
 pub fn instruction_set() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
@@ -51,7 +51,7 @@ pub fn instruction_set() -> &'static str {
     "portable"
 }
 
-/// Does `work` as [`on_widest`] does where there is nothing wide: for tests.
-pub fn portably<W: Work>(work: W) -> W::Output {
+/// Does `work` as [`dispatch_simd`] does where there is nothing wide: for tests.
+pub fn dispatch_portable<W: Kernel>(work: W) -> W::Output {
     work.run()
 }

@@ -14,7 +14,7 @@ use functions::element;
 /// | function | domain | farthest from `libm`, `f64` | from the exact value, `f32` |
 /// |---|---|---|---|
 /// | `sin_cos` | \|x\| ≤ 1000 | 2.3·10⁻¹⁶ | 10⁻⁷ |
-/// | `turn_cos_sinc` | \|x\| ≤ 5π/4 | 2.5·10⁻¹⁵ | 1.2·10⁻⁶ |
+/// | `cos_sinc_bounded` | \|x\| ≤ 5π/4 | 2.5·10⁻¹⁵ | 1.2·10⁻⁶ |
 /// | `small_sinc` | \|x\| ≤ π/4 | 2.3·10⁻¹⁶ | 6·10⁻⁸ |
 /// | `polar` | a finite length whose square is a normal number | 5·10⁻¹⁶, relative | 2.3·10⁻⁷, relative |
 ///
@@ -35,7 +35,7 @@ pub trait Element:
     + 'static
 {
     /// The constant `value`, rounded to this type.
-    fn of(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
     /// The value as `f64`.
     fn to_f64(self) -> f64;
     /// The value of an `f32`.
@@ -65,23 +65,23 @@ pub trait Element:
     fn half_cosine(square: Self) -> Self;
     /// The magnitude of this number with the sign of `other`, that of a zero too.
     #[must_use]
-    fn with_sign_of(self, other: Self) -> Self;
+    fn copysign(self, other: Self) -> Self;
     /// The length of the vector (`x`, `self`), and its angle in (−π, π]; 0 for the null vector.
     fn polar(self, x: Self) -> (Self, Self);
     /// An angle that is at most a turn too large, wrapped to (−π, π].
     #[must_use]
-    fn wrapped_sum(self) -> Self;
+    fn wrap_once(self) -> Self;
 
     /// The distance from 1 to the next larger number.
     const EPSILON: Self;
 
     /// `cos(x)` and `sin(x)/x` for |x| ≤ 5π/4, from those of half the angle: no quadrants to tell apart, and no division.
     #[inline(always)]
-    fn turn_cos_sinc(self) -> (Self, Self) {
+    fn cos_sinc_bounded(self) -> (Self, Self) {
         let square = self * self;
         let half = Self::half_sine(square);
         let sine = half * self;
-        let cos = (-(sine + sine)).times_plus(sine, Self::of(1.0));
+        let cos = (-(sine + sine)).times_plus(sine, Self::from_f64(1.0));
         (cos, (half + half) * Self::half_cosine(square))
     }
 

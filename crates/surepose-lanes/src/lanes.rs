@@ -59,8 +59,8 @@ impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
     type Mask = LaneMask<N>;
 
     #[inline(always)]
-    fn of(value: f64) -> Self {
-        Self([T::of(value); N])
+    fn from_f64(value: f64) -> Self {
+        Self([T::from_f64(value); N])
     }
     #[inline(always)]
     fn lt(self, other: Self) -> LaneMask<N> {
@@ -114,32 +114,33 @@ impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
     fn sin_cos_sinc(self) -> (Self, Self, Self) {
         let (sin, cos) = self.sin_cos();
         // Down to the smallest angles sin x/x rounds to what it should: only 0/0 needs help.
-        let sinc = from_fn(|k| if self.0[k] == T::default() { T::of(1.0) } else { sin.0[k] / self.0[k] });
+        let sinc =
+            from_fn(|k| if self.0[k] == T::default() { T::from_f64(1.0) } else { sin.0[k] / self.0[k] });
         (sin, cos, Self(sinc))
     }
     #[inline(always)]
-    fn turn_sin_cos(self) -> (Self, Self) {
-        let (cos, sinc) = self.turn_cos_sinc();
+    fn sin_cos_bounded(self) -> (Self, Self) {
+        let (cos, sinc) = self.cos_sinc_bounded();
         (self * sinc, cos)
     }
     #[inline(always)]
-    fn turn_cos_sinc(self) -> (Self, Self) {
+    fn cos_sinc_bounded(self) -> (Self, Self) {
         let (mut cos, mut sinc) = (self.0, self.0);
         for k in 0..N {
-            (cos[k], sinc[k]) = self.0[k].turn_cos_sinc();
+            (cos[k], sinc[k]) = self.0[k].cos_sinc_bounded();
         }
         (Self(cos), Self(sinc))
     }
     #[inline(always)]
-    fn with_sign_of(self, other: Self) -> Self {
-        self.zip(other, T::with_sign_of)
+    fn copysign(self, other: Self) -> Self {
+        self.zip(other, T::copysign)
     }
     #[inline(always)]
     fn sinc(self) -> Self {
         self.map(T::small_sinc)
     }
     #[inline(always)]
-    fn wrapped_sum(self) -> Self {
-        self.map(T::wrapped_sum)
+    fn wrap_once(self) -> Self {
+        self.map(T::wrap_once)
     }
 }

@@ -1,32 +1,32 @@
 //! Surepose in SIMD lanes: the scalar for millions of trials.
 //!
-//! [`Lanes`] is a [`Scalar`](surepose::Scalar) of `N` numbers and [`Column`] holds one such number for each of many
+//! [`Lanes`] is a [`Scalar`](surepose::Scalar) of `N` numbers and [`LaneArray`] holds one such number for each of many
 //! robots. A loop along columns that drives `N` robots at a time with the core's law, limits and motion, which are
-//! written once, has neither branches nor calls in it: the compiler makes vector instructions of it. [`on_widest`]
+//! written once, has neither branches nor calls in it: the compiler makes vector instructions of it. [`dispatch_simd`]
 //! compiles such a loop for AVX-512, for AVX2 and for any processor, and chooses when it runs.
 //!
 //! ```
-//! use surepose::{Angle, Body, Goal, Map, Navigation, Pose};
-//! use surepose_lanes::{Column, Lanes, Work, on_widest};
+//! use surepose::{Angle, Body, Goal, Map, NavigationVariables, Pose};
+//! use surepose_lanes::{LaneArray, Lanes, Kernel, dispatch_simd};
 //!
 //! /// The distance of each of 64 robots from its goal.
-//! struct Distances<'a>(&'a Column<f64, 64>, &'a Column<f64, 64>, &'a mut Column<f64, 64>);
+//! struct Distances<'a>(&'a LaneArray<f64, 64>, &'a LaneArray<f64, 64>, &'a mut LaneArray<f64, 64>);
 //!
-//! impl Work for Distances<'_> {
+//! impl Kernel for Distances<'_> {
 //!     type Output = ();
 //!
 //!     #[inline(always)]
 //!     fn run(self) {
 //!         let goal: Pose<Map, Goal, Lanes<f64, 4>> = Pose::identity();
-//!         for k in Column::<f64, 64>::rows::<4>() {
+//!         for k in LaneArray::<f64, 64>::rows::<4>() {
 //!             let robot: Pose<Map, Body, _> = Pose::new(self.0.get(k), self.1.get(k), Angle::zero());
-//!             self.2.set(k, Navigation::of(robot, goal).rho);
+//!             self.2.set(k, NavigationVariables::from_poses(robot, goal).rho);
 //!         }
 //!     }
 //! }
 //!
-//! let (x, y, mut distance) = (Column([3.0; 64]), Column([4.0; 64]), Column([0.0; 64]));
-//! on_widest(Distances(&x, &y, &mut distance));
+//! let (x, y, mut distance) = (LaneArray([3.0; 64]), LaneArray([4.0; 64]), LaneArray([0.0; 64]));
+//! dispatch_simd(Distances(&x, &y, &mut distance));
 //! assert_eq!(distance.0, [5.0; 64]);
 //! ```
 //!
@@ -39,17 +39,17 @@
 //! # What is not promised
 //! Beyond the domains of [`Element`] a function answers with nonsense or NaN. It never panics.
 
-mod column;
 mod dispatch;
 mod element;
+mod lane_array;
 mod lanes;
 mod mask;
 mod normal;
 mod streams;
 
-pub use column::Column;
-pub use dispatch::{Work, instruction_set, on_widest, portably};
+pub use dispatch::{Kernel, dispatch_portable, dispatch_simd, instruction_set};
 pub use element::Element;
+pub use lane_array::LaneArray;
 pub use lanes::Lanes;
 pub use mask::LaneMask;
 pub use streams::{Streams, uniform};

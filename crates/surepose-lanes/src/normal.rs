@@ -2,8 +2,8 @@
 
 use core::f32::consts::{LN_2, SQRT_2};
 
-use crate::column::Column;
 use crate::element::polynomial;
+use crate::lane_array::LaneArray;
 use crate::streams::{Streams, draw};
 
 impl<const L: usize> Streams<L> {
@@ -12,7 +12,7 @@ impl<const L: usize> Streams<L> {
     /// A deviate is right to 3·10⁻⁵ of itself. The grid is 2⁻³⁰ for the radius and 2⁻²⁴ turns for the direction, and the
     /// largest deviate is 6.56. Tested by `moments_and_tails_are_normal`, `streams_are_independent`.
     #[inline(always)]
-    pub fn normals<const COUNT: usize>(&mut self, deviates: &mut [Column<f32, L>; COUNT]) {
+    pub fn normals<const COUNT: usize>(&mut self, deviates: &mut [LaneArray<f32, L>; COUNT]) {
         // Several short loops: the processor works on many turns of each at once.
         for columns in deviates.chunks_mut(2) {
             match columns {

@@ -60,10 +60,10 @@ fn turns_by_their_halves() {
     let reach = 1.25 * PI;
     let exact = |x: f64| (libm::cos(x), if x.abs() < 1e-8 { 1.0 } else { libm::sin(x) / x });
     let off = |(cos, sinc): (f64, f64), (c, s): (f64, f64)| (cos - c).abs().max((sinc - s).abs());
-    let double = worst(angles(reach).map(|x| off(Element::turn_cos_sinc(x), exact(x))));
+    let double = worst(angles(reach).map(|x| off(Element::cos_sinc_bounded(x), exact(x))));
     assert!(double < 2.5e-15, "{double:e}");
     let single = worst(angles(reach).map(|x| {
-        let (cos, sinc) = Element::turn_cos_sinc(x as f32);
+        let (cos, sinc) = Element::cos_sinc_bounded(x as f32);
         off((f64::from(cos), f64::from(sinc)), exact(f64::from(x as f32)))
     }));
     assert!(single < 1.2e-6, "{single:e}");
@@ -106,14 +106,14 @@ fn broken_numbers_stay_broken() {
         assert!(Element::polar(y, x).1.is_nan(), "{y} {x}");
         assert!(Element::polar(y as f32, x as f32).1.is_nan(), "{y} {x}");
     }
-    let wrapped = Scalar::wrapped_sum(Lanes([f64::NAN, 4.0, -PI, PI]));
+    let wrapped = Scalar::wrap_once(Lanes([f64::NAN, 4.0, -PI, PI]));
     assert!(wrapped.0[0].is_nan());
     assert_eq!(&wrapped.0[1..], [4.0 - 2.0 * PI, PI, PI]);
 }
 
 #[test]
 fn masks_choose_lane_by_lane() {
-    let (low, high) = (Lanes([1.0, 5.0, f64::NAN, 2.0]), Lanes::of(3.0));
+    let (low, high) = (Lanes([1.0, 5.0, f64::NAN, 2.0]), Lanes::from_f64(3.0));
     let less = low.lt(high);
     assert_eq!(less.0, [true, false, false, true]);
     assert_eq!((!less).0, [false, true, true, false]);

@@ -1,7 +1,7 @@
 //! The normal deviates are normal, and each stream is its own.
 #![allow(clippy::float_cmp, reason = "bits are compared on purpose")]
 
-use surepose_lanes::{Column, Streams, Work, on_widest, portably};
+use surepose_lanes::{Kernel, LaneArray, Streams, dispatch_portable, dispatch_simd};
 
 const L: usize = 64;
 
@@ -12,7 +12,7 @@ fn deviates(seed: u64, first: u64, rounds: usize) -> Vec<[f32; L]> {
     }
     let mut all = Vec::new();
     for _ in 0..rounds {
-        let mut drawn = [Column([0.0; L]); 5];
+        let mut drawn = [LaneArray([0.0; L]); 5];
         streams.normals(&mut drawn);
         all.extend(drawn.map(|deviates| deviates.0));
     }
@@ -84,21 +84,21 @@ fn a_stream_is_the_same_in_every_lane() {
     let mut streams = Streams::<4>::default();
     streams.start(1, 3, 9);
     streams.copy(1, 2);
-    let mut drawn = [Column([0.0; 4]); 5];
+    let mut drawn = [LaneArray([0.0; 4]); 5];
     streams.normals(&mut drawn);
     let [[first, .., last], ..] = drawn.map(|deviates| deviates.0);
     assert_eq!(drawn[0].0, [first, here[0][9], here[0][9], last]);
 }
 
-/// Deviates drawn under [`on_widest`] or [`portably`].
+/// Deviates drawn under [`dispatch_simd`] or [`dispatch_portable`].
 struct Draw(Streams<L>);
 
-impl Work for Draw {
-    type Output = [Column<f32, L>; 5];
+impl Kernel for Draw {
+    type Output = [LaneArray<f32, L>; 5];
 
     #[inline(always)]
     fn run(mut self) -> Self::Output {
-        let mut drawn = [Column([0.0; L]); 5];
+        let mut drawn = [LaneArray([0.0; L]); 5];
         self.0.normals(&mut drawn);
         drawn
     }
@@ -110,5 +110,5 @@ fn every_instruction_set_draws_the_same() {
     for lane in 0..L {
         streams.start(lane, 11, lane as u64);
     }
-    assert_eq!(on_widest(Draw(streams)), portably(Draw(streams)));
+    assert_eq!(dispatch_simd(Draw(streams)), dispatch_portable(Draw(streams)));
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use surepose_plot::{Chart, Color, Map, Mark, Panel, Stroke, beside};
+use surepose_plot::{Color, MapPlot, Mark, Panel, Stroke, XyPlot, hstack};
 
 fn main() -> Result<(), surepose_plot::PlotError> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -20,24 +20,24 @@ fn main() -> Result<(), surepose_plot::PlotError> {
     let ellipses = || way.iter().step_by(10).map(|p| circle(*p, 0.08)).collect::<Vec<_>>();
     let corners = [(-1.0, -1.0), (4.0, -1.0), (4.0, 3.0), (-1.0, 3.0), (-1.0, -1.0)];
     let walls = corners.windows(2).map(|w| [w[0], w[1]]).chain([[(1.5, 1.8), (2.5, 1.8)]]);
-    let map = Map::new("From start to goal")
+    let map = MapPlot::new("From start to goal")
         .walls(walls)
         .outlines("3σ of the estimate", ellipses(), Stroke::thin(Color::Blue))
         .trace("true way", way.clone(), Stroke::wide(Color::Silver))
         .trace("estimated way", seen, Stroke::thin(Color::Vermilion))
         .pose("start", (0.0, 0.0), 0.0, Color::Green)
         .pose("goal", (2.0, 2.0), 0.5, Color::Purple);
-    let close = Map::new("At the goal")
+    let close = MapPlot::new("At the goal")
         .trace("", way.clone(), Stroke::solid(Color::Black))
         .outlines("", vec![circle((2.0, 2.0), 0.03)], Stroke::thin(Color::Purple))
         .pose("", (2.0, 2.0), 0.5, Color::Purple)
         .window((1.95, 1.95), (2.05, 2.05))
         .axes(1000.0, "x [mm]", "y [mm]");
-    beside(vec![map.cell(), close.cell()]).save(folder, "map")?;
+    hstack(vec![map.cell(), close.cell()]).save(folder, "map")?;
     let over = |f: &dyn Fn(f64) -> f64| {
         (0..=200).map(|i| f64::from(i) * 0.06).map(|t| (t, f(t))).collect::<Vec<_>>()
     };
-    Chart::over("time [s]")
+    XyPlot::over("time [s]")
         .panel(
             Panel::new("Speed", "v [m/s]")
                 .series("wanted", over(&|t| 0.3 * (-t / 4.0).exp()), Stroke::thin(Color::Vermilion))

@@ -138,8 +138,8 @@ impl Axes {
         }
         let (middle_x, middle_y) = (left + 0.5 * self.area.width, bottom - 0.5 * self.area.height);
         texts.push(Text::new((middle_x, bottom + 38.0), self.x.label.as_str(), LABEL_SIZE, Anchor::Middle));
-        let beside = (left - TICK - 4.0 - widest - 8.0).max(LABEL_SIZE);
-        let label = Text::new((beside, middle_y), self.y.label.as_str(), LABEL_SIZE, Anchor::Middle);
+        let hstack = (left - TICK - 4.0 - widest - 8.0).max(LABEL_SIZE);
+        let label = Text::new((hstack, middle_y), self.y.label.as_str(), LABEL_SIZE, Anchor::Middle);
         texts.push(Text { upright: true, ..label });
         texts.push(self.title(part_width));
         texts.retain(|text| !text.content.is_empty());

@@ -3,13 +3,13 @@
 use crate::axes::{Axes, Axis, NUMBER_SIZE};
 use crate::font;
 use crate::legend::{self, Entry, Key};
-use crate::picture::{Cell, Picture, below};
+use crate::picture::{Picture, Subplot, vstack_cells};
 use crate::scene::{Anchor, Area, Pen, PenStyle, Shape, Text};
 use crate::style::{Color, Rgb, Stroke};
 
 /// Panels over a common axis.
 #[derive(Clone, Debug, Default)]
-pub struct Chart {
+pub struct XyPlot {
     x_label: String,
     logarithmic: bool,
     compact: bool,
@@ -157,7 +157,7 @@ impl Panel {
     }
 }
 
-impl Chart {
+impl XyPlot {
     /// An empty chart over this axis.
     pub fn over(x_label: impl Into<String>) -> Self {
         Self { x_label: x_label.into(), ..Self::default() }
@@ -186,11 +186,11 @@ impl Chart {
 
     /// The chart as a picture.
     pub fn picture(self) -> Picture {
-        below(self.cells())
+        vstack_cells(self.cells())
     }
 
     /// The panels as parts of a picture.
-    pub fn cells(self) -> Vec<Cell> {
+    pub fn cells(self) -> Vec<Subplot> {
         let xs = self.panels.iter().flat_map(|p| &p.series).flat_map(|s| s.points.iter().map(|(x, _)| *x));
         let edges = self.panels.iter().filter_map(|p| p.bars.as_ref()).flat_map(|bars| &bars.edges);
         let shaded = self.panels.iter().flat_map(|p| &p.shaded).flat_map(|(from, to, _)| [*from, *to]);
@@ -215,7 +215,7 @@ impl Chart {
 }
 
 impl Panel {
-    fn cell(self, x: Axis, (width, height): (f64, f64), right: f64) -> Cell {
+    fn cell(self, x: Axis, (width, height): (f64, f64), right: f64) -> Subplot {
         let [left, top, bottom] = MARGINS;
         let bottom = bottom + if x.label.is_empty() { 0.0 } else { FOOT };
         let part_width = left + width + right;
@@ -251,8 +251,8 @@ impl Panel {
         inside.extend(self.drawn_marks(&axes));
         let mut shapes = vec![Shape::Clip { area, shapes: inside }];
         shapes.extend(axes.frame(part_width));
-        shapes.extend(legend::beside(&self.legend(), &area));
-        Cell { shapes, width: part_width, height: top + height + bottom }
+        shapes.extend(legend::hstack(&self.legend(), &area));
+        Subplot { shapes, width: part_width, height: top + height + bottom }
     }
 
     /// Draws the lines across, each with its text beside its upper end.

@@ -15,7 +15,7 @@ pub(crate) struct Entry {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Key {
     Line(Pen),
-    Cell(Rgb),
+    Subplot(Rgb),
     Dot(Rgb, f64),
     Arrow(Rgb),
 }
@@ -41,7 +41,7 @@ pub(crate) fn width(entries: &[Entry]) -> f64 {
 }
 
 /// Draws a legend on the right of axes, no higher than they are.
-pub(crate) fn beside(entries: &[Entry], axes: &Area) -> Vec<Shape> {
+pub(crate) fn hstack(entries: &[Entry], axes: &Area) -> Vec<Shape> {
     let row = ROW.min(axes.height / entries.len().max(1) as f64);
     column(entries, (axes.right() + GAP, axes.top), row)
 }
@@ -52,7 +52,7 @@ pub(crate) fn height_below(entries: &[Entry], width: f64) -> f64 {
 }
 
 /// Draws a legend in columns on this width.
-pub(crate) fn below(entries: &[Entry], (left, top): Point, width: f64) -> Vec<Shape> {
+pub(crate) fn vstack_cells(entries: &[Entry], (left, top): Point, width: f64) -> Vec<Shape> {
     let columns = entries.chunks(rows(entries, width).max(1));
     let mut left = left;
     let mut shapes = Vec::new();
@@ -82,7 +82,7 @@ fn column(entries: &[Entry], (left, top): Point, row: f64) -> Vec<Shape> {
         let (middle, right) = (left + 0.5 * KEY, left + KEY);
         match *key {
             Key::Line(pen) => shapes.push(Shape::Lines { lines: vec![vec![(left, y), (right, y)]], pen }),
-            Key::Cell(color) => {
+            Key::Subplot(color) => {
                 let area = Area { left: middle - 6.0, top: y - 6.0, width: 12.0, height: 12.0 };
                 shapes.push(Shape::Rectangles { areas: vec![area], color });
             }

@@ -6,6 +6,7 @@
 mod axes;
 mod chart;
 mod font;
+mod heatmap;
 mod items;
 mod legend;
 mod map;
@@ -16,12 +17,11 @@ mod scene;
 mod style;
 mod svg;
 mod ticks;
-mod tiles;
 
-pub use chart::{Chart, Mark, Panel, Series};
+pub use chart::{Mark, Panel, Series, XyPlot};
+pub use heatmap::{Heatmap, HeatmapCell};
 pub use items::{Arrow, DotPaint, Dots, Outline, Trace};
-pub use map::Map;
-pub use picture::{Cell, Picture, PlotError, beside, beside_column, stacked};
+pub use map::MapPlot;
+pub use picture::{Picture, PlotError, Subplot, hstack, hstack_column, vstack};
 pub use scale::Scale;
 pub use style::{Color, Stroke};
-pub use tiles::{Tile, Tiles};

@@ -1,19 +1,19 @@
 //! A map from above: cells, walls, ways, ellipses, dots and poses, one metre as long upwards as sideways.
 
 use crate::axes::{self, Axis};
+use crate::heatmap::Heatmap;
 use crate::items::{Arrow, DotPaint, Dots, Outline, Trace};
 use crate::legend::{self, Entry, Key};
-use crate::picture::{Cell, Picture, beside};
+use crate::picture::{Picture, Subplot, hstack};
 use crate::scale::Scale;
 use crate::scene::{Area, Pen, Shape};
 use crate::style::{Color, Rgb, Stroke};
-use crate::tiles::Tiles;
 
 /// A map to be drawn \[m].
 #[derive(Clone, Debug, Default)]
-pub struct Map {
+pub struct MapPlot {
     title: String,
-    tiles: Option<Tiles>,
+    heatmap: Option<Heatmap>,
     keys: Vec<(String, Color)>,
     scale: Option<Scale>,
     dots: Vec<Dots>,
@@ -46,15 +46,15 @@ const POINT: f64 = 1.2;
 /// More walls than this are a building.
 const CROWDED: usize = 50;
 /// The longest side of a map \[px], and of one with more cells along a side than can be seen on that.
-const LONGEST: f64 = 560.0;
-const LONGEST_FINE: f64 = 1000.0;
+const MAX_SIDE: f64 = 560.0;
+const MAX_SIDE_FINE: f64 = 1000.0;
 const FINE: usize = 280;
 /// The longest side of a map that is one part of a small picture \[px].
-const LONGEST_COMPACT: f64 = 400.0;
+const MAX_SIDE_COMPACT: f64 = 400.0;
 /// Space below the legend of such a map \[px].
 const LEGEND_FOOT: f64 = 12.0;
 
-impl Map {
+impl MapPlot {
     /// An empty map.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), ..Self::default() }
@@ -62,8 +62,8 @@ impl Map {
 
     /// With cells below everything else; `keys` say in the legend what their plain colours are.
     #[must_use]
-    pub fn tiles(mut self, tiles: Tiles, keys: impl IntoIterator<Item = (String, Color)>) -> Self {
-        self.tiles = Some(tiles);
+    pub fn heatmap(mut self, heatmap: Heatmap, keys: impl IntoIterator<Item = (String, Color)>) -> Self {
+        self.heatmap = Some(heatmap);
         self.keys.extend(keys);
         self
     }
@@ -153,11 +153,11 @@ impl Map {
 
     /// The map as a picture of its own.
     pub fn picture(self) -> Picture {
-        beside(vec![self.cell()])
+        hstack(vec![self.cell()])
     }
 
     /// The map as a part of a picture.
-    pub fn cell(self) -> Cell {
+    pub fn cell(self) -> Subplot {
         let [low, high] = self.extent();
         let (span_x, span_y) = (high.0 - low.0, high.1 - low.1);
         let Axes { per_metre: scale, labels: [x_label, y_label], step } = self.axes.unwrap_or(METRES);
@@ -175,15 +175,15 @@ impl Map {
         .equally_numbered();
         let entries = self.legend();
         let bar = if self.scale.is_some() { Scale::ROOM } else { 0.0 };
-        let beside = if self.compact { 0.0 } else { legend::width(&entries) };
-        let part_width = left + area.width + right + bar.max(beside);
+        let hstack = if self.compact { 0.0 } else { legend::width(&entries) };
+        let part_width = left + area.width + right + bar.max(hstack);
 
         let mut inside = axes.grid();
-        if let Some(tiles) = &self.tiles {
-            let (x, y) = axes.place((tiles.low.0 * scale, tiles.low.1 * scale));
-            let (x1, y1) = axes.place((tiles.high().0 * scale, tiles.high().1 * scale));
+        if let Some(heatmap) = &self.heatmap {
+            let (x, y) = axes.place((heatmap.low.0 * scale, heatmap.low.1 * scale));
+            let (x1, y1) = axes.place((heatmap.high().0 * scale, heatmap.high().1 * scale));
             let on = Area { left: x, top: y1, width: x1 - x, height: y - y1 };
-            inside.extend(tiles.drawn(self.scale.as_ref(), on));
+            inside.extend(heatmap.drawn(self.scale.as_ref(), on));
         }
         inside.extend(self.items(&axes, scale));
         let mut shapes = vec![Shape::Clip { area, shapes: inside }];
@@ -200,27 +200,27 @@ impl Map {
         let mut above_bar = 0.0;
         if self.compact {
             let width = part_width - left;
-            shapes.extend(legend::below(&entries, (left, height), width));
+            shapes.extend(legend::vstack_cells(&entries, (left, height), width));
             height += legend::height_below(&entries, width) + LEGEND_FOOT;
         } else {
-            shapes.extend(legend::beside(&entries, &area));
+            shapes.extend(legend::hstack(&entries, &area));
             // The bar stands below the legend, beside the axes.
             above_bar = if entries.is_empty() { 0.0 } else { entries.len() as f64 * legend::ROW + 12.0 };
         }
         let bar = self.scale.iter().flat_map(|scale| scale.bar(area.right(), top + above_bar, area.bottom()));
         shapes.extend(bar);
-        Cell { shapes, width: part_width, height }
+        Subplot { shapes, width: part_width, height }
     }
 
     /// Pixels of a metre where the longer side has `longest` \[m]: where there are cells, each gets so many half pixels
     /// that its edges lie between those of the PNG.
     fn pixels_per_metre(&self, longest: f64) -> f64 {
-        let side = if self.compact { LONGEST_COMPACT } else { LONGEST };
-        let Some(tiles) = &self.tiles else { return side / longest };
-        let fine = tiles.columns.max(tiles.rows()) > FINE;
-        let (cell, wanted) = (tiles.side, if fine { LONGEST_FINE } else { side } / longest);
-        let halves = (2.0 * wanted * cell).round();
-        if halves >= 1.0 { halves / (2.0 * cell) } else { wanted }
+        let side = if self.compact { MAX_SIDE_COMPACT } else { MAX_SIDE };
+        let Some(heatmap) = &self.heatmap else { return side / longest };
+        let fine = heatmap.columns.max(heatmap.rows()) > FINE;
+        let (cell, desired) = (heatmap.side, if fine { MAX_SIDE_FINE } else { side } / longest);
+        let halves = (2.0 * desired * cell).round();
+        if halves >= 1.0 { halves / (2.0 * cell) } else { desired }
     }
 
     /// Everything that is cut off at the edges of the axes, `scale` of whose unit are one metre.
@@ -256,8 +256,8 @@ impl Map {
     /// On cells walls must stand out; and where there are many, wide ones would grow together.
     fn wall_stroke(&self) -> Stroke {
         match self.walls.len() {
-            CROWDED.. if self.tiles.is_some() => Stroke::thin(Color::Vermilion),
-            _ if self.tiles.is_some() => Stroke::solid(Color::Vermilion),
+            CROWDED.. if self.heatmap.is_some() => Stroke::thin(Color::Vermilion),
+            _ if self.heatmap.is_some() => Stroke::solid(Color::Vermilion),
             CROWDED.. => Stroke::solid(Color::Grey),
             _ => Stroke::wide(Color::Grey),
         }
@@ -267,7 +267,7 @@ impl Map {
         let mut entries = Vec::new();
         let mut add = |label: &str, key| legend::add(&mut entries, label, key);
         for (label, color) in &self.keys {
-            add(label, Key::Cell(color.rgb()));
+            add(label, Key::Subplot(color.rgb()));
         }
         if !self.walls.is_empty() {
             add("walls", Key::Line(Pen::round(self.wall_stroke())));
@@ -301,8 +301,8 @@ impl Map {
         let outlines = self.outlines.iter().flat_map(|outline| outline.curves.iter().flatten());
         let arrows = self.arrows.iter().map(|arrow| &arrow.at);
         let dots = self.dots.iter().flat_map(|dots| &dots.points);
-        if let Some(tiles) = &self.tiles {
-            return [tiles.low, tiles.high()];
+        if let Some(heatmap) = &self.heatmap {
+            return [heatmap.low, heatmap.high()];
         }
         let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
         for (x, y) in walls

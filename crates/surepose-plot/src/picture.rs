@@ -49,7 +49,7 @@ impl Picture {
 
 /// One part of a picture, and its size with all labels \[px].
 #[derive(Clone, Debug)]
-pub struct Cell {
+pub struct Subplot {
     pub(crate) shapes: Vec<Shape>,
     pub(crate) width: f64,
     pub(crate) height: f64,
@@ -59,45 +59,45 @@ pub struct Cell {
 const GAP: f64 = 8.0;
 
 /// One part on the left, the others below each other on its right.
-pub fn beside_column(left: Cell, right: Vec<Cell>) -> Picture {
+pub fn hstack_column(left: Subplot, right: Vec<Subplot>) -> Picture {
     let column = below_each_other(right);
-    beside(vec![left, column])
+    hstack(vec![left, column])
 }
 
 /// Charts below each other, each over an axis of its own.
-pub fn stacked(charts: Vec<Vec<Cell>>) -> Picture {
-    below(charts.into_iter().flatten().collect())
+pub fn vstack(charts: Vec<Vec<Subplot>>) -> Picture {
+    vstack_cells(charts.into_iter().flatten().collect())
 }
 
 /// The parts below each other.
-pub(crate) fn below(cells: Vec<Cell>) -> Picture {
+pub(crate) fn vstack_cells(cells: Vec<Subplot>) -> Picture {
     finish(below_each_other(cells))
 }
 
 /// The parts beside each other.
-pub fn beside(cells: Vec<Cell>) -> Picture {
+pub fn hstack(cells: Vec<Subplot>) -> Picture {
     let height = cells.iter().fold(0.0, |highest: f64, cell| highest.max(cell.height));
     let mut left = 0.0;
     let mut shapes = Vec::new();
-    for Cell { shapes: part, width, .. } in cells {
+    for Subplot { shapes: part, width, .. } in cells {
         shapes.push(Shape::Group { at: (left, 0.0), shapes: part });
         left += width + GAP;
     }
-    finish(Cell { shapes, width: (left - GAP).max(0.0), height })
+    finish(Subplot { shapes, width: (left - GAP).max(0.0), height })
 }
 
-fn below_each_other(cells: Vec<Cell>) -> Cell {
+fn below_each_other(cells: Vec<Subplot>) -> Subplot {
     let width = cells.iter().fold(0.0, |widest: f64, cell| widest.max(cell.width));
     let mut top = 0.0;
     let mut shapes = Vec::new();
-    for Cell { shapes: part, height, .. } in cells {
+    for Subplot { shapes: part, height, .. } in cells {
         shapes.push(Shape::Group { at: (0.0, top), shapes: part });
         top += height + GAP;
     }
-    Cell { shapes, width, height: (top - GAP).max(0.0) }
+    Subplot { shapes, width, height: (top - GAP).max(0.0) }
 }
 
-fn finish(Cell { shapes, width, height }: Cell) -> Picture {
+fn finish(Subplot { shapes, width, height }: Subplot) -> Picture {
     let shapes = vec![Shape::Group { at: (GAP, GAP), shapes }];
     Picture { scene: Scene { width: width + 2.0 * GAP, height: height + 2.0 * GAP, shapes } }
 }

@@ -33,7 +33,7 @@ impl Color {
         [Self::Blue, Self::Vermilion, Self::Green, Self::Orange, Self::Purple, Self::Sky];
 
     /// The colour of the `index`-th of several things.
-    pub fn of_series(index: usize) -> Self {
+    pub fn from_series(index: usize) -> Self {
         Self::SERIES[index % Self::SERIES.len()]
     }
 

@@ -1,13 +1,13 @@
 //! Pictures are the same bytes every time, and come out whatever the numbers are.
 
-use surepose_plot::{Chart, Color, Map, Mark, Panel, Picture, Stroke, beside};
+use surepose_plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, XyPlot, hstack};
 
 fn way() -> Vec<(f64, f64)> {
     (0..50).map(|i| f64::from(i) * 0.1).map(|s| (s, s.sin())).collect()
 }
 
 fn map() -> Picture {
-    Map::new("a < b & c")
+    MapPlot::new("a < b & c")
         .walls([[(0.0, -1.0), (5.0, -1.0)]])
         .trace("way", way(), Stroke::solid(Color::Blue))
         .pose("goal", (5.0, -0.9), 1.0, Color::Purple)
@@ -16,7 +16,7 @@ fn map() -> Picture {
 
 fn chart(points: Vec<(f64, f64)>) -> Picture {
     let panel = Panel::new("speed", "v [m/s]").series("v", points, Stroke::solid(Color::Blue));
-    Chart::over("time [s]")
+    XyPlot::over("time [s]")
         .panel(
             panel
                 .clone()
@@ -53,7 +53,7 @@ fn metres_are_as_long_upwards_as_sideways() {
     // A square stays one: its four corners are drawn at equal distances.
     let square = vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let far = vec![(0.0, 0.0), (7.0, 2.0)];
-    let drawn = Map::new("square")
+    let drawn = MapPlot::new("square")
         .trace("square", square, Stroke::solid(Color::Blue))
         .trace("far", far, Stroke::thin(Color::Grey))
         .picture()
@@ -79,7 +79,7 @@ fn ticks_of_tiny_and_of_huge_values_are_short() {
 #[test]
 fn few_counts_are_numbered_by_whole_ones() {
     let panel = Panel::new("", "trials").bars(vec![10.0, 20.0, 30.0], vec![3.0, 1.0], Color::Sky);
-    let svg = Chart::over("x").panel(panel).picture().svg();
+    let svg = XyPlot::over("x").panel(panel).picture().svg();
     assert!(svg.contains(">2<") && svg.contains(">3<") && !svg.contains(">1.5<"), "{svg}");
 }
 
@@ -93,7 +93,7 @@ fn no_numbers_break_it() {
     ];
     for points in odd {
         assert!(is_png(&chart(points.clone()).png().unwrap()), "{points:?}");
-        let map = Map::new("").trace("", points.clone(), Stroke::thin(Color::Grey));
-        assert!(is_png(&beside(vec![map.clone().cell(), map.cell()]).png().unwrap()), "{points:?}");
+        let map = MapPlot::new("").trace("", points.clone(), Stroke::thin(Color::Grey));
+        assert!(is_png(&hstack(vec![map.clone().cell(), map.cell()]).png().unwrap()), "{points:?}");
     }
 }

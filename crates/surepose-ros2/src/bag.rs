@@ -1,9 +1,9 @@
-//! Recordings in MCAP, as rosbag2 writes them: the pilot hears them as the node would have, and calibration reads them.
+//! Recordings in MCAP, as rosbag2 writes them: the driver hears them as the node would have, and calibration reads them.
 
+mod bag_index;
 mod calibration;
 mod files;
 mod mcap;
-mod prologue;
 mod reader;
 mod replay;
 #[cfg(test)]

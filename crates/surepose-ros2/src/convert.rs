@@ -9,7 +9,7 @@ use crate::message::{self, Header, Point, Quaternion, Vector3};
 
 /// Why a message was not used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refused {
+pub enum MessageError {
     /// It has a NaN or an infinite number where a place is expected.
     #[error("it has a number that is not finite")]
     NotFinite,
@@ -23,10 +23,10 @@ pub enum Refused {
     #[error("its covariance is none: not symmetric, or a variance is negative")]
     NotACovariance,
     /// It is given in another frame.
-    #[error("it is in the frame '{got}', and '{wanted}' is the only one that is understood")]
+    #[error("it is in the frame '{got}', and '{expected}' is the only one that is understood")]
     WrongFrame {
         /// The frame of the map.
-        wanted: String,
+        expected: String,
         /// The message's.
         got: String,
     },
@@ -46,7 +46,7 @@ pub enum Refused {
     },
     /// A goal where a robot cannot stand.
     #[error("{}", no_room(*.clearance, *.needed))]
-    NoRoom {
+    InsufficientClearance {
         /// How far it is from the next wall \[m]; negative outside the walls.
         clearance: f64,
         /// How far it must be \[m].
@@ -54,7 +54,7 @@ pub enum Refused {
     },
 }
 
-impl Refused {
+impl MessageError {
     /// The name under which it is counted.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -66,7 +66,7 @@ impl Refused {
             Self::OutOfOrder => "out_of_order",
             Self::NotMeasured => "not_measured",
             Self::Leaning { .. } => "leaning",
-            Self::NoRoom { .. } => "no_room",
+            Self::InsufficientClearance { .. } => "no_room",
         }
     }
 }
@@ -102,16 +102,16 @@ pub fn header(stamp: Stamp, frame: &str) -> Header {
 /// The turn about the vertical of a rotation.
 ///
 /// # Errors
-/// [`Refused::NotFinite`] and [`Refused::NotARotation`].
-pub fn heading_of(rotation: &Quaternion) -> Result<Angle<f64>, Refused> {
+/// [`MessageError::NotFinite`] and [`MessageError::NotARotation`].
+pub fn heading_of(rotation: &Quaternion) -> Result<Angle<f64>, MessageError> {
     let Quaternion { x, y, z, w } = *rotation;
     if ![x, y, z, w].iter().all(|part| part.is_finite()) {
-        return Err(Refused::NotFinite);
+        return Err(MessageError::NotFinite);
     }
     if (x * x + y * y + z * z + w * w - 1.0).abs() > SQUARED_LENGTH_SLACK {
-        return Err(Refused::NotARotation);
+        return Err(MessageError::NotARotation);
     }
-    Ok(Angle::of_vector(w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y)))
+    Ok(Angle::from_vector(w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y)))
 }
 
 /// The rotation of a heading.
@@ -123,14 +123,14 @@ pub fn rotation_of(heading: Angle<f64>) -> Quaternion {
 /// The plane pose of a pose in space.
 ///
 /// # Errors
-/// [`Refused`], where it is none.
-pub fn pose_of<To: Frame, From: Frame>(pose: &message::Pose) -> Result<Pose<To, From, f64>, Refused> {
+/// [`MessageError`], where it is none.
+pub fn pose_of<To: Frame, From: Frame>(pose: &message::Pose) -> Result<Pose<To, From, f64>, MessageError> {
     let Point { x, y, .. } = pose.position;
     if !x.is_finite() || !y.is_finite() {
-        return Err(Refused::NotFinite);
+        return Err(MessageError::NotFinite);
     }
     if x.abs().max(y.abs()) > FARTHEST {
-        return Err(Refused::FarAway);
+        return Err(MessageError::FarAway);
     }
     Ok(Pose::new(x, y, heading_of(&pose.orientation)?))
 }
@@ -172,20 +172,20 @@ pub fn belief_message(belief: &Belief<f64>) -> message::PoseWithCovariance {
 /// well known as `usual`: standard deviations of x \[m], y \[m] and heading \[rad].
 ///
 /// # Errors
-/// [`Refused`], where the pose is none or its covariance is none.
-pub fn belief_of(told: &message::PoseWithCovariance, usual: [f64; 3]) -> Result<Belief<f64>, Refused> {
+/// [`MessageError`], where the pose is none or its covariance is none.
+pub fn belief_of(told: &message::PoseWithCovariance, usual: [f64; 3]) -> Result<Belief<f64>, MessageError> {
     let pose = pose_of(&told.pose)?;
     let entry = |i: usize, j: usize| told.covariance.get(i).and_then(|row| row.get(j)).copied();
     let mut matrix = surepose::Matrix([[0.0; 3]; 3]);
     for (row, i) in matrix.0.iter_mut().zip(ROWS) {
         for (value, j) in row.iter_mut().zip(ROWS) {
-            *value = entry(i, j).filter(|value| value.is_finite()).ok_or(Refused::NotFinite)?;
+            *value = entry(i, j).filter(|value| value.is_finite()).ok_or(MessageError::NotFinite)?;
         }
     }
     if matrix.0.iter().flatten().all(|value| *value == 0.0) {
         return Ok(Belief::new(pose, usual));
     }
-    let covariance = Covariance::from_matrix(&matrix).map_err(|_| Refused::NotACovariance)?;
+    let covariance = Covariance::from_matrix(&matrix).map_err(|_| MessageError::NotACovariance)?;
     Ok(Belief { pose, covariance })
 }
 
@@ -194,7 +194,7 @@ mod tests {
     use super::*;
     use surepose::{Body, Map};
 
-    fn turned(x: f64, y: f64, z: f64, w: f64) -> Result<f64, Refused> {
+    fn turned(x: f64, y: f64, z: f64, w: f64) -> Result<f64, MessageError> {
         heading_of(&Quaternion { x, y, z, w }).map(Angle::degrees)
     }
 
@@ -218,13 +218,15 @@ mod tests {
 
     #[test]
     fn what_is_no_pose_is_refused_by_name() {
-        assert_eq!(turned(0.0, 0.0, 0.0, 0.0), Err(Refused::NotARotation));
-        assert_eq!(turned(0.0, 0.0, f64::NAN, 1.0), Err(Refused::NotFinite));
-        assert_eq!(turned(0.0, 0.0, 2.0, 1.0), Err(Refused::NotARotation));
+        assert_eq!(turned(0.0, 0.0, 0.0, 0.0), Err(MessageError::NotARotation));
+        assert_eq!(turned(0.0, 0.0, f64::NAN, 1.0), Err(MessageError::NotFinite));
+        assert_eq!(turned(0.0, 0.0, 2.0, 1.0), Err(MessageError::NotARotation));
         let mut pose = pose_message::<Map, Body>(Pose::identity());
-        for (x, why) in
-            [(f64::INFINITY, Refused::NotFinite), (f64::NAN, Refused::NotFinite), (2e4, Refused::FarAway)]
-        {
+        for (x, why) in [
+            (f64::INFINITY, MessageError::NotFinite),
+            (f64::NAN, MessageError::NotFinite),
+            (2e4, MessageError::FarAway),
+        ] {
             pose.position.x = x;
             assert_eq!(pose_of::<Map, Body>(&pose), Err(why));
         }
@@ -241,9 +243,9 @@ mod tests {
             assert!((back.covariance.entry(i, j) - matrix.0[i][j]).abs() < 1e-12);
         }
         told.covariance[0][0] = -1.0;
-        assert_eq!(belief_of(&told, [1.0; 3]), Err(Refused::NotACovariance));
+        assert_eq!(belief_of(&told, [1.0; 3]), Err(MessageError::NotACovariance));
         told.covariance[0][0] = f64::NAN;
-        assert_eq!(belief_of(&told, [1.0; 3]), Err(Refused::NotFinite));
+        assert_eq!(belief_of(&told, [1.0; 3]), Err(MessageError::NotFinite));
         told.covariance = [[0.0; 6]; 6];
         assert!((belief_of(&told, [0.1, 0.2, 0.3]).unwrap().covariance.std(1) - 0.2).abs() < 1e-12);
     }

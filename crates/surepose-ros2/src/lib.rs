@@ -1,13 +1,13 @@
 //! Surepose as a ROS 2 node: odometry, scans, headings and goals in, the pose and velocity commands out.
 //!
-//! It speaks DDS by itself and needs no ROS installation. [`Pilot`] is what it does, without ROS, and can be tested so;
+//! It speaks DDS by itself and needs no ROS installation. [`NodeDriver`] is what it does, without ROS, and can be tested so;
 //! [`node`] gives it ears and a voice, [`robot`] is a simulated robot with the topics of a real one.
 //!
 //! | module | what it is about |
 //! |---|---|
 //! | [`message`] | the messages, as they are on the wire |
 //! | [`convert`] | what they mean in the core's words, or why they mean nothing |
-//! | [`Pilot`] | the loop: no ROS, no clock |
+//! | [`NodeDriver`] | the loop: no ROS, no clock |
 //! | [`network`] | which domain, and how far it reaches |
 //! | [`node`] | topics, the action, the service, parameters and diagnostics |
 //! | [`bag`] | recordings, heard as the node would have |
@@ -16,8 +16,9 @@
 
 pub mod bag;
 pub mod convert;
+mod dds;
+mod extrinsics;
 pub mod message;
-mod mounting;
 mod names;
 pub mod network;
 pub mod node;
@@ -25,8 +26,10 @@ mod pilot;
 pub mod robot;
 mod sense;
 mod velocity;
-mod wire;
 
+pub use dds::NodeError;
 pub use names::{NameProblem, Names, OWN};
-pub use pilot::{Ended, Heard, Hindrance, LaserScan, Odom, Pilot, Report, START_STD, Settings};
-pub use wire::NodeError;
+pub use pilot::{
+    BlockReason, DriverReport, GoalResult, LaserScan, NodeDriver, NodeDriverSettings, Odom, START_STD,
+    SensorMessage,
+};

@@ -45,7 +45,7 @@ impl Network {
     ///
     /// # Errors
     /// [`NetworkError::Variable`].
-    pub fn of_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Self, NetworkError> {
+    pub fn from_env(variable: impl Fn(&str) -> Option<String>) -> Result<Self, NetworkError> {
         let wrong = |variable, value: &str, help| {
             Err(NetworkError::Variable { variable, value: value.escape_debug().to_string(), help })
         };
@@ -89,12 +89,12 @@ mod tests {
 
     fn network(domain: &str, range: &str) -> Result<Network, String> {
         let look_up = |name: &str| Some(if name == "ROS_DOMAIN_ID" { domain } else { range }.to_owned());
-        Network::of_environment(look_up).map_err(|error| error.to_string())
+        Network::from_env(look_up).map_err(|error| error.to_string())
     }
 
     #[test]
     fn the_environment_is_understood_as_ros_does() {
-        assert_eq!(Network::of_environment(|_| None).unwrap(), Network { domain: 0, local: false });
+        assert_eq!(Network::from_env(|_| None).unwrap(), Network { domain: 0, local: false });
         assert_eq!(network("42", "LOCALHOST"), Ok(Network { domain: 42, local: true }));
         assert_eq!(network("", "subnet"), Ok(Network { domain: 0, local: false }));
     }

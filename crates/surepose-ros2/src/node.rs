@@ -1,12 +1,12 @@
-//! The node: it hears messages, lets the pilot think, and says what comes of it.
+//! The node: it hears messages, lets the driver think, and says what comes of it.
 //!
 //! Everything happens on one thread, one message after the other, so that nothing is decided twice.
 
 mod action;
-mod diagnosis;
-mod ears;
+mod diagnostics;
 mod parameters;
-mod voice;
+mod publishers;
+mod subscriptions;
 
 use std::time::{Duration, Instant};
 
@@ -17,25 +17,25 @@ use ros2_client::RmwRequestId;
 use surepose::{Goal, Map, Pose, Stamp, Stamped, Twist};
 use surepose_lab::optimal::fastest;
 
-use crate::convert::{Refused, belief_of, pose_of, stamp_of};
+use crate::convert::{MessageError, belief_of, pose_of, stamp_of};
+use crate::dds::{self, NodeError, spinning};
+use crate::extrinsics::ExtrinsicsResolver;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
-use crate::mounting::LaserMount;
 use crate::names::Names;
 use crate::network::Network;
-use crate::pilot::{Ended, Pilot, Report, START_STD, Settings};
+use crate::pilot::{DriverReport, GoalResult, NodeDriver, NodeDriverSettings, START_STD};
 use crate::sense;
-use crate::wire::{self, NodeError, spinning};
 
-use action::{Action, Delivery};
-use diagnosis::Diagnosis;
-use ears::{Ears, Event};
-use voice::Voice;
+use action::{NavigateAction, ResultDelivery};
+use diagnostics::Diagnostics;
+use publishers::Publishers;
+use subscriptions::{NodeEvent, Subscriptions};
 
 /// Everything that a node is told at its start.
 #[derive(Clone, Debug)]
 pub struct NodeSettings {
-    /// What the pilot flies by.
-    pub pilot: Settings,
+    /// What the driver flies by.
+    pub driver: NodeDriverSettings,
     /// What its topics are called.
     pub names: Names,
     /// The frame of the map.
@@ -49,10 +49,10 @@ pub struct NodeSettings {
 }
 
 /// How often the node looks at the clock on the wall.
-const BEAT: Duration = Duration::from_millis(100);
+const TIMER_PERIOD: Duration = Duration::from_millis(100);
 
 /// A diagnosis with every so many beats.
-const DIAGNOSIS: u32 = 10;
+const DIAGNOSTICS_EVERY: u32 = 10;
 
 /// Runs the node until `stops` says so, which is asked with every beat; `say` is told what happens, in a line each.
 ///
@@ -62,62 +62,62 @@ const DIAGNOSIS: u32 = 10;
 /// [`NodeError`], before anything is driven.
 pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&str)) -> Result<(), NodeError> {
     let context = settings.network.join()?;
-    let options = parameters::declared(&settings.pilot.config);
-    let mut node = wire::node(&context, &settings.names, "surepose", options)?;
-    let voice = Voice::new(&mut node, &settings)?;
-    let ears = Ears::new(&mut node, &settings)?;
-    let action = Action::new(&mut node, &settings.names)?;
+    let options = parameters::declared(&settings.driver.config);
+    let mut node = dds::node(&context, &settings.names, "surepose", options)?;
+    let publishers = Publishers::new(&mut node, &settings)?;
+    let subscriptions = Subscriptions::new(&mut node, &settings)?;
+    let action = NavigateAction::new(&mut node, &settings.names)?;
     let spinning = spinning(&mut node)?;
     let mut run = Run {
-        pilot: Pilot::new(settings.pilot.clone()),
-        mount: LaserMount::new(&settings.pilot.config),
-        voice,
+        driver: NodeDriver::new(settings.driver.clone()),
+        extrinsics: ExtrinsicsResolver::new(&settings.driver.config),
+        publishers,
         action,
         deliveries: FuturesUnordered::new(),
-        diagnosis: Diagnosis::new(settings.warnings.clone()),
+        diagnostics: Diagnostics::new(settings.warnings.clone()),
         last_rolled: None,
-        beats: 0,
+        timer_ticks: 0,
         settings,
         say,
     };
-    smol::block_on(run.listen(&ears, stops));
-    drop((ears, node, spinning));
+    smol::block_on(run.listen(&subscriptions, stops));
+    drop((subscriptions, node, spinning));
     Ok(())
 }
 
 /// A node at work.
 struct Run<Say> {
-    pilot: Pilot,
-    mount: LaserMount,
-    voice: Voice,
-    action: Action,
+    driver: NodeDriver,
+    extrinsics: ExtrinsicsResolver,
+    publishers: Publishers,
+    action: NavigateAction,
     deliveries: FuturesUnordered<LocalBoxFuture<'static, ()>>,
-    diagnosis: Diagnosis,
+    diagnostics: Diagnostics,
     /// When odometry last came, by the clock on the wall.
     last_rolled: Option<Instant>,
-    beats: u32,
+    timer_ticks: u32,
     settings: NodeSettings,
     say: Say,
 }
 
 impl<Say: FnMut(&str)> Run<Say> {
-    async fn listen(&mut self, ears: &Ears, stops: impl Fn() -> bool) {
+    async fn listen(&mut self, subscriptions: &Subscriptions, stops: impl Fn() -> bool) {
         let server = self.action.server();
-        let mut events = ears.events(&server, BEAT).fuse();
-        self.voice.walls(&self.settings);
+        let mut events = subscriptions.events(&server, TIMER_PERIOD).fuse();
+        self.publishers.walls(&self.settings);
         while !stops() {
             select! {
-                event = events.select_next_some() => self.on(event, ears).await,
+                event = events.select_next_some() => self.on(event, subscriptions).await,
                 () = self.deliveries.select_next_some() => {}
             }
         }
-        if self.pilot.has_wheels() {
-            self.stand();
+        if self.driver.is_commanding() {
+            self.stop_wheels();
         }
-        let ended = self.pilot.cancel();
+        let ended = self.driver.cancel();
         self.finish(ended);
         // Whoever waits for the result hears of it.
-        let mut patience = FutureExt::fuse(smol::Timer::after(5 * BEAT));
+        let mut patience = FutureExt::fuse(smol::Timer::after(5 * TIMER_PERIOD));
         while !self.deliveries.is_empty() {
             select! {
                 () = self.deliveries.select_next_some() => {}
@@ -126,59 +126,61 @@ impl<Say: FnMut(&str)> Run<Say> {
         }
     }
 
-    async fn on(&mut self, event: Event, ears: &Ears) {
+    async fn on(&mut self, event: NodeEvent, subscriptions: &Subscriptions) {
         let heard = match event {
-            Event::Odometry(odometry) => self.rolled(&odometry).await,
-            Event::Scan(scan) => self.seen(scan),
-            Event::Joints(told) => self.mount.learn(&told).map_err(|why| ("tf_static", why)),
-            Event::Imu(imu) => self.turned(&imu),
-            Event::Goal(goal) => self.sent(&goal),
-            Event::Told(told) => self.told(&told),
-            Event::Lose(request) => {
-                self.lost(request, ears);
+            NodeEvent::Odometry(odometry) => self.rolled(&odometry).await,
+            NodeEvent::Scan(scan) => self.seen(scan),
+            NodeEvent::StaticTransforms(told) => {
+                self.extrinsics.learn(&told).map_err(|why| ("tf_static", why))
+            }
+            NodeEvent::Imu(imu) => self.turned(&imu),
+            NodeEvent::Goal(goal) => self.on_goal_pose(&goal),
+            NodeEvent::InitialPose(told) => self.told(&told),
+            NodeEvent::GlobalLocalization(request) => {
+                self.lost(request, subscriptions);
                 Ok(())
             }
-            Event::NewGoal(handle) => {
+            NodeEvent::ActionGoal(handle) => {
                 self.asked(handle).await;
                 Ok(())
             }
-            Event::Cancel(request) => {
+            NodeEvent::Cancel(request) => {
                 if self.action.cancels(&request).await {
-                    let ended = self.pilot.cancel();
+                    let ended = self.driver.cancel();
                     self.finish(ended);
                 }
                 Ok(())
             }
-            Event::Beat => {
-                self.beat();
+            NodeEvent::Timer => {
+                self.timer();
                 Ok(())
             }
-            Event::Unreadable(topic) => {
-                self.diagnosis.unreadable(topic);
+            NodeEvent::Unreadable(topic) => {
+                self.diagnostics.unreadable(topic);
                 Ok(())
             }
         };
         if let Err((topic, refused)) = heard
-            && self.diagnosis.refuse(topic, &refused)
+            && self.diagnostics.refuse(topic, &refused)
         {
             self.say(&format!("{topic}: a message is not used: {refused}"));
         }
     }
 
-    async fn rolled(&mut self, odometry: &Odometry) -> Result<(), (&'static str, Refused)> {
+    async fn rolled(&mut self, odometry: &Odometry) -> Result<(), (&'static str, MessageError)> {
         let refused = |why| ("odom", why);
         let at = sense::odometry(odometry).map_err(refused)?;
-        self.mount.sits_on(&odometry.child_frame_id);
-        let report = self.pilot.roll(at).map_err(refused)?;
-        self.diagnosis.rolled(at.stamp);
+        self.extrinsics.set_base_frame(&odometry.child_frame_id);
+        let report = self.driver.on_odometry(at).map_err(refused)?;
+        self.diagnostics.rolled(at.stamp);
         self.last_rolled = Some(Instant::now());
         if let Some(report) = report {
-            self.voice.report(&report, odometry);
+            self.publishers.report(&report, odometry);
             self.feed_back(&report).await;
-            if let Some(change) = self.diagnosis.keep(&report) {
+            if let Some(change) = self.diagnostics.keep(&report) {
                 self.say(&change);
             }
-            if let (Some(Ended::Reached), Some(seen)) = (report.ended, report.navigation) {
+            if let (Some(GoalResult::Reached), Some(seen)) = (report.ended, report.navigation) {
                 let (position, heading) = (1e3 * seen.rho, seen.heading_error().degrees().abs());
                 self.say(&format!(
                     "rests {position:.1} mm and {heading:.2}° from the goal, as far as it knows"
@@ -189,45 +191,45 @@ impl<Say: FnMut(&str)> Run<Say> {
         Ok(())
     }
 
-    fn seen(&mut self, scan: LaserScan) -> Result<(), (&'static str, Refused)> {
+    fn seen(&mut self, scan: LaserScan) -> Result<(), (&'static str, MessageError)> {
         let refused = |why| ("scan", why);
-        let mounting = self.mount.of(&scan.header.frame_id).map_err(refused)?;
-        if let Some(source) = self.mount.news() {
+        let laser_extrinsics = self.extrinsics.lookup(&scan.header.frame_id).map_err(refused)?;
+        if let Some(source) = self.extrinsics.take_source_message() {
             self.say(&source);
         }
-        self.pilot.hear(sense::scan(scan, mounting).map_err(refused)?);
+        self.driver.add_measurement(sense::scan(scan, laser_extrinsics).map_err(refused)?);
         Ok(())
     }
 
-    fn turned(&mut self, imu: &Imu) -> Result<(), (&'static str, Refused)> {
-        let compass = self.settings.pilot.config.compass();
-        self.pilot.hear(sense::heading(imu, &compass).map_err(|why| ("imu", why))?);
+    fn turned(&mut self, imu: &Imu) -> Result<(), (&'static str, MessageError)> {
+        let compass = self.settings.driver.config.compass();
+        self.driver.add_measurement(sense::heading(imu, &compass).map_err(|why| ("imu", why))?);
         Ok(())
     }
 
     /// A goal by topic: RViz's "2D Goal Pose".
-    fn sent(&mut self, goal: &PoseStamped) -> Result<(), (&'static str, Refused)> {
-        self.go(goal).map_err(|why| ("goal_pose", why))
+    fn on_goal_pose(&mut self, goal: &PoseStamped) -> Result<(), (&'static str, MessageError)> {
+        self.set_goal(goal).map_err(|why| ("goal_pose", why))
     }
 
     /// A goal by action.
     async fn asked(&mut self, handle: action::NewGoal) {
         let Some(goal) = self.action.goal_of(&handle) else { return };
-        match self.go(&goal.pose) {
-            Ok(()) => self.action.accept(handle, self.pilot.belief_stamp()).await,
+        match self.set_goal(&goal.pose) {
+            Ok(()) => self.action.accept(handle, self.driver.belief_stamp()).await,
             Err(refused) => {
                 self.say(&format!("navigate_to_pose: a goal is rejected: {refused}"));
-                self.diagnosis.refuse("navigate_to_pose", &refused);
+                self.diagnostics.refuse("navigate_to_pose", &refused);
                 self.action.reject(handle).await;
             }
         }
     }
 
-    fn go(&mut self, message: &PoseStamped) -> Result<(), Refused> {
+    fn set_goal(&mut self, message: &PoseStamped) -> Result<(), MessageError> {
         self.in_map(&message.header.frame_id)?;
         let goal: Pose<Map, Goal, f64> = pose_of(&message.pose)?;
-        let wall = self.pilot.wall_before(goal).copied();
-        let before = self.pilot.go(goal)?;
+        let wall = self.driver.wall_on_straight_path(goal).copied();
+        let before = self.driver.set_goal(goal)?;
         self.finish(before);
         self.say(&format!("to ({:.3}, {:.3}) facing {:.1}°", goal.x, goal.y, goal.heading.degrees()));
         if let Some(wall) = wall {
@@ -242,62 +244,63 @@ impl<Say: FnMut(&str)> Run<Say> {
     }
 
     /// Somebody says where the robot is: RViz's "2D Pose Estimate".
-    fn told(&mut self, told: &PoseWithCovarianceStamped) -> Result<(), (&'static str, Refused)> {
+    fn told(&mut self, told: &PoseWithCovarianceStamped) -> Result<(), (&'static str, MessageError)> {
         let refused = |why| ("initialpose", why);
         self.in_map(&told.header.frame_id).map_err(refused)?;
         let belief = belief_of(&told.pose, START_STD).map_err(refused)?;
-        self.pilot.place(Stamped::new(stamp_of(told.header.stamp), belief));
+        self.driver.set_pose(Stamped::new(stamp_of(told.header.stamp), belief));
         let (pose, heading) = (belief.pose, belief.pose.heading.degrees());
         self.say(&format!("told to be at ({:.3}, {:.3}) facing {heading:.1}°", pose.x, pose.y));
         Ok(())
     }
 
-    fn lost(&mut self, request: RmwRequestId, ears: &Ears) {
-        self.pilot.lose();
-        ears.answer(request);
+    fn lost(&mut self, request: RmwRequestId, subscriptions: &Subscriptions) {
+        self.driver.start_global_localization();
+        subscriptions.answer(request);
         self.say("told to find out where it is");
     }
 
-    fn in_map(&self, frame: &str) -> Result<(), Refused> {
-        let wanted = &self.settings.map_frame;
-        let known = frame.is_empty() || frame.trim_start_matches('/') == wanted;
-        let wrong = || Refused::WrongFrame { wanted: wanted.clone(), got: frame.escape_debug().to_string() };
+    fn in_map(&self, frame: &str) -> Result<(), MessageError> {
+        let expected = &self.settings.map_frame;
+        let known = frame.is_empty() || frame.trim_start_matches('/') == expected;
+        let wrong =
+            || MessageError::WrongFrame { expected: expected.clone(), got: frame.escape_debug().to_string() };
         if known { Ok(()) } else { Err(wrong()) }
     }
 
-    async fn feed_back(&mut self, report: &Report) {
-        let (Some(navigation), Some(goal)) = (report.navigation, self.pilot.goal()) else { return };
-        let controller = self.pilot.controller();
+    async fn feed_back(&mut self, report: &DriverReport) {
+        let (Some(navigation), Some(goal)) = (report.navigation, self.driver.goal()) else { return };
+        let controller = self.driver.controller();
         let goal_from_body = goal.inverse() * report.belief.pose;
         let least = fastest(goal_from_body, &controller.drive, controller.limits.wheel_speed).time;
         self.action.feed_back(report, navigation.rho, least, &self.settings.map_frame).await;
     }
 
     /// A goal is over.
-    fn finish(&mut self, ended: Option<Ended>) {
+    fn finish(&mut self, ended: Option<GoalResult>) {
         let Some(ended) = ended else { return };
         match ended {
-            Ended::Reached => {}
-            Ended::Cancelled => self.say("the goal is given up"),
-            Ended::Preempted => self.say("another goal takes its place"),
-            Ended::Stopped(reason) => self.say(&format!("the goal is given up: {reason}")),
+            GoalResult::Reached => {}
+            GoalResult::Cancelled => self.say("the goal is given up"),
+            GoalResult::Preempted => self.say("another goal takes its place"),
+            GoalResult::Stopped(reason) => self.say(&format!("the goal is given up: {reason}")),
         }
         if let Some(delivery) = self.action.ended(ended) {
-            self.deliveries.push(Delivery::made(delivery));
+            self.deliveries.push(ResultDelivery::made(delivery));
         }
     }
 
-    fn beat(&mut self) {
-        self.beats = self.beats.wrapping_add(1);
+    fn timer(&mut self) {
+        self.timer_ticks = self.timer_ticks.wrapping_add(1);
         let age = self.age();
-        let (must_rest, ended) = self.pilot.miss(age);
+        let (must_rest, ended) = self.driver.on_odometry_timeout(age);
         if must_rest {
-            self.stand();
+            self.stop_wheels();
         }
         self.finish(ended);
-        if self.beats.is_multiple_of(DIAGNOSIS) {
-            let array = self.diagnosis.array(&self.pilot, age);
-            self.voice.diagnose(array);
+        if self.timer_ticks.is_multiple_of(DIAGNOSTICS_EVERY) {
+            let array = self.diagnostics.array(&self.driver, age);
+            self.publishers.diagnose(array);
         }
     }
 
@@ -309,10 +312,10 @@ impl<Say: FnMut(&str)> Run<Say> {
 
     /// Tells the wheels to rest, as of what the clock that stamps odometry shows, if that goes as fast as the one on the wall:
     /// a base takes no command of long ago. Before the first odometry the stamp is zero, which bases take for now.
-    fn stand(&mut self) {
-        let (last, age) = (self.pilot.belief_stamp(), self.age());
+    fn stop_wheels(&mut self) {
+        let (last, age) = (self.driver.belief_stamp(), self.age());
         let now = if last == Stamp::default() { last } else { last.after(age) };
-        self.voice.command(now, Twist::rest());
+        self.publishers.command(now, Twist::zero());
     }
 
     fn say(&mut self, what: &str) {

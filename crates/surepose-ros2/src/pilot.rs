@@ -1,43 +1,43 @@
-//! The robot's pilot: odometry, headings, scans and goals in, beliefs and velocity commands out. It knows no ROS, reads no
+//! The robot's driver: odometry, headings, scans and goals in, beliefs and velocity commands out. It knows no ROS, reads no
 //! clock, and says the same every time it hears the same.
 //!
-//! Time is that of the odometry's stamps: with each period of it that is over the pilot ticks, by
+//! Time is that of the odometry's stamps: with each period of it that is over the driver ticks, by
 //! [`surepose::closed_loop::tick`] while it has a goal, and else by the first half of that. So a bag that is played slowly,
 //! or a simulator with a clock of its own, gives what the robot gave.
 
-mod errand;
-mod inbox;
-mod lookout;
-mod odometer;
+mod active_goal;
+mod environment;
+mod measurement_queue;
+mod obstacle_monitor;
+mod odometry_accumulator;
 mod settings;
-mod surroundings;
 
-use surepose::closed_loop::{Controller, Sensed, Tick};
+use surepose::closed_loop::{Controller, SensorInput, Tick};
 use surepose::{
-    Belief, Body, Goal, Health, Map, Navigation, Pose, Reason, Stamp, Stamped, Tally, Travel, Twist, Verdict,
-    Vigilance, Wheels,
+    Belief, Body, FaultReason, Goal, Health, Map, MeasurementStats, NavigationVariables, Pose, SafetyAction,
+    Stamp, Stamped, SupervisorConfig, Twist, WheelOdometry, WheelPair,
 };
-use surepose_lab::rig::{Localisation, Watch, localisation};
-use surepose_sim::Segment;
+use surepose_lab::robot::{LocalizationMonitor, SimLocalizer, new_localizer};
+use surepose_sim::WallSegment;
 
-use crate::convert::Refused;
+use crate::convert::MessageError;
 
-use errand::Errand;
-use inbox::Inbox;
-pub(crate) use odometer::Odometer;
-use surroundings::Surroundings;
+use active_goal::ActiveGoal;
+use environment::Environment;
+use measurement_queue::MeasurementQueue;
+pub(crate) use odometry_accumulator::OdometryAccumulator;
 
-pub use errand::{Ended, Hindrance};
-pub use inbox::{Heard, LaserScan};
-pub use odometer::Odom;
-pub use settings::{START_STD, Settings};
+pub use active_goal::{BlockReason, GoalResult};
+pub use measurement_queue::{LaserScan, SensorMessage};
+pub use odometry_accumulator::Odom;
+pub use settings::{NodeDriverSettings, START_STD};
 
-/// So long \[s] the pilot goes on telling the wheels to rest after it had a goal.
-const REST: f64 = 0.5;
+/// So long \[s] the driver goes on telling the wheels to rest after it had a goal.
+const STOP_COMMAND_TIME: f64 = 0.5;
 
-/// What the pilot says after a tick.
+/// What the driver says after a tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Report {
+pub struct DriverReport {
     /// When.
     pub stamp: Stamp,
     /// Where it thinks it is; worth nothing while it is lost.
@@ -47,15 +47,15 @@ pub struct Report {
     /// How far the belief can be trusted.
     pub health: Health,
     /// What the supervisor lets the wheels do.
-    pub verdict: Verdict,
+    pub action: SafetyAction,
     /// How the robot shall move; nothing where the wheels are nobody's, or somebody else's.
     pub command: Option<Twist<f64>>,
     /// The goal as it is seen from there, where there is one.
-    pub navigation: Option<Navigation<f64>>,
+    pub navigation: Option<NavigationVariables<f64>>,
     /// What the robot waits for, if it does: that its way is free, or is seen.
-    pub hindrance: Option<Hindrance>,
+    pub block_reason: Option<BlockReason>,
     /// What became of the goal that was driven to.
-    pub ended: Option<Ended>,
+    pub ended: Option<GoalResult>,
 }
 
 /// The wheels come to rest.
@@ -69,35 +69,35 @@ struct Resting {
 
 /// The loop on a robot that speaks in messages.
 #[derive(Clone, Debug)]
-pub struct Pilot {
-    settings: Settings,
+pub struct NodeDriver {
+    settings: NodeDriverSettings,
     controller: Controller<f64>,
-    surroundings: Surroundings,
-    localiser: Box<Localisation>,
-    watch: Watch,
-    inbox: Inbox,
-    odometer: Option<Odometer>,
-    errand: Option<Errand>,
-    /// What became of the last errand, until the next report.
-    ended: Option<Ended>,
-    /// How the wheels come to rest after an errand.
+    environment: Environment,
+    localizer: Box<SimLocalizer>,
+    monitor: LocalizationMonitor,
+    measurement_queue: MeasurementQueue,
+    odometry_accumulator: Option<OdometryAccumulator>,
+    active_goal: Option<ActiveGoal>,
+    /// What became of the last goal, until the next report.
+    ended: Option<GoalResult>,
+    /// How the wheels come to rest after a goal.
     resting: Option<Resting>,
 }
 
-impl Pilot {
-    /// A pilot who has heard nothing yet.
-    pub fn new(settings: Settings) -> Self {
-        let surroundings = Surroundings::of(settings.map.as_ref(), settings.room);
+impl NodeDriver {
+    /// A driver who has heard nothing yet.
+    pub fn new(settings: NodeDriverSettings) -> Self {
+        let environment = Environment::from_map(settings.map.as_ref(), settings.safety_radius);
         let origin = Belief::new(Pose::identity(), [0.0; 3]);
         let belief = settings.start.unwrap_or(origin);
         Self {
             controller: settings.config.controller(),
-            localiser: localisation(&settings.config, settings.reading, belief),
-            watch: watch(&settings, &surroundings, Stamp::default()),
-            surroundings,
-            inbox: Inbox::default(),
-            odometer: None,
-            errand: None,
+            localizer: new_localizer(&settings.config, settings.scan_method, belief),
+            monitor: monitor(&settings, &environment, Stamp::default()),
+            environment,
+            measurement_queue: MeasurementQueue::default(),
+            odometry_accumulator: None,
+            active_goal: None,
             ended: None,
             resting: None,
             settings,
@@ -107,53 +107,57 @@ impl Pilot {
     /// Takes in where odometry says that the robot is, and ticks if a period is over.
     ///
     /// # Errors
-    /// [`Refused::OutOfOrder`] for a stamp that is not later than the last one, unless it is so much earlier that the clock
+    /// [`MessageError::OutOfOrder`] for a stamp that is not later than the last one, unless it is so much earlier that the clock
     /// was set back: then everything starts anew, from where the robot is believed to be.
-    pub fn roll(&mut self, at: Stamped<Pose<Odom, Body, f64>>) -> Result<Option<Report>, Refused> {
-        let Some(odometer) = &mut self.odometer else {
+    pub fn on_odometry(
+        &mut self,
+        at: Stamped<Pose<Odom, Body, f64>>,
+    ) -> Result<Option<DriverReport>, MessageError> {
+        let Some(odometry_accumulator) = &mut self.odometry_accumulator else {
             self.begin(at);
             return Ok(None);
         };
-        if odometer.is_set_back(at.stamp) {
-            self.ended = self.end(Ended::Stopped("clock_set_back"));
+        if odometry_accumulator.is_set_back(at.stamp) {
+            self.ended = self.end(GoalResult::Stopped("clock_set_back"));
             let resting = self.resting.take();
             self.begin(at);
             // The wheels still brake, by the new clock.
-            self.resting = resting.map(|resting| Resting { until: at.stamp.after(REST), ..resting });
+            self.resting =
+                resting.map(|resting| Resting { until: at.stamp.after(STOP_COMMAND_TIME), ..resting });
             return Ok(None);
         }
-        let rims = odometer.roll(&self.controller, at)?;
+        let rims = odometry_accumulator.add(&self.controller, at)?;
         Ok(rims.map(|rims| self.tick(at, rims)))
     }
 
     /// Takes in what a sensor measured; without walls, scans say nothing.
-    pub fn hear(&mut self, heard: Stamped<Heard>) {
-        if self.surroundings.are_known() || heard.value.scan().is_none() {
-            self.inbox.put(heard);
+    pub fn add_measurement(&mut self, heard: Stamped<SensorMessage>) {
+        if self.environment.has_map() || heard.value.scan().is_none() {
+            self.measurement_queue.put(heard);
         }
     }
 
     /// Takes somebody's word for where the robot was at a moment that the filter remembers, else for where it is now.
-    pub fn place(&mut self, told: Stamped<Belief<f64>>) {
+    pub fn set_pose(&mut self, told: Stamped<Belief<f64>>) {
         self.settings.start = Some(told.value);
-        if let Some(odometer) = &self.odometer {
-            self.localiser.estimator.resume(told.stamp, told.value);
-            self.watch = watch(&self.settings, &self.surroundings, odometer.stamp());
-            self.inbox = Inbox::default();
+        if let Some(odometry_accumulator) = &self.odometry_accumulator {
+            self.localizer.estimator.reset_at(told.stamp, told.value);
+            self.monitor = monitor(&self.settings, &self.environment, odometry_accumulator.stamp());
+            self.measurement_queue = MeasurementQueue::default();
         }
-        if let Some(errand) = &mut self.errand {
-            errand.forget();
+        if let Some(active_goal) = &mut self.active_goal {
+            active_goal.reset();
         }
     }
 
     /// Forgets where the robot is, so that it looks for itself.
     ///
     /// Without walls there is nothing to look at, and it stays where it is.
-    pub fn lose(&mut self) {
-        if self.surroundings.are_known() {
+    pub fn start_global_localization(&mut self) {
+        if self.environment.has_map() {
             self.settings.start = None;
-            if let Some(odometer) = &self.odometer {
-                self.watch.lose(odometer.stamp());
+            if let Some(odometry_accumulator) = &self.odometry_accumulator {
+                self.monitor.lose(odometry_accumulator.stamp());
             }
         }
     }
@@ -161,77 +165,80 @@ impl Pilot {
     /// Drives to `goal` from now on, and says what that makes of the goal before.
     ///
     /// # Errors
-    /// [`Refused::NoRoom`], where a wall of the map is too near; the goal before stays.
-    pub fn go(&mut self, goal: Pose<Map, Goal, f64>) -> Result<Option<Ended>, Refused> {
-        self.surroundings.have_room(goal)?;
-        let ended = self.end(Ended::Preempted);
+    /// [`MessageError::InsufficientClearance`], where a wall of the map is too near; the goal before stays.
+    pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<Option<GoalResult>, MessageError> {
+        self.environment.check_clearance(goal)?;
+        let ended = self.end(GoalResult::Preempted);
         // The wheels go on from what they were told last.
-        let last = self.resting.take().map_or_else(Twist::rest, |resting| resting.last);
-        self.errand = Some(Errand::to(goal, last));
+        let last = self.resting.take().map_or_else(Twist::zero, |resting| resting.last);
+        self.active_goal = Some(ActiveGoal::new(goal, last));
         Ok(ended)
     }
 
     /// Gives the goal up, and rests.
-    pub fn cancel(&mut self) -> Option<Ended> {
-        self.end(Ended::Cancelled)
+    pub fn cancel(&mut self) -> Option<GoalResult> {
+        self.end(GoalResult::Cancelled)
     }
 
     /// Odometry has not come for `age` \[s] by the clock on the wall: whether the wheels must be told to rest for that, and
     /// what became of the goal. They start from rest when odometry is back.
-    pub fn miss(&mut self, age: f64) -> (bool, Option<Ended>) {
-        if !self.is_silent(age) {
+    pub fn on_odometry_timeout(&mut self, age: f64) -> (bool, Option<GoalResult>) {
+        if !self.is_odometry_timed_out(age) {
             return (false, None);
         }
         let was_braking = self.resting.take().is_some();
-        let Some(errand) = &mut self.errand else { return (was_braking, None) };
-        errand.stand();
-        let given_up = age > errand::PATIENCE;
-        (true, if given_up { self.end(Ended::Stopped(Reason::OdometrySilent.name())) } else { None })
+        let Some(active_goal) = &mut self.active_goal else { return (was_braking, None) };
+        active_goal.stop();
+        let given_up = age > active_goal::GOAL_TIMEOUT;
+        (
+            true,
+            if given_up { self.end(GoalResult::Stopped(FaultReason::OdometryTimeout.name())) } else { None },
+        )
     }
 
     /// Whether the wheels are told anything: where there is a goal, and until they rest after one.
-    pub fn has_wheels(&self) -> bool {
-        self.errand.is_some() || self.resting.is_some_and(|resting| self.belief_stamp() <= resting.until)
+    pub fn is_commanding(&self) -> bool {
+        self.active_goal.is_some() || self.resting.is_some_and(|resting| self.belief_stamp() <= resting.until)
     }
 
     /// Whether odometry that last came `age` \[s] ago is silent.
-    pub fn is_silent(&self, age: f64) -> bool {
-        age > Vigilance::<f64>::default().odometry_age
+    pub fn is_odometry_timed_out(&self, age: f64) -> bool {
+        age > SupervisorConfig::<f64>::default().odometry_timeout
     }
 
     /// Whether it has a goal.
     pub fn is_driving(&self) -> bool {
-        self.errand.is_some()
+        self.active_goal.is_some()
     }
 
     /// A wall of the map on the straight way to `goal`: the law does not go round it.
-    pub fn wall_before(&self, goal: Pose<Map, Goal, f64>) -> Option<&Segment> {
-        self.surroundings.wall_between(self.belief().pose, goal)
+    pub fn wall_on_straight_path(&self, goal: Pose<Map, Goal, f64>) -> Option<&WallSegment> {
+        self.environment.wall_between(self.belief().pose, goal)
     }
 
     /// Where it thinks it is.
     pub fn belief(&self) -> Belief<f64> {
-        self.localiser.estimator.belief()
+        self.localizer.estimator.belief()
     }
 
     /// What became of the measurements.
-    pub fn tally(&self) -> &Tally {
-        self.localiser.estimator.tally()
+    pub fn measurement_stats(&self) -> &MeasurementStats {
+        self.localizer.estimator.measurement_stats()
     }
 
     /// How many signals were dropped because odometry did not come to give them a place in time.
     pub fn dropped(&self) -> u64 {
-        self.inbox.dropped()
+        self.measurement_queue.dropped()
     }
 
     /// When that was.
     pub fn belief_stamp(&self) -> Stamp {
-        self.localiser.estimator.stamp()
+        self.localizer.estimator.stamp()
     }
 
     /// Where it drives to, or holds.
     pub fn goal(&self) -> Option<Pose<Map, Goal, f64>> {
-        self.errand.as_ref().map(Errand::goal)
+        self.active_goal.as_ref().map(ActiveGoal::goal)
     }
 
     /// The controller.
@@ -241,119 +248,119 @@ impl Pilot {
 
     /// Everything starts, at the first odometry.
     fn begin(&mut self, at: Stamped<Pose<Odom, Body, f64>>) {
-        let belief = match &self.odometer {
+        let belief = match &self.odometry_accumulator {
             None => self.settings.start,
             Some(before) => {
                 let belief = self.belief();
-                let is_lost = self.watch.health(before.stamp(), &belief) == Health::Lost;
+                let is_lost = self.monitor.health(before.stamp(), &belief) == Health::Lost;
                 (!is_lost).then_some(belief)
             }
         };
-        self.odometer = Some(Odometer::starting(at));
-        self.inbox = Inbox::default();
+        self.odometry_accumulator = Some(OdometryAccumulator::new(at));
+        self.measurement_queue = MeasurementQueue::default();
         self.resting = None;
-        self.watch = watch(&self.settings, &self.surroundings, at.stamp);
+        self.monitor = monitor(&self.settings, &self.environment, at.stamp);
         // Without walls, the map is where the robot starts.
         let unknown = Belief::new(Pose::identity(), [0.0; 3]);
-        self.localiser.estimator.restart(at.stamp, belief.unwrap_or(unknown));
-        if belief.is_none() && self.surroundings.are_known() {
-            self.watch.lose(at.stamp);
+        self.localizer.estimator.reset(at.stamp, belief.unwrap_or(unknown));
+        if belief.is_none() && self.environment.has_map() {
+            self.monitor.lose(at.stamp);
         }
     }
 
-    /// The errand is over, if there is one; of one that had arrived, and held the pose, that was said.
-    fn end(&mut self, ended: Ended) -> Option<Ended> {
-        let is_under_way = self.errand.as_ref().is_some_and(|errand| !errand.has_arrived());
+    /// The goal is over, if there is one; of one that had arrived, and held the pose, that was said.
+    fn end(&mut self, ended: GoalResult) -> Option<GoalResult> {
+        let is_under_way = self.active_goal.as_ref().is_some_and(|active_goal| !active_goal.has_arrived());
         self.rest();
         is_under_way.then_some(ended)
     }
 
-    /// There is no errand any more: the wheels brake, and for a while are told to rest.
+    /// There is no goal any more: the wheels brake, and for a while are told to rest.
     fn rest(&mut self) {
-        if let Some(errand) = self.errand.take() {
-            let until = self.belief_stamp().after(REST);
-            self.resting = Some(Resting { last: errand.granted(), until });
+        if let Some(active_goal) = self.active_goal.take() {
+            let until = self.belief_stamp().after(STOP_COMMAND_TIME);
+            self.resting = Some(Resting { last: active_goal.limited(), until });
         }
     }
 
-    /// How wheels are braked that have no errand any more; nothing where they are nobody's.
+    /// How wheels are braked that have no goal any more; nothing where they are nobody's.
     fn brake(&mut self, now: Stamp) -> Option<Twist<f64>> {
         let Resting { last, until } = self.resting.filter(|resting| now <= resting.until)?;
         let Controller { drive, limits, period, .. } = &self.controller;
-        let granted = limits.grant(drive, Twist::rest(), last, *period);
-        let until = if granted == Twist::rest() { until } else { now.after(REST) };
-        self.resting = Some(Resting { last: granted, until });
-        Some(granted)
+        let limited = limits.limit(drive, Twist::zero(), last, *period);
+        let until = if limited == Twist::zero() { until } else { now.after(STOP_COMMAND_TIME) };
+        self.resting = Some(Resting { last: limited, until });
+        Some(limited)
     }
 
     /// A period is over, in which the rims rolled so far \[m].
-    fn tick(&mut self, at: Stamped<Pose<Odom, Body, f64>>, rims: Wheels<f64>) -> Report {
+    fn tick(&mut self, at: Stamped<Pose<Odom, Body, f64>>, rims: WheelPair<f64>) -> DriverReport {
         let stamp = at.stamp;
-        let heard = self.inbox.until(stamp);
+        let heard = self.measurement_queue.until(stamp);
         let last_scan = heard.iter().rev().find_map(|heard| Some((heard.stamp, heard.value.scan()?)));
         if let Some((_, scan)) = last_scan {
-            let laser = &mut self.localiser.eye.laser;
-            (laser.nearest, laser.farthest) = (scan.nearest, scan.farthest);
+            let laser = &mut self.localizer.scan_processor.laser;
+            (laser.range_min, laser.range_max) = (scan.range_min, scan.range_max);
             laser.body_from_laser = scan.body_from_laser;
         }
-        let signals: Vec<_> = heard.iter().map(Heard::signal).collect();
-        let travel = self.localiser.estimator.travel(stamp, rims);
-        let sensed = Sensed { stamp, travel, signals: &signals };
-        let ticked = self.think(&sensed);
+        let signals: Vec<_> = heard.iter().map(SensorMessage::signal).collect();
+        let travel = self.localizer.estimator.wheel_odometry(stamp, rims);
+        let sensed = SensorInput { stamp, travel, readings: &signals };
+        let ticked = self.process(&sensed);
         // Where things stand is known as well as where the robot was when it saw them: better now than before it thought.
         if let Some((taken, scan)) = last_scan {
-            self.surroundings.look(taken, scan, &self.localiser);
+            self.environment.look(taken, scan, &self.localizer);
         }
-        self.surroundings.lookout.forget(stamp);
-        let driven = self.errand.as_mut().zip(ticked).map(|(errand, ticked)| {
-            errand.drive(&ticked, stamp, &self.controller, &self.surroundings, &self.watch)
+        self.environment.obstacle_monitor.forget(stamp);
+        let driven = self.active_goal.as_mut().zip(ticked).map(|(active_goal, ticked)| {
+            active_goal.command(&ticked, stamp, &self.controller, &self.environment, &self.monitor)
         });
         if let Some(ended) = driven.and_then(|driven| driven.ended) {
             self.ended = Some(ended);
-            if ended != Ended::Reached || !self.settings.hold {
+            if ended != GoalResult::Reached || !self.settings.hold {
                 self.rest();
             }
         }
         let belief = self.belief();
-        let braked = if self.errand.is_none() { self.brake(stamp) } else { None };
-        Report {
+        let braked = if self.active_goal.is_none() { self.brake(stamp) } else { None };
+        DriverReport {
             stamp,
             belief,
             map_from_odom: belief.pose * at.value.inverse(),
-            health: self.watch.health(stamp, &belief),
-            verdict: self.watch.verdict(stamp, &belief),
+            health: self.monitor.health(stamp, &belief),
+            action: self.monitor.action(stamp, &belief),
             command: driven.map(|driven| driven.command).or(braked),
             navigation: driven.map(|driven| driven.navigation),
-            hindrance: self.errand.as_ref().and_then(Errand::hindrance),
+            block_reason: self.active_goal.as_ref().and_then(ActiveGoal::block_reason),
             ended: self.ended.take(),
         }
     }
 
-    /// Where is the robot, and what would the law do? Without an errand nobody told the wheels anything that they could have
+    /// Where is the robot, and what would the law do? Without a goal nobody told the wheels anything that they could have
     /// failed to do: they did what odometry says, or, where that jumped, anything that they can.
-    fn think(&mut self, sensed: &Sensed<'_, f64>) -> Option<Tick<f64>> {
-        let Self { controller, localiser, surroundings, watch, .. } = self;
-        if let Some(errand) = &self.errand {
-            return Some(errand.think(controller, localiser, &surroundings.walls, sensed, watch));
+    fn process(&mut self, sensed: &SensorInput<'_, f64>) -> Option<Tick<f64>> {
+        let Self { controller, localizer, environment, monitor, .. } = self;
+        if let Some(active_goal) = &self.active_goal {
+            return Some(active_goal.tick(controller, localizer, &environment.walls, sensed, monitor));
         }
-        let Travel { rims, .. } = sensed.travel;
+        let WheelOdometry { travel: rims, .. } = sensed.travel;
         let told = if (rims.right + rims.left).is_finite() {
             sensed.travel
         } else {
-            let elapsed = sensed.stamp.since(localiser.estimator.stamp());
+            let elapsed = sensed.stamp.since(localizer.estimator.stamp());
             let most = (controller.limits.wheel_speed * elapsed).powi(2);
-            Travel { rims: Wheels::rest(), variance: Wheels::new(most, most) }
+            WheelOdometry { travel: WheelPair::zero(), variance: WheelPair::new(most, most) }
         };
-        let _belief = localiser.sense(sensed, told, &surroundings.walls, watch);
+        let _belief = localizer.update(sensed, told, &environment.walls, monitor);
         None
     }
 }
 
-/// The watch over a robot with these settings.
-fn watch(settings: &Settings, surroundings: &Surroundings, stamp: Stamp) -> Watch {
-    let walls = &surroundings.walls;
+/// The monitor over a robot with these settings.
+fn monitor(settings: &NodeDriverSettings, environment: &Environment, stamp: Stamp) -> LocalizationMonitor {
+    let walls = &environment.walls;
     let aided = settings.compass || !walls.is_empty();
-    Watch::new(&settings.config, aided, settings.reading, walls, stamp)
+    LocalizationMonitor::new(&settings.config, aided, settings.scan_method, walls, stamp)
 }
 
 #[cfg(test)]

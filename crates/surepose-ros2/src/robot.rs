@@ -2,7 +2,7 @@
 //!
 //! Its world is that of `surepose run`, in real time: motors with lag, slip, quantised encoders, noisy sensors.
 
-pub(crate) mod words;
+pub(crate) mod messages;
 
 use std::time::{Duration, Instant};
 
@@ -11,22 +11,24 @@ use futures::stream::StreamExt;
 use ros2_client::builtin_interfaces::Time;
 use ros2_client::{Node, NodeOptions, Publisher};
 use surepose::{Angle, Body, Integration, Pose, Stamp, Stamped, Twist};
-use surepose_lab::rig::Scenario;
-use surepose_sim::{Scan, Seed, World};
+use surepose_lab::robot::Scenario;
+use surepose_sim::{Seed, SimulatedScan, World};
 
 use crate::convert::{header, pose_message};
+use crate::dds::{
+    self, NodeError, advertise, global_name, latched, publish_result, reliable, sensor, spinning,
+};
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, TfMessage};
 use crate::names::Names;
 use crate::network::Network;
 use crate::pilot::Odom;
-use crate::velocity::Commanded;
-use crate::wire::{self, NodeError, everywhere, latched, reliable, say, sensor, sent, spinning};
+use crate::velocity::CmdVelSubscriber;
 
 /// From one odometry to the next \[s].
 const PERIOD: f64 = 0.02;
 
 /// Wheels that were told nothing for so long rest.
-const PATIENCE: Duration = Duration::from_millis(500);
+const COMMAND_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// A simulated robot.
 #[derive(Clone, Debug)]
@@ -52,18 +54,18 @@ pub struct RobotSettings {
 pub fn run(settings: &RobotSettings, stops: impl Fn() -> bool) -> Result<(), NodeError> {
     let context = settings.network.join()?;
     let options = NodeOptions::new().enable_rosout(false);
-    let mut node = wire::node(&context, &settings.names, "simulated_robot", options)?;
-    let voice = Voice::new(&mut node, settings)?;
-    let commanded = Commanded::new(&mut node, &settings.names, settings.stamped)?;
+    let mut node = dds::node(&context, &settings.names, "simulated_robot", options)?;
+    let publishers = RobotPublishers::new(&mut node, settings)?;
+    let cmd_vel = CmdVelSubscriber::new(&mut node, &settings.names, settings.stamped)?;
     let spinning = spinning(&mut node)?;
     smol::block_on(async {
-        let mut twists = commanded.twists().fuse();
-        let mut beats = smol::Timer::interval(Duration::from_secs_f64(PERIOD)).fuse();
+        let mut twists = cmd_vel.twists().fuse();
+        let mut timer_ticks = smol::Timer::interval(Duration::from_secs_f64(PERIOD)).fuse();
         let mut robot = Robot::new(settings);
         while !stops() {
             select! {
-                twist = twists.select_next_some() => robot.obey(twist),
-                _ = beats.select_next_some() => robot.live(&voice),
+                twist = twists.select_next_some() => robot.apply(twist),
+                _ = timer_ticks.select_next_some() => robot.advance(&publishers),
             }
         }
     });
@@ -76,7 +78,7 @@ struct Robot {
     world: World,
     compass_std: f64,
     odometry: Pose<Odom, Body, f64>,
-    told: Twist<f64>,
+    cmd_vel: Twist<f64>,
     heard: Instant,
     born: (Instant, Time),
 }
@@ -88,33 +90,33 @@ impl Robot {
             world: World::new(scenario.world(), scenario.start(), Seed(settings.seed)),
             compass_std: scenario.config.compass().std,
             odometry: Pose::identity(),
-            told: Twist::rest(),
+            cmd_vel: Twist::zero(),
             heard: Instant::now(),
             born: (Instant::now(), Time::now()),
         }
     }
 
-    fn obey(&mut self, twist: Twist<f64>) {
-        (self.told, self.heard) = (twist, Instant::now());
+    fn apply(&mut self, twist: Twist<f64>) {
+        (self.cmd_vel, self.heard) = (twist, Instant::now());
     }
 
     /// Lives until now, period by period, and says what it sensed.
-    fn live(&mut self, voice: &Voice) {
+    fn advance(&mut self, publishers: &RobotPublishers) {
         while self.world.now().seconds() + PERIOD <= self.born.0.elapsed().as_secs_f64() {
-            if self.heard.elapsed() > PATIENCE {
-                self.told = Twist::rest();
+            if self.heard.elapsed() > COMMAND_TIMEOUT {
+                self.cmd_vel = Twist::zero();
             }
             let drive = self.world.model().drive;
-            let sensed = self.world.step(drive.rates_from_twist(self.told), PERIOD);
-            self.odometry = self.odometry.moved(drive.motion_from_travel(sensed.rims), Integration::Arc);
-            let twist = drive.twist_from_rims(sensed.rims.scaled(1.0 / PERIOD));
-            voice.odometry(self.stamp(sensed.stamp), self.odometry, twist);
-            voice.truth(self.stamp(sensed.stamp), &self.world);
+            let sensed = self.world.step(drive.wheel_rates_from_twist(self.cmd_vel), PERIOD);
+            self.odometry = self.odometry.integrate(drive.motion_from_travel(sensed.rims), Integration::Arc);
+            let twist = drive.twist_from_wheel_speeds(sensed.rims.scaled(1.0 / PERIOD));
+            publishers.odometry(self.stamp(sensed.stamp), self.odometry, twist);
+            publishers.truth(self.stamp(sensed.stamp), &self.world);
             for heading in &sensed.headings {
-                voice.heading(self.stamp(heading.stamp), heading.value, self.compass_std);
+                publishers.heading(self.stamp(heading.stamp), heading.value, self.compass_std);
             }
             for scan in &sensed.scans {
-                voice.scan(Stamped::new(self.stamp(scan.stamp), &scan.value));
+                publishers.scan(Stamped::new(self.stamp(scan.stamp), &scan.value));
             }
         }
     }
@@ -126,7 +128,7 @@ impl Robot {
 }
 
 /// Its publishers.
-struct Voice {
+struct RobotPublishers {
     odometry: Publisher<Odometry>,
     transforms: Publisher<TfMessage>,
     scans: Publisher<LaserScan>,
@@ -137,37 +139,40 @@ struct Voice {
     _joints: Publisher<TfMessage>,
 }
 
-impl Voice {
+impl RobotPublishers {
     fn new(node: &mut Node, settings: &RobotSettings) -> Result<Self, NodeError> {
         let names = &settings.names;
-        let joints = say(node, &everywhere("tf_static")?, ("tf2_msgs", "TFMessage"), latched(1))?;
-        sent(joints.publish(words::mounted(settings.scenario.config.laser().body_from_laser)));
+        let static_transforms =
+            advertise(node, &global_name("tf_static")?, ("tf2_msgs", "TFMessage"), latched(1))?;
+        publish_result(
+            static_transforms.publish(messages::mounted(settings.scenario.config.laser().body_from_laser)),
+        );
         Ok(Self {
-            odometry: say(node, &names.of("odom")?, ("nav_msgs", "Odometry"), reliable(10))?,
-            transforms: say(node, &everywhere("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
-            scans: say(node, &names.of("scan")?, ("sensor_msgs", "LaserScan"), sensor(5))?,
-            headings: say(node, &names.of("imu")?, ("sensor_msgs", "Imu"), sensor(5))?,
-            truth: say(node, &names.of("truth")?, ("geometry_msgs", "PoseStamped"), reliable(10))?,
+            odometry: advertise(node, &names.of("odom")?, ("nav_msgs", "Odometry"), reliable(10))?,
+            transforms: advertise(node, &global_name("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
+            scans: advertise(node, &names.of("scan")?, ("sensor_msgs", "LaserScan"), sensor(5))?,
+            headings: advertise(node, &names.of("imu")?, ("sensor_msgs", "Imu"), sensor(5))?,
+            truth: advertise(node, &names.of("truth")?, ("geometry_msgs", "PoseStamped"), reliable(10))?,
             map_frame: settings.map_frame.clone(),
-            _joints: joints,
+            _joints: static_transforms,
         })
     }
 
     fn odometry(&self, stamp: Stamp, pose: Pose<Odom, Body, f64>, twist: Twist<f64>) {
-        sent(self.odometry.publish(words::odometry(stamp, pose, twist)));
-        sent(self.transforms.publish(words::rolled(stamp, pose)));
+        publish_result(self.odometry.publish(messages::odometry(stamp, pose, twist)));
+        publish_result(self.transforms.publish(messages::rolled(stamp, pose)));
     }
 
     fn truth(&self, stamp: Stamp, world: &World) {
         let pose = pose_message(world.pose());
-        sent(self.truth.publish(PoseStamped { header: header(stamp, &self.map_frame), pose }));
+        publish_result(self.truth.publish(PoseStamped { header: header(stamp, &self.map_frame), pose }));
     }
 
     fn heading(&self, stamp: Stamp, heading: Angle<f64>, std: f64) {
-        sent(self.headings.publish(words::heading(stamp, heading, std)));
+        publish_result(self.headings.publish(messages::heading(stamp, heading, std)));
     }
 
-    fn scan(&self, scan: Stamped<&Scan>) {
-        sent(self.scans.publish(words::scan(scan.stamp, scan.value)));
+    fn scan(&self, scan: Stamped<&SimulatedScan>) {
+        publish_result(self.scans.publish(messages::scan(scan.stamp, scan.value)));
     }
 }

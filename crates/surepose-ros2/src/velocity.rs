@@ -5,27 +5,27 @@ use ros2_client::{Node, Publisher, Subscription};
 use surepose::{Stamp, Twist};
 
 use crate::convert::{header, twist_message};
+use crate::dds::{NodeError, advertise, publish_result, reliable, subscribe};
 use crate::message::{self, TwistStamped};
 use crate::names::Names;
-use crate::wire::{NodeError, hear, reliable, say, sent};
 
 const NAME: &str = "cmd_vel";
 const STAMPED: (&str, &str) = ("geometry_msgs", "TwistStamped");
 const BARE: (&str, &str) = ("geometry_msgs", "Twist");
 
 /// Gives commands.
-pub(crate) enum Commander {
+pub(crate) enum CmdVelPublisher {
     Stamped(Publisher<TwistStamped>),
     Bare(Publisher<message::Twist>),
 }
 
-impl Commander {
+impl CmdVelPublisher {
     pub(crate) fn new(node: &mut Node, names: &Names, stamped: bool) -> Result<Self, NodeError> {
         let name = names.of(NAME)?;
         Ok(if stamped {
-            Self::Stamped(say(node, &name, STAMPED, reliable(1))?)
+            Self::Stamped(advertise(node, &name, STAMPED, reliable(1))?)
         } else {
-            Self::Bare(say(node, &name, BARE, reliable(1))?)
+            Self::Bare(advertise(node, &name, BARE, reliable(1))?)
         })
     }
 
@@ -34,26 +34,26 @@ impl Commander {
         let twist = twist_message(twist);
         match self {
             Self::Stamped(stamped) => {
-                sent(stamped.publish(TwistStamped { header: header(stamp, base), twist }));
+                publish_result(stamped.publish(TwistStamped { header: header(stamp, base), twist }));
             }
-            Self::Bare(bare) => sent(bare.publish(twist)),
+            Self::Bare(bare) => publish_result(bare.publish(twist)),
         }
     }
 }
 
 /// Takes commands.
-pub(crate) enum Commanded {
+pub(crate) enum CmdVelSubscriber {
     Stamped(Subscription<TwistStamped>),
     Bare(Subscription<message::Twist>),
 }
 
-impl Commanded {
+impl CmdVelSubscriber {
     pub(crate) fn new(node: &mut Node, names: &Names, stamped: bool) -> Result<Self, NodeError> {
         let name = names.of(NAME)?;
         Ok(if stamped {
-            Self::Stamped(hear(node, &name, STAMPED, reliable(1))?)
+            Self::Stamped(subscribe(node, &name, STAMPED, reliable(1))?)
         } else {
-            Self::Bare(hear(node, &name, BARE, reliable(1))?)
+            Self::Bare(subscribe(node, &name, BARE, reliable(1))?)
         })
     }
 

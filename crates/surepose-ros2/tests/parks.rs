@@ -20,7 +20,7 @@ use ros2_client::{
     ActionTypeName, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, Subscription,
 };
 use surepose::{Angle, Goal, Map, Pose, param};
-use surepose_lab::rig::Scenario;
+use surepose_lab::robot::Scenario;
 use surepose_ros2::convert::{header, pose_message, pose_of};
 use surepose_ros2::message::{
     NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped, TwistStamped,
@@ -28,7 +28,7 @@ use surepose_ros2::message::{
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
 use surepose_ros2::robot::{self, RobotSettings};
-use surepose_ros2::{Names, Settings};
+use surepose_ros2::{Names, NodeDriverSettings};
 
 type Client = ActionClient<NavigateToPoseGoal, NavigateToPoseResult, NavigateToPoseFeedback>;
 
@@ -54,13 +54,13 @@ fn reliable() -> QosProfile {
 
 /// A robot whose laser sits where nobody but its `/tf_static` says.
 fn settings() -> (RobotSettings, NodeSettings) {
-    let pilot = Settings::in_scenario(&Scenario::default());
-    let mounting = [(&param::LASER_X, 0.15), (&param::LASER_Y, -0.05), (&param::LASER_HEADING, 30.0)];
-    let scenario = Scenario::configured(pilot.config.clone().with_preset("mounting", &mounting));
+    let driver = NodeDriverSettings::in_scenario(&Scenario::default());
+    let laser_extrinsics = [(&param::LASER_X, 0.15), (&param::LASER_Y, -0.05), (&param::LASER_HEADING, 30.0)];
+    let scenario = Scenario::configured(driver.config.clone().with_preset("mounting", &laser_extrinsics));
     let (names, map_frame, stamped) = (Names::new("robot1", &[]).unwrap(), "map".to_owned(), true);
     let network = network();
     let node = NodeSettings {
-        pilot,
+        driver,
         names: names.clone(),
         map_frame: map_frame.clone(),
         stamped,

@@ -7,7 +7,8 @@ use std::hint::black_box;
 use std::process::ExitCode;
 
 use surepose::{
-    Angle, Belief, Drive, Ekf, Integration, LineExtractor, Matcher, Pose, RangeFinder, Scan, SeenLine, Wall,
+    Angle, Belief, DiffDrive, Ekf, ExtractedLine, Integration, LineAssociator, LineExtractor, Pose,
+    RangeFinder, Scan, Wall,
 };
 use surepose_sim::{Arena, LaserModel, Seed, loop_course};
 
@@ -25,12 +26,18 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     let mut extractor = Box::<LineExtractor<f64, 361>>::default();
-    let matcher = Matcher::default();
+    let associator = LineAssociator::default();
     if matching {
         let lines: Vec<_> = bench.moments.iter().map(|moment| moment.lines(&bench, &mut extractor)).collect();
         for (moment, lines) in bench.moments.iter().zip(&lines).cycle().take(count) {
             let mount = &bench.laser.body_from_laser;
-            black_box(matcher.matched(&bench.ekf, &moment.belief, mount, black_box(lines), &bench.walls));
+            black_box(associator.associate(
+                &bench.ekf,
+                &moment.belief,
+                mount,
+                black_box(lines),
+                &bench.walls,
+            ));
         }
     } else {
         for moment in bench.moments.iter().cycle().take(count) {
@@ -49,7 +56,7 @@ struct Bench {
 }
 
 struct Moment {
-    scan: surepose_sim::Scan,
+    scan: surepose_sim::SimulatedScan,
     belief: Belief<f64>,
 }
 
@@ -69,10 +76,10 @@ impl Bench {
                 body_from_laser: model.body_from_laser,
                 range_std: model.range_std,
                 bearing_std: model.bearing_std,
-                nearest: 0.0,
-                farthest: model.max_range,
+                range_min: 0.0,
+                range_max: model.max_range,
             },
-            ekf: Ekf { drive: Drive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc },
+            ekf: Ekf { drive: DiffDrive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc },
             walls: arena.walls().iter().filter_map(|w| Wall::between(w.start, w.end).ok()).collect(),
             moments: (1..=600).map(&mut moment).collect(),
         })
@@ -82,13 +89,13 @@ impl Bench {
 impl Moment {
     fn scan(&self) -> Scan<'_, f64> {
         Scan {
-            first_bearing: Angle::wrapped(self.scan.first_bearing),
-            bearing_step: self.scan.bearing_step,
+            angle_min: Angle::from_radians(self.scan.angle_min),
+            angle_increment: self.scan.angle_increment,
             ranges: black_box(&self.scan.ranges),
         }
     }
 
-    fn lines(&self, bench: &Bench, extractor: &mut LineExtractor<f64, 361>) -> Vec<SeenLine<f64>> {
+    fn lines(&self, bench: &Bench, extractor: &mut LineExtractor<f64, 361>) -> Vec<ExtractedLine<f64>> {
         extractor.extract(&bench.laser, &self.scan()).map_or_else(|_| Vec::new(), |seen| seen.lines.to_vec())
     }
 }

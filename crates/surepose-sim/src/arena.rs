@@ -1,17 +1,17 @@
 //! Where the robot drives: flat walls and plates, as segments of the map.
 
-use surepose::{Angle, Map, NotAPath, Path, Point, Pose};
+use surepose::{Angle, InvalidPath, Map, Path, Point, Pose};
 
 /// A flat piece of wall, seen from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub struct WallSegment {
     /// One end \[m].
     pub start: Point<Map, f64>,
     /// The other end \[m].
     pub end: Point<Map, f64>,
 }
 
-impl Segment {
+impl WallSegment {
     /// The segment between two points, each (x, y) \[m].
     pub fn between(start: (f64, f64), end: (f64, f64)) -> Self {
         Self { start: Point::new(start.0, start.1), end: Point::new(end.0, end.1) }
@@ -29,7 +29,7 @@ impl Segment {
     /// Whether the straight way `from` here `to` there meets the segment; touching it is meeting it.
     ///
     /// A way along the segment's own line is not seen to: its ends are near the segment, which its distance tells.
-    pub fn is_met_between(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> bool {
+    pub fn is_crossed_by(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> bool {
         let side = |a: Point<Map, f64>, b: Point<Map, f64>, p: Point<Map, f64>| {
             (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
         };
@@ -46,7 +46,7 @@ pub struct Arena {
     name: &'static str,
     /// Corners (x, y) of the surrounding rectangle \[m].
     corners: [(f64, f64); 2],
-    walls: Vec<Segment>,
+    walls: Vec<WallSegment>,
 }
 
 impl Arena {
@@ -57,10 +57,10 @@ impl Arena {
     /// (2, 2) are at least 2 m from them, and four plates stand beside the way.
     pub fn paper() -> Self {
         let plates = [
-            Segment::between((-1.0, 0.8), (-1.0, 2.0)),
-            Segment::between((0.6, -1.2), (1.8, -1.2)),
-            Segment::between((3.6, 0.4), (3.6, 1.6)),
-            Segment::between((0.4, 3.6), (1.4, 3.6)),
+            WallSegment::between((-1.0, 0.8), (-1.0, 2.0)),
+            WallSegment::between((0.6, -1.2), (1.8, -1.2)),
+            WallSegment::between((3.6, 0.4), (3.6, 1.6)),
+            WallSegment::between((0.4, 3.6), (1.4, 3.6)),
         ];
         Self::rectangle("paper", (-2.0, -2.0), (4.5, 4.5), &plates)
     }
@@ -72,7 +72,8 @@ impl Arena {
 
     /// The loop world, in which localisation is judged: the rectangle (0, 0)–(6, 4) and two plates.
     pub fn loop_world() -> Self {
-        let plates = [Segment::between((2.5, 2.0), (3.5, 2.0)), Segment::between((5.2, 0.6), (5.2, 1.6))];
+        let plates =
+            [WallSegment::between((2.5, 2.0), (3.5, 2.0)), WallSegment::between((5.2, 0.6), (5.2, 1.6))];
         Self::rectangle("loop", (0.0, 0.0), (6.0, 4.0), &plates)
     }
 
@@ -82,20 +83,20 @@ impl Arena {
     }
 
     /// A rectangle of walls between two opposite corners, with `plates` in it.
-    pub fn rectangle(name: &'static str, low: (f64, f64), high: (f64, f64), plates: &[Segment]) -> Self {
+    pub fn rectangle(name: &'static str, low: (f64, f64), high: (f64, f64), plates: &[WallSegment]) -> Self {
         let (a, b, c, d) = (low, (high.0, low.1), high, (low.0, high.1));
         let mut walls = vec![
-            Segment::between(a, b),
-            Segment::between(b, c),
-            Segment::between(c, d),
-            Segment::between(d, a),
+            WallSegment::between(a, b),
+            WallSegment::between(b, c),
+            WallSegment::between(c, d),
+            WallSegment::between(d, a),
         ];
         walls.extend_from_slice(plates);
         Self { name, corners: [low, high], walls }
     }
 
     /// The place with these `walls` and no others, up to the rectangle round them all.
-    pub fn of_walls(name: &'static str, walls: Vec<Segment>) -> Self {
+    pub fn from_walls(name: &'static str, walls: Vec<WallSegment>) -> Self {
         let ends = || walls.iter().flat_map(|wall| [wall.start, wall.end]);
         let low =
             ends().fold((f64::INFINITY, f64::INFINITY), |low, end| (low.0.min(end.x), low.1.min(end.y)));
@@ -110,7 +111,7 @@ impl Arena {
     }
 
     /// Every wall and plate.
-    pub fn walls(&self) -> &[Segment] {
+    pub fn walls(&self) -> &[WallSegment] {
         &self.walls
     }
 
@@ -121,7 +122,7 @@ impl Arena {
 
     /// Distance from `point` to the nearest wall \[m], negative outside the surrounding rectangle.
     ///
-    /// Both sides of a plate are inside: that a way went through one, only [`met_between`](Self::met_between) tells.
+    /// Both sides of a plate are inside: that a way went through one, only [`first_wall_crossed`](Self::first_wall_crossed) tells.
     pub fn clearance(&self, point: Point<Map, f64>) -> f64 {
         let nearest = self.nearest_wall(point).map_or(f64::INFINITY, |wall| wall.distance_to(point));
         let [low, high] = self.corners;
@@ -131,14 +132,14 @@ impl Arena {
     }
 
     /// The wall or plate nearest to `point`, where there are any.
-    pub fn nearest_wall(&self, point: Point<Map, f64>) -> Option<&Segment> {
-        let distance = |wall: &&Segment| wall.distance_to(point);
+    pub fn nearest_wall(&self, point: Point<Map, f64>) -> Option<&WallSegment> {
+        let distance = |wall: &&WallSegment| wall.distance_to(point);
         self.walls.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
     /// A wall or plate that the straight way `from` here `to` there meets.
-    pub fn met_between(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> Option<&Segment> {
-        self.walls.iter().find(|wall| wall.is_met_between(from, to))
+    pub fn first_wall_crossed(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> Option<&WallSegment> {
+        self.walls.iter().find(|wall| wall.is_crossed_by(from, to))
     }
 }
 
@@ -149,13 +150,13 @@ pub const LOOP_SPEED: f64 = 0.3;
 ///
 /// # Errors
 /// Never: its measures are constants that make a path.
-pub fn loop_course() -> Result<Path<f64, 8>, NotAPath> {
+pub fn loop_course() -> Result<Path<f64, 8>, InvalidPath> {
     Path::rounded_rectangle(Pose::new(2.0, 1.0, Angle::zero()), 3.0, 2.0, 0.5)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Arena, Segment, loop_course};
+    use super::{Arena, WallSegment, loop_course};
     use surepose::Point;
 
     #[test]
@@ -174,16 +175,16 @@ mod tests {
     fn ways_through_walls_and_plates_meet_them_and_others_do_not() {
         let arena = Arena::loop_world();
         let met = |from: (f64, f64), to: (f64, f64)| {
-            arena.met_between(Point::new(from.0, from.1), Point::new(to.0, to.1)).copied()
+            arena.first_wall_crossed(Point::new(from.0, from.1), Point::new(to.0, to.1)).copied()
         };
-        let plate = Some(Segment::between((5.2, 0.6), (5.2, 1.6)));
+        let plate = Some(WallSegment::between((5.2, 0.6), (5.2, 1.6)));
         assert_eq!(met((5.0, 1.0), (5.4, 1.1)), plate);
         assert_eq!(met((5.4, 1.1), (5.0, 1.0)), plate);
         assert_eq!(met((5.0, 1.0), (5.2, 1.0)), plate, "a way that ends in a plate");
         assert_eq!(met((5.0, 1.6), (5.4, 1.6)), plate, "a way over the end of a plate");
         assert_eq!(met((5.0, 1.7), (5.4, 1.7)), None, "past the end of a plate");
         assert_eq!(met((4.0, 1.0), (5.19, 1.0)), None, "a way that ends before a plate");
-        assert_eq!(met((5.5, 1.0), (6.1, 1.0)), Some(Segment::between((6.0, 0.0), (6.0, 4.0))));
+        assert_eq!(met((5.5, 1.0), (6.1, 1.0)), Some(WallSegment::between((6.0, 0.0), (6.0, 4.0))));
     }
 
     #[test]

@@ -23,6 +23,6 @@ impl Default for CompassModel {
 impl CompassModel {
     /// A reading at this true heading.
     pub fn read(&self, heading: Angle<f64>, noise: &mut Stream) -> Angle<f64> {
-        heading.turned(self.offset + self.std * noise.normal())
+        heading.rotated_by(self.offset + self.std * noise.normal())
     }
 }

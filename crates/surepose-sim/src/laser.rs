@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use surepose::{Angle, Body, Laser, Map, Pose};
 
-use crate::arena::Segment;
+use crate::arena::WallSegment;
 use crate::random::Stream;
 
 /// How a laser range finder sees.
@@ -13,9 +13,9 @@ pub struct LaserModel {
     /// Where it is mounted.
     pub body_from_laser: Pose<Body, Laser, f64>,
     /// Direction of the first beam from the laser's x axis \[rad].
-    pub first_bearing: f64,
+    pub angle_min: f64,
     /// From one beam to the next \[rad].
-    pub bearing_step: f64,
+    pub angle_increment: f64,
     /// Number of beams.
     pub beams: usize,
     /// Standard deviation of a range \[m].
@@ -43,11 +43,11 @@ pub struct Clutter {
 ///
 /// A beam without return reads +∞; no reading is ever NaN unless a fault makes it so.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Scan {
+pub struct SimulatedScan {
     /// Direction of the first beam from the laser's x axis \[rad].
-    pub first_bearing: f64,
+    pub angle_min: f64,
     /// From one beam to the next \[rad].
-    pub bearing_step: f64,
+    pub angle_increment: f64,
     /// Range of every beam \[m].
     pub ranges: Vec<f64>,
 }
@@ -57,8 +57,8 @@ impl LaserModel {
     pub fn half_circle(beams: usize) -> Self {
         Self {
             body_from_laser: Pose::identity(),
-            first_bearing: -FRAC_PI_2,
-            bearing_step: PI / beams.saturating_sub(1).max(1) as f64,
+            angle_min: -FRAC_PI_2,
+            angle_increment: PI / beams.saturating_sub(1).max(1) as f64,
             beams,
             range_std: 0.030,
             bearing_std: 0.25_f64.to_radians(),
@@ -69,10 +69,15 @@ impl LaserModel {
     }
 
     /// A scan of `walls` from where the robot is.
-    pub fn scan(&self, walls: &[Segment], map_from_body: Pose<Map, Body, f64>, noise: &mut Stream) -> Scan {
+    pub fn scan(
+        &self,
+        walls: &[WallSegment],
+        map_from_body: Pose<Map, Body, f64>,
+        noise: &mut Stream,
+    ) -> SimulatedScan {
         let map_from_laser = map_from_body * self.body_from_laser;
         let mut rays = Rays::from(map_from_laser, self.beams, |i| {
-            self.first_bearing + self.bearing_step * i as f64 + self.bearing_std * noise.normal()
+            self.angle_min + self.angle_increment * i as f64 + self.bearing_std * noise.normal()
         });
         for wall in walls {
             rays.meet(wall);
@@ -81,10 +86,10 @@ impl LaserModel {
         self.clutter.hide(&mut ranges, noise);
         for range in &mut ranges {
             let read = *range + self.range_std * noise.normal();
-            let back = *range <= self.max_range && !noise.chance(self.lost);
+            let back = *range <= self.max_range && !noise.bernoulli(self.lost);
             *range = if back { read.max(0.0) } else { f64::INFINITY };
         }
-        Scan { first_bearing: self.first_bearing, bearing_step: self.bearing_step, ranges }
+        SimulatedScan { angle_min: self.angle_min, angle_increment: self.angle_increment, ranges }
     }
 }
 
@@ -98,13 +103,13 @@ impl Clutter {
         let leave = 1.0 / self.width.max(1.0);
         let fraction = self.fraction.min(0.99);
         let enter = leave * fraction / (1.0 - fraction);
-        let mut hidden = noise.chance(fraction);
+        let mut hidden = noise.bernoulli(fraction);
         let mut part = noise.uniform(0.2, 0.9);
         for range in ranges {
             if hidden {
                 *range *= part;
             }
-            let change = noise.chance(if hidden { leave } else { enter });
+            let change = noise.bernoulli(if hidden { leave } else { enter });
             if change {
                 hidden = !hidden;
                 part = noise.uniform(0.2, 0.9);
@@ -129,7 +134,7 @@ impl Rays {
     ) -> Self {
         let (mut cos, mut sin) = (Vec::with_capacity(beams), Vec::with_capacity(beams));
         for i in 0..beams {
-            let direction: Angle<f64> = map_from_laser.heading.turned(bearing(i));
+            let direction: Angle<f64> = map_from_laser.heading.rotated_by(bearing(i));
             let (s, c) = direction.sin_cos();
             cos.push(c);
             sin.push(s);
@@ -146,7 +151,7 @@ impl Rays {
         clippy::manual_range_contains,
         reason = "lazy operators are branches, and branches keep the loop from being vector code"
     )]
-    fn meet(&mut self, wall: &Segment) {
+    fn meet(&mut self, wall: &WallSegment) {
         let (ax, ay) = (wall.start.x - self.origin.0, wall.start.y - self.origin.1);
         let (ex, ey) = (wall.end.x - wall.start.x, wall.end.y - wall.start.y);
         // The ray t·d meets the wall a + u·e where t = (a × e)/(d × e) and u = (a × d)/(d × e).

@@ -12,11 +12,11 @@ mod random;
 mod slip;
 mod world;
 
-pub use arena::{Arena, LOOP_SPEED, Segment, loop_course};
+pub use arena::{Arena, LOOP_SPEED, WallSegment, loop_course};
 pub use compass::CompassModel;
-pub use fault::{Fault, Kind, Sensor};
-pub use laser::{Clutter, LaserModel, Scan};
+pub use fault::{Fault, FaultKind, Sensor};
+pub use laser::{Clutter, LaserModel, SimulatedScan};
 pub use motor::MotorModel;
 pub use random::{Seed, Stream};
 pub use slip::Slip;
-pub use world::{Sensed, Timing, World, WorldModel};
+pub use world::{SensorOutput, Timing, World, WorldModel};

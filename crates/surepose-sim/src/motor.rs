@@ -53,14 +53,14 @@ impl Default for MotorModel {
 }
 
 impl MotorModel {
-    /// The default motor, geared for a robot whose wheels turn at `fastest` \[rad/s] at the most, as the default one is for 6.
+    /// The default motor, geared for a robot whose wheels turn at `max_speed` \[rad/s] at the most, as the default one is for 6.
     ///
     /// At its fastest it keeps within ±5 %. Slower, cogging may come too fast for the controller of a motor that is geared for
     /// much more than the default one: at 12 rad/s of 60 it strays by 6 %.
     #[must_use]
-    pub fn geared_for(fastest: f64) -> Self {
+    pub fn for_max_speed(max_speed: f64) -> Self {
         let Self { full_rate, friction, pid, .. } = Self::default();
-        let gear = fastest / 6.0;
+        let gear = max_speed / 6.0;
         let pid = Pid {
             feed_forward: pid.feed_forward / gear,
             proportional: pid.proportional / gear,
@@ -85,7 +85,7 @@ pub(crate) struct Wheel {
 
 impl Wheel {
     pub(crate) fn at_rest(noise: Stream) -> Self {
-        Self { rate: 0.0, angle: 0.0, gain: 0.0, counted_before: 0.0, control: PidState::fresh(), noise }
+        Self { rate: 0.0, angle: 0.0, gain: 0.0, counted_before: 0.0, control: PidState::zero(), noise }
     }
 
     /// True turn rate \[rad/s].
@@ -98,12 +98,12 @@ impl Wheel {
         (self.angle * (model.ticks_per_turn / TAU)).floor() * (TAU / model.ticks_per_turn)
     }
 
-    /// Controls the wheel towards the turn rate `wanted` for `period` \[s]; returns how far it truly turned \[rad].
-    pub(crate) fn turn(&mut self, model: &MotorModel, wanted: f64, period: f64) -> f64 {
+    /// Controls the wheel towards the turn rate `desired` for `period` \[s]; returns how far it truly turned \[rad].
+    pub(crate) fn turn(&mut self, model: &MotorModel, desired: f64, period: f64) -> f64 {
         let counted = self.counted(model);
         let measured = (counted - self.counted_before) / period;
         self.counted_before = counted;
-        let (duty, control) = model.pid.step(self.control, wanted, measured, period);
+        let (duty, control) = model.pid.step(self.control, desired, measured, period);
         self.control = control;
 
         let keep = (-period / model.gain_time).exp();
@@ -145,14 +145,14 @@ mod tests {
 
     const PERIOD: f64 = 0.01;
 
-    /// The largest relative deviation of the speed from `wanted`, measured over 50 ms after 1 s of settling.
-    fn ripple(model: &MotorModel, wanted: f64) -> f64 {
+    /// The largest relative deviation of the speed from `desired`, measured over 50 ms after 1 s of settling.
+    fn ripple(model: &MotorModel, desired: f64) -> f64 {
         let mut wheel = Wheel::at_rest(Seed(4).stream("right wheel"));
         let mut worst = 0.0_f64;
         for window in 0..1200 {
-            let turned: f64 = (0..5).map(|_| wheel.turn(model, wanted, PERIOD)).sum();
+            let turned: f64 = (0..5).map(|_| wheel.turn(model, desired, PERIOD)).sum();
             if window >= 20 {
-                worst = worst.max((turned / (5.0 * PERIOD * wanted) - 1.0).abs());
+                worst = worst.max((turned / (5.0 * PERIOD * desired) - 1.0).abs());
             }
         }
         worst
@@ -163,19 +163,19 @@ mod tests {
     fn pid_keeps_the_speed_within_five_percent_and_open_loop_does_not() {
         let model = MotorModel::default();
         let open_loop = Pid { proportional: 0.0, integral: 0.0, ..model.pid };
-        for wanted in [6.0, 1.0] {
-            let held = ripple(&model, wanted);
-            let wild = ripple(&MotorModel { pid: open_loop, ..model }, wanted);
-            assert!(held < 0.05, "{wanted} rad/s: {held}");
-            assert!(wild > 0.10, "{wanted} rad/s: {wild}");
+        for desired in [6.0, 1.0] {
+            let held = ripple(&model, desired);
+            let wild = ripple(&MotorModel { pid: open_loop, ..model }, desired);
+            assert!(held < 0.05, "{desired} rad/s: {held}");
+            assert!(wild > 0.10, "{desired} rad/s: {wild}");
         }
     }
 
     #[test]
     fn a_geared_motor_reaches_what_it_is_geared_for() {
-        for fastest in [0.6, 6.0, 60.0] {
-            let held = ripple(&MotorModel::geared_for(fastest), fastest);
-            assert!(held < 0.05, "geared for {fastest} rad/s: {held}");
+        for max_speed in [0.6, 6.0, 60.0] {
+            let held = ripple(&MotorModel::for_max_speed(max_speed), max_speed);
+            assert!(held < 0.05, "geared for {max_speed} rad/s: {held}");
         }
         let short = ripple(&MotorModel::default(), 20.0);
         assert!(short > 0.4, "the default motor, told to turn at 20 rad/s: {short}");

@@ -36,7 +36,7 @@ impl Stream {
     }
 
     /// True with `probability`.
-    pub fn chance(&mut self, probability: f64) -> bool {
+    pub fn bernoulli(&mut self, probability: f64) -> bool {
         self.uniform(0.0, 1.0) < probability
     }
 

@@ -1,6 +1,6 @@
 //! Slip: what stands between how far a wheel rolled by its encoder and how far its rim came.
 
-use surepose::Wheels;
+use surepose::WheelPair;
 
 use crate::random::Stream;
 
@@ -16,18 +16,18 @@ pub struct Slip {
 
 impl Slip {
     /// One period's factors between a wheel's two travels.
-    pub fn factors(&self, noise: &mut Stream) -> Wheels<f64> {
+    pub fn factors(&self, noise: &mut Stream) -> WheelPair<f64> {
         let std = self.delta.sqrt();
-        Wheels::new(1.0 + std * noise.normal(), 1.0 + std * noise.normal())
+        WheelPair::new(1.0 + std * noise.normal(), 1.0 + std * noise.normal())
     }
 
     /// What one of the two travels of a period makes of the other.
     ///
     /// To first order in √δ it does not matter which is given: a world turns encoder travel into true travel, a
     /// prescribed course true travel into encoder travel.
-    pub fn apply(&self, travel: Wheels<f64>, noise: &mut Stream) -> Wheels<f64> {
+    pub fn apply(&self, travel: WheelPair<f64>, noise: &mut Stream) -> WheelPair<f64> {
         let factors = self.factors(noise);
-        Wheels::new(travel.right * factors.right, travel.left * factors.left)
+        WheelPair::new(travel.right * factors.right, travel.left * factors.left)
     }
 }
 
@@ -35,7 +35,7 @@ impl Slip {
 mod tests {
     use super::Slip;
     use crate::random::Seed;
-    use surepose::Wheels;
+    use surepose::WheelPair;
 
     #[test]
     fn relative_error_has_variance_delta_on_each_wheel() {
@@ -44,7 +44,7 @@ mod tests {
         let n = 20_000;
         let (mut right, mut left, mut both) = (0.0, 0.0, 0.0);
         for _ in 0..n {
-            let travel = slip.apply(Wheels::new(0.03, -0.01), &mut noise);
+            let travel = slip.apply(WheelPair::new(0.03, -0.01), &mut noise);
             let (r, l) = (travel.right / 0.03 - 1.0, travel.left / -0.01 - 1.0);
             right += r * r;
             left += l * l;

@@ -2,18 +2,18 @@
 
 use core::ops::Range;
 
-use surepose::{Angle, Body, Drive, Integration, Map, Pose, Stamp, Stamped, Twist, Wheels};
+use surepose::{Angle, Body, DiffDrive, Integration, Map, Pose, Stamp, Stamped, Twist, WheelPair};
 
 use crate::arena::Arena;
 use crate::compass::CompassModel;
-use crate::fault::{Disturbance, Fault, Kind, Sensor, disturbance};
-use crate::laser::{LaserModel, Scan};
+use crate::fault::{Disturbance, Fault, FaultKind, Sensor, disturbance};
+use crate::laser::{LaserModel, SimulatedScan};
 use crate::motor::{MotorModel, Wheel};
 use crate::random::{Seed, Stream};
 use crate::slip::Slip;
 
 /// How often the wheels' controllers run and the world moves on at the least \[ns].
-const LONGEST_SUBSTEP: i64 = 10_000_000;
+const MAX_SUBSTEP: i64 = 10_000_000;
 
 /// When a sensor measures, and how long its message is under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct WorldModel {
     /// The walls.
     pub arena: Arena,
     /// The robot's geometry.
-    pub drive: Drive<f64>,
+    pub drive: DiffDrive<f64>,
     /// Its motors with their encoders and controllers.
     pub motor: MotorModel,
     /// Between wheel and floor.
@@ -52,7 +52,7 @@ impl WorldModel {
     pub fn paper(arena: Arena) -> Self {
         Self {
             arena,
-            drive: Drive::new(0.05, 0.60),
+            drive: DiffDrive::new(0.05, 0.60),
             motor: MotorModel::default(),
             slip: Slip { delta: 0.0025 },
             compass: Some((CompassModel::default(), Timing { period: 0.1, latency: 0.01 })),
@@ -64,15 +64,15 @@ impl WorldModel {
 
 /// What the robot sensed during one step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sensed {
+pub struct SensorOutput {
     /// Now.
     pub stamp: Stamp,
     /// How far the rims rolled since the last step, by the encoders \[m].
-    pub rims: Wheels<f64>,
+    pub rims: WheelPair<f64>,
     /// Headings that arrived, as the compass reads them.
     pub headings: Vec<Stamped<Angle<f64>>>,
     /// Scans that arrived.
-    pub scans: Vec<Stamped<Scan>>,
+    pub scans: Vec<Stamped<SimulatedScan>>,
 }
 
 /// A message under way: when it arrives, and what it says.
@@ -85,13 +85,13 @@ pub struct World {
     now: Stamp,
     pose: Pose<Map, Body, f64>,
     twist: Twist<f64>,
-    wheels: Wheels<Wheel>,
-    counted: Wheels<f64>,
+    wheels: WheelPair<Wheel>,
+    counted: WheelPair<f64>,
     slip: Stream,
     compass: Stream,
     laser: Stream,
     headings: UnderWay<Angle<f64>>,
-    scans: UnderWay<Scan>,
+    scans: UnderWay<SimulatedScan>,
 }
 
 impl World {
@@ -101,12 +101,12 @@ impl World {
             model,
             now: Stamp::default(),
             pose: start,
-            twist: Twist::rest(),
-            wheels: Wheels {
+            twist: Twist::zero(),
+            wheels: WheelPair {
                 right: Wheel::at_rest(seed.stream("right wheel")),
                 left: Wheel::at_rest(seed.stream("left wheel")),
             },
-            counted: Wheels::new(0.0, 0.0),
+            counted: WheelPair::new(0.0, 0.0),
             slip: seed.stream("slip"),
             compass: seed.stream("compass"),
             laser: seed.stream("laser"),
@@ -136,26 +136,26 @@ impl World {
     }
 
     /// True rim speeds of the wheels, before slip \[m/s].
-    pub fn rim_speeds(&self) -> Wheels<f64> {
-        let rates = Wheels::new(self.wheels.right.rate(), self.wheels.left.rate());
-        self.model.drive.rims_from_turns(rates)
+    pub fn rim_speeds(&self) -> WheelPair<f64> {
+        let rates = WheelPair::new(self.wheels.right.rate(), self.wheels.left.rate());
+        self.model.drive.wheel_travel_from_angle(rates)
     }
 
-    /// Lets the wheels' controllers hold the turn rates `wanted` \[rad/s] for `period` \[s]: they run every 10 ms, or oftener
+    /// Lets the wheels' controllers hold the turn rates `desired` \[rad/s] for `period` \[s]: they run every 10 ms, or oftener
     /// so that the period is a whole number of theirs.
     ///
     /// One step is one odometry period: one slip factor for each wheel holds throughout.
-    pub fn step(&mut self, wanted: Wheels<f64>, period: f64) -> Sensed {
+    pub fn step(&mut self, desired: WheelPair<f64>, period: f64) -> SensorOutput {
         let slip = self.model.slip.factors(&mut self.slip);
         let (start, period) = (self.now.nanoseconds(), nanoseconds(period));
-        let substeps = (period + LONGEST_SUBSTEP - 1) / LONGEST_SUBSTEP;
+        let substeps = (period + MAX_SUBSTEP - 1) / MAX_SUBSTEP;
         for substep in 1..=substeps {
             let (before, now) = (self.now, Stamp::from_nanoseconds(start + period * substep / substeps));
             self.push(before..now);
-            self.roll(wanted, slip, now);
+            self.roll(desired, slip, now);
             self.measure(before);
         }
-        Sensed {
+        SensorOutput {
             stamp: self.now,
             rims: self.rims(),
             headings: arrived(&mut self.headings, self.now),
@@ -164,14 +164,16 @@ impl World {
     }
 
     /// Moves everything on until `end`.
-    fn roll(&mut self, wanted: Wheels<f64>, slip: Wheels<f64>, end: Stamp) {
+    fn roll(&mut self, desired: WheelPair<f64>, slip: WheelPair<f64>, end: Stamp) {
         let motor = &self.model.motor;
         let time = (end.nanoseconds() - self.now.nanoseconds()) as f64 / 1e9;
-        let right = self.wheels.right.turn(motor, wanted.right, time) * slip.right;
-        let left = self.wheels.left.turn(motor, wanted.left, time) * slip.left;
-        let motion =
-            self.model.drive.motion_from_travel(self.model.drive.rims_from_turns(Wheels::new(right, left)));
-        self.pose = self.pose.moved(motion, Integration::Arc);
+        let right = self.wheels.right.turn(motor, desired.right, time) * slip.right;
+        let left = self.wheels.left.turn(motor, desired.left, time) * slip.left;
+        let motion = self
+            .model
+            .drive
+            .motion_from_travel(self.model.drive.wheel_travel_from_angle(WheelPair::new(right, left)));
+        self.pose = self.pose.integrate(motion, Integration::Arc);
         self.twist = Twist::new(motion.length / time, motion.turn / time);
         self.now = end;
     }
@@ -181,7 +183,7 @@ impl World {
         if let Some((compass, timing)) = &self.model.compass
             && let Some(disturbance) = self.due(Sensor::Compass, timing, before)
         {
-            let read = compass.read(self.pose.heading, &mut self.compass).turned(disturbance.offset);
+            let read = compass.read(self.pose.heading, &mut self.compass).rotated_by(disturbance.offset);
             send(&mut self.headings, read, self.now, timing, &disturbance);
         }
         if let Some((laser, timing)) = &self.model.laser
@@ -200,27 +202,27 @@ impl World {
         let count = |at: Stamp| at.nanoseconds() / nanoseconds(timing.period);
         (count(self.now) > count(before))
             .then(|| disturbance(&self.model.faults, sensor, self.now))
-            .filter(|disturbance| !disturbance.silent)
+            .filter(|disturbance| !disturbance.dropout)
     }
 
     /// How far the rims rolled by the encoders since this was last asked.
-    fn rims(&mut self) -> Wheels<f64> {
+    fn rims(&mut self) -> WheelPair<f64> {
         let motor = &self.model.motor;
-        let counted = Wheels::new(self.wheels.right.counted(motor), self.wheels.left.counted(motor));
-        let turned = Wheels::new(counted.right - self.counted.right, counted.left - self.counted.left);
+        let counted = WheelPair::new(self.wheels.right.counted(motor), self.wheels.left.counted(motor));
+        let turned = WheelPair::new(counted.right - self.counted.right, counted.left - self.counted.left);
         self.counted = counted;
         let disturbance = disturbance(&self.model.faults, Sensor::Encoders, self.now);
-        let factor = if disturbance.silent { 0.0 } else { 1.0 + disturbance.offset };
-        self.model.drive.rims_from_turns(turned).scaled(factor)
+        let factor = if disturbance.dropout { 0.0 } else { 1.0 + disturbance.offset };
+        self.model.drive.wheel_travel_from_angle(turned).scaled(factor)
     }
 
     /// Puts the robot elsewhere where somebody does so in this time.
     fn push(&mut self, time: Range<Stamp>) {
         for fault in &self.model.faults {
-            if let Kind::Pushed([x, y, turn]) = fault.kind
+            if let FaultKind::Displaced([x, y, turn]) = fault.kind
                 && time.contains(&fault.during.start)
             {
-                let heading = self.pose.heading.turned(turn);
+                let heading = self.pose.heading.rotated_by(turn);
                 self.pose = Pose::new(self.pose.x + x, self.pose.y + y, heading);
             }
         }
@@ -234,7 +236,7 @@ fn nanoseconds(seconds: f64) -> i64 {
 
 fn send<T>(under_way: &mut UnderWay<T>, value: T, now: Stamp, timing: &Timing, disturbance: &Disturbance) {
     let arrival = now.after(timing.latency.max(0.0));
-    under_way.push((arrival, Stamped::new(now.after(-disturbance.backdated), value)));
+    under_way.push((arrival, Stamped::new(now.after(-disturbance.stamp_offset), value)));
 }
 
 fn arrived<T>(under_way: &mut UnderWay<T>, now: Stamp) -> Vec<Stamped<T>> {

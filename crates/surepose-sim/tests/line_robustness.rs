@@ -5,8 +5,8 @@
 mod common;
 
 use common::{NEES_BAND, at, error, lines, range_finder, wall};
-use surepose::{Angle, LineExtractor, Map, Point, Pose, RangeFinder, Scan, ScanRefusal};
-use surepose_sim::{Clutter, LaserModel, Seed, Segment};
+use surepose::{Angle, LineExtractor, Map, Point, Pose, RangeFinder, Scan, ScanError};
+use surepose_sim::{Clutter, LaserModel, Seed, WallSegment};
 
 /// Cutting clutter off at a gate leaves the wall several standard errors short in the mean; the mixture does not.
 #[test]
@@ -58,9 +58,9 @@ fn legs_are_no_walls() {
 }
 
 /// The sides of a polygon round `centre`, too many to be told from a circle.
-fn round(centre: Point<Map, f64>, radius: f64) -> Vec<Segment> {
+fn round(centre: Point<Map, f64>, radius: f64) -> Vec<WallSegment> {
     let corner = |k: u32| at(centre.x, centre.y, 15.0 * f64::from(k)) * Point::new(radius, 0.0);
-    (0..24).map(|k| Segment { start: corner(k), end: corner(k + 1) }).collect()
+    (0..24).map(|k| WallSegment { start: corner(k), end: corner(k + 1) }).collect()
 }
 
 /// Some lasers report what did not come back as their greatest range or as zero, and a window lets a whole sector through.
@@ -97,23 +97,23 @@ fn hostile_scans_are_refused_or_read_without_harm() {
     let laser = range_finder(&LaserModel::half_circle(181));
     let mut extractor = LineExtractor::<f64, 8>::new();
     let scan = |first: f64, step: f64, ranges: &'static [f64]| Scan {
-        first_bearing: Angle::wrapped(first),
-        bearing_step: step,
+        angle_min: Angle::from_radians(first),
+        angle_increment: step,
         ranges,
     };
     let mut refusal = |laser: &RangeFinder<f64>, scan: Scan<'_, f64>| extractor.extract(laser, &scan).err();
     for (first, step) in [(f64::NAN, 0.1), (0.0, 0.0), (0.0, f64::INFINITY), (0.0, f64::NAN), (0.0, 2.0)] {
-        assert_eq!(refusal(&laser, scan(first, step, &[1.0; 4])), Some(ScanRefusal::BadBearings));
+        assert_eq!(refusal(&laser, scan(first, step, &[1.0; 4])), Some(ScanError::InvalidAngles));
     }
-    assert_eq!(refusal(&laser, scan(0.0, 0.01, &[1.0; 9])), Some(ScanRefusal::TooManyBeams));
+    assert_eq!(refusal(&laser, scan(0.0, 0.01, &[1.0; 9])), Some(ScanError::TooManyBeams));
     for bad in [
         RangeFinder { range_std: 0.0, ..laser },
         RangeFinder { bearing_std: f64::NAN, ..laser },
-        RangeFinder { nearest: -1.0, ..laser },
-        RangeFinder { farthest: 0.0, ..laser },
+        RangeFinder { range_min: -1.0, ..laser },
+        RangeFinder { range_max: 0.0, ..laser },
         RangeFinder { body_from_laser: Pose::new(f64::NAN, 0.0, Angle::zero()), ..laser },
     ] {
-        assert_eq!(refusal(&bad, scan(0.0, 0.01, &[1.0; 4])), Some(ScanRefusal::BadLaser));
+        assert_eq!(refusal(&bad, scan(0.0, 0.01, &[1.0; 4])), Some(ScanError::InvalidLaser));
     }
     let nothing: &[f64] = &[f64::NAN, f64::INFINITY, -1.0, 0.0, f64::NEG_INFINITY, 1e300, 1e-300, f64::NAN];
     for ranges in [&[], nothing, &[1.0; 8]] {
@@ -131,13 +131,13 @@ fn noise_is_no_wall_and_harms_nothing() {
         body_from_laser: Pose::identity(),
         range_std: 0.03,
         bearing_std: 0.0044,
-        nearest: 0.0,
-        farthest: 1e4,
+        range_min: 0.0,
+        range_max: 1e4,
     };
     for round in 0..300 {
         let scale = 10_f64.powi(round % 9 - 4);
         let ranges: Vec<f32> = (0..361).map(|_| (noise.uniform(-0.1, 1.0) * scale) as f32).collect();
-        let scan = Scan { first_bearing: Angle::wrapped(-1.5), bearing_step: 0.0087, ranges: &ranges };
+        let scan = Scan { angle_min: Angle::from_radians(-1.5), angle_increment: 0.0087, ranges: &ranges };
         for line in extractor.extract(&laser, &scan).unwrap().lines {
             let (v, w, c) = (line.distance_variance, line.direction_variance, line.covariance);
             assert!(v.is_finite() && w.is_finite() && v > 0.0 && w > 0.0 && c * c < v * w, "{line:?}");

@@ -4,16 +4,16 @@
 
 mod common;
 
-use common::{NEES_BAND, Place, at, error, lines, range_finder, wall};
+use common::{MapPose, NEES_BAND, at, error, lines, range_finder, wall};
 use surepose::{
-    Angle, Belief, Drive, Ekf, Fate, Integration, LineExtractor, Matcher, Point, Pose, RangeFinder, Scan,
-    Wall,
+    Angle, Association, Belief, DiffDrive, Ekf, Integration, LineAssociator, LineExtractor, Point, Pose,
+    RangeFinder, Scan, Wall,
 };
-use surepose_sim::{Arena, LaserModel, Seed, Segment};
+use surepose_sim::{Arena, LaserModel, Seed, WallSegment};
 
 /// Mean normalised squared error over many scans of one wall, which is χ² with 2 degrees of freedom each, and the mean
 /// error in standard errors of that mean.
-fn statistics(laser: &LaserModel, place: Place, segment: Segment, wall: &Wall<f64>) -> (f64, [f64; 2]) {
+fn statistics(laser: &LaserModel, place: MapPose, segment: WallSegment, wall: &Wall<f64>) -> (f64, [f64; 2]) {
     let runs = 2000;
     let mut noise = Seed(17).stream("laser");
     let (mut nees, mut bias, mut square, mut count) = (0.0, [0.0; 2], [0.0; 2], 0.0);
@@ -56,7 +56,7 @@ fn mounting_field_of_view_and_beam_order_make_no_difference() {
     for (name, laser, place) in [
         (
             "clockwise",
-            LaserModel { first_bearing: 1.6, bearing_step: -base.bearing_step, ..base },
+            LaserModel { angle_min: 1.6, angle_increment: -base.angle_increment, ..base },
             at(1.0, 0.5, 60.0),
         ),
         (
@@ -66,7 +66,7 @@ fn mounting_field_of_view_and_beam_order_make_no_difference() {
         ),
         (
             "whole circle, its seam on the wall",
-            LaserModel { first_bearing: 0.0, bearing_step: 2.0 * base.bearing_step, ..base },
+            LaserModel { angle_min: 0.0, angle_increment: 2.0 * base.angle_increment, ..base },
             at(2.0, 0.5, 80.0),
         ),
     ] {
@@ -95,7 +95,7 @@ fn lost_beams_and_a_closed_room() {
 fn a_wall_seen_in_two_pieces_is_one_line() {
     let laser = LaserModel::half_circle(361);
     let (back, plate) =
-        (Segment::between((3.0, -3.0), (3.0, 3.0)), Segment::between((2.0, -0.4), (2.0, 0.4)));
+        (WallSegment::between((3.0, -3.0), (3.0, 3.0)), WallSegment::between((2.0, -0.4), (2.0, 0.4)));
     let mut noise = Seed(5).stream("laser");
     for _ in 0..50 {
         let scan = laser.scan(&[back, plate], at(0.0, 0.0, 0.0), &mut noise);
@@ -111,7 +111,7 @@ fn a_wall_seen_in_two_pieces_is_one_line() {
 fn a_plate_takes_no_beams_from_the_wall_behind_it() {
     let laser = LaserModel::half_circle(181);
     let place = at(1.5, 1.9, -90.0);
-    let (floor, plate) = (Segment::between((0.0, 0.0), (6.0, 0.0)), ((5.2, 0.6), (5.2, 1.6)));
+    let (floor, plate) = (WallSegment::between((0.0, 0.0), (6.0, 0.0)), ((5.2, 0.6), (5.2, 1.6)));
     let (plate, wall) = wall(plate.0, plate.1);
     let mut noise = Seed(6).stream("laser");
     let (mut nees, mut count) = (0.0, 0.0);
@@ -138,8 +138,8 @@ fn single_precision_sees_the_same_walls() {
         body_from_laser: Pose::identity(),
         range_std: wide.range_std as f32,
         bearing_std: wide.bearing_std as f32,
-        nearest: 0.0,
-        farthest: 8.0,
+        range_min: 0.0,
+        range_max: 8.0,
     };
     let mut extractor = Box::<LineExtractor<f32, 361>>::default();
     let (mut same, mut all) = (0, 0);
@@ -148,8 +148,8 @@ fn single_precision_sees_the_same_walls() {
         let scan = model.scan(Arena::loop_world().walls(), place, &mut noise);
         let ranges: Vec<f32> = scan.ranges.iter().map(|range| *range as f32).collect();
         let single = Scan {
-            first_bearing: Angle::wrapped(scan.first_bearing as f32),
-            bearing_step: scan.bearing_step as f32,
+            angle_min: Angle::from_radians(scan.angle_min as f32),
+            angle_increment: scan.angle_increment as f32,
             ranges: &ranges,
         };
         let seen = extractor.extract(&narrow, &single).unwrap().lines;
@@ -165,25 +165,30 @@ fn single_precision_sees_the_same_walls() {
 }
 
 fn ekf() -> Ekf<f64> {
-    Ekf { drive: Drive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc }
+    Ekf { drive: DiffDrive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc }
 }
 
 fn numbers(
-    place: Place,
+    place: MapPose,
     std: [f64; 3],
     laser: &LaserModel,
-    world: &[Segment],
+    world: &[WallSegment],
     map: &[Wall<f64>],
 ) -> Vec<Option<usize>> {
     let scan = laser.scan(world, place, &mut Seed(4).stream("laser"));
     let lines = lines(laser, &scan);
-    let matched =
-        Matcher::default().matched(&ekf(), &Belief::new(place, std), &laser.body_from_laser, &lines, map);
-    let number = |fate: &Fate<f64>| match fate {
-        Fate::Wall { number, .. } => Some(*number),
+    let associations = LineAssociator::default().associate(
+        &ekf(),
+        &Belief::new(place, std),
+        &laser.body_from_laser,
+        &lines,
+        map,
+    );
+    let number = |association: &Association<f64>| match association {
+        Association::Wall { number, .. } => Some(*number),
         _ => None,
     };
-    matched.fates().iter().map(number).collect()
+    associations.as_slice().iter().map(number).collect()
 }
 
 #[test]
@@ -199,7 +204,7 @@ fn plates_are_matched_from_both_sides_and_only_where_they_are() {
 
 /// A recess of 10 cm beside a wall, and a belief that is off by more than that: the corner's other wall settles it.
 #[test]
-fn close_parallel_walls_are_told_apart_by_their_neighbours_or_not_at_all() {
+fn close_parallel_walls_are_disambiguated_by_neighbors() {
     let laser = LaserModel::half_circle(361);
     let (front_segment, front) = wall((2.0, -1.0), (2.0, 1.0));
     let recess = Wall::between(Point::new(2.1, -1.0), Point::new(2.1, 1.0)).unwrap();

@@ -5,10 +5,10 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use surepose::closed_loop::{Controller, Progress};
+use surepose::closed_loop::{Controller, ControllerState};
 use surepose::{
-    Angle, Belief, Compass, Direction, Drive, Ekf, Gate, Goal, Integration, Limits, Line, Map, Memory,
-    Navigation, Pose, Tolerance, WallSighting, Wheels,
+    Angle, Belief, DiffDrive, Direction, Ekf, Gate, Goal, HeadingMeasurement, HybridState, Integration,
+    Limits, Line, LineMeasurement, Map, NavigationVariables, Pose, Tolerance, WheelPair,
 };
 
 fn main() -> ExitCode {
@@ -50,9 +50,9 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let drive = Drive::new(0.05, 0.6);
+        let drive = DiffDrive::new(0.05, 0.6);
         let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
-        let tolerance = Tolerance { position: 0.01, heading: 0.017, hold: 1.0, release: 1.5 };
+        let tolerance = Tolerance { position: 0.01, heading: 0.017, dwell: 1.0, hysteresis: 1.5 };
         let quarter = |k: f64| Angle::from_degrees(90.0 * k);
         Self {
             ekf: Ekf { drive, delta: 0.0025, integration: Integration::Arc },
@@ -68,34 +68,37 @@ impl Bench {
         }
     }
 
-    fn sighting(&self, k: usize) -> WallSighting<f64> {
+    fn sighting(&self, k: usize) -> LineMeasurement<f64> {
         let wall = self.walls[k];
         let seen = self.belief.pose.inverse() * wall;
-        WallSighting { wall, seen, distance_variance: 1e-5, direction_variance: 1e-5, covariance: 1e-6 }
+        LineMeasurement { wall, seen, distance_variance: 1e-5, direction_variance: 1e-5, covariance: 1e-6 }
     }
 
-    fn rims(k: u32) -> Wheels<f64> {
+    fn rims(k: u32) -> WheelPair<f64> {
         let swing = f64::from(k % 16) * 1e-4;
-        Wheels::new(0.02 + swing, 0.02 - swing)
+        WheelPair::new(0.02 + swing, 0.02 - swing)
     }
 }
 
 #[inline(never)]
 fn law(bench: &Bench, k: u32) {
     let angle = f64::from(k % 64) * 0.1 - 3.1;
-    let navigation =
-        Navigation { rho: 1.0 + angle * 0.2, alpha: Angle::wrapped(angle), phi: Angle::wrapped(angle * 0.7) };
-    black_box(bench.controller.law.decide(black_box(&navigation), Memory::fresh()));
+    let navigation = NavigationVariables {
+        rho: 1.0 + angle * 0.2,
+        alpha: Angle::from_radians(angle),
+        phi: Angle::from_radians(angle * 0.7),
+    };
+    black_box(bench.controller.law.compute(black_box(&navigation), HybridState::new()));
 }
 
 #[inline(never)]
 fn predict(bench: &Bench, k: u32) {
-    black_box(bench.ekf.predict(black_box(bench.belief), bench.ekf.travel(Bench::rims(k))));
+    black_box(bench.ekf.predict(black_box(bench.belief), bench.ekf.wheel_odometry(Bench::rims(k))));
 }
 
 #[inline(never)]
 fn compass(bench: &Bench, _: u32) {
-    let compass = black_box(Compass { heading: Angle::from_degrees(20.1), std: 0.002 });
+    let compass = black_box(HeadingMeasurement { heading: Angle::from_degrees(20.1), std: 0.002 });
     let belief = black_box(bench.belief);
     black_box(bench.ekf.correct(belief, &compass.innovation(&belief), bench.gate.threshold(1)));
 }
@@ -109,8 +112,8 @@ fn wall(bench: &Bench, _: u32) {
 /// Prediction, compass and four walls, each gated: the cycle of the paper's Fig. 4.
 #[inline(never)]
 fn cycle(bench: &Bench, k: u32) {
-    let mut belief = bench.ekf.predict(black_box(bench.belief), bench.ekf.travel(Bench::rims(k)));
-    let compass = black_box(Compass { heading: Angle::from_degrees(20.1), std: 0.002 });
+    let mut belief = bench.ekf.predict(black_box(bench.belief), bench.ekf.wheel_odometry(Bench::rims(k)));
+    let compass = black_box(HeadingMeasurement { heading: Angle::from_degrees(20.1), std: 0.002 });
     belief = bench.ekf.correct(belief, &compass.innovation(&belief), bench.gate.threshold(1)).belief;
     for wall in black_box(seen()) {
         belief = bench.ekf.correct(belief, &wall.innovation(&belief), bench.gate.threshold(2)).belief;
@@ -122,12 +125,12 @@ fn cycle(bench: &Bench, k: u32) {
 #[inline(never)]
 fn step(bench: &Bench, k: u32) {
     let goal: Pose<Map, Goal, f64> = Pose::new(2.0, 2.0, Angle::from_degrees(f64::from(k % 90)));
-    black_box(bench.controller.step(black_box(Progress::fresh()), bench.belief.pose, black_box(goal)));
+    black_box(bench.controller.step(black_box(ControllerState::new()), bench.belief.pose, black_box(goal)));
 }
 
 /// The four walls as seen from the belief, made once.
-fn seen() -> &'static [WallSighting<f64>; 4] {
-    static SEEN: std::sync::OnceLock<[WallSighting<f64>; 4]> = std::sync::OnceLock::new();
+fn seen() -> &'static [LineMeasurement<f64>; 4] {
+    static SEEN: std::sync::OnceLock<[LineMeasurement<f64>; 4]> = std::sync::OnceLock::new();
     SEEN.get_or_init(|| {
         let bench = Bench::new();
         core::array::from_fn(|k| bench.sighting(k))

@@ -22,11 +22,11 @@ pub struct Angle<S>(S);
 impl<S: Scalar> Angle<S> {
     /// The angle of `radians`, wrapped to (−π, π].
     #[inline(always)]
-    pub fn wrapped(radians: S) -> Self {
-        let (pi, tau) = (S::of(PI), S::of(TAU));
-        let near = radians - tau * (radians * S::of(1.0 / TAU)).round();
+    pub fn from_radians(radians: S) -> Self {
+        let (pi, tau) = (S::from_f64(PI), S::from_f64(TAU));
+        let near = radians - tau * (radians * S::from_f64(1.0 / TAU)).round();
         // Rounding may leave the remainder one ulp outside; −π itself is represented by π. NaN stays NaN: a made-up
-        // angle could not be refused.
+        // angle could not be rejected.
         let inside = near.clamp(-pi, pi);
         Self(S::select(inside.gt(-pi), inside, inside.abs()))
     }
@@ -35,19 +35,19 @@ impl<S: Scalar> Angle<S> {
     ///
     /// Nothing checks that they are in (−π, π].
     #[inline(always)]
-    pub fn from_wrapped(radians: S) -> Self {
+    pub fn from_radians_unchecked(radians: S) -> Self {
         Self(radians)
     }
 
     /// The angle of `degrees`, wrapped: for the edge of the system only.
     #[inline(always)]
     pub fn from_degrees(degrees: S) -> Self {
-        Self::wrapped(degrees * S::of(PI / 180.0))
+        Self::from_radians(degrees * S::from_f64(PI / 180.0))
     }
 
     /// The direction of the vector (`x`, `y`); 0 for the null vector.
     #[inline(always)]
-    pub fn of_vector(x: S, y: S) -> Self {
+    pub fn from_vector(x: S, y: S) -> Self {
         Self(y.atan2(x))
     }
 
@@ -61,21 +61,21 @@ impl<S: Scalar> Angle<S> {
     /// No turn at all.
     #[inline(always)]
     pub fn zero() -> Self {
-        Self(S::of(0.0))
+        Self(S::from_f64(0.0))
     }
 
     /// Half a turn, π.
     #[inline(always)]
     pub fn half_turn() -> Self {
-        Self(S::of(PI))
+        Self(S::from_f64(PI))
     }
 
     /// This angle turned by half a turn, for which no wrap is needed.
     #[must_use]
     #[inline(always)]
     pub fn opposite(self) -> Self {
-        let half = S::of(PI);
-        Self(S::select(self.0.gt(S::of(0.0)), self.0 - half, self.0 + half))
+        let half = S::from_f64(PI);
+        Self(S::select(self.0.gt(S::from_f64(0.0)), self.0 - half, self.0 + half))
     }
 
     /// The value in (−π, π] \[rad].
@@ -87,7 +87,7 @@ impl<S: Scalar> Angle<S> {
     /// The value in (−180, 180] \[°], for the edge of the system only.
     #[inline(always)]
     pub fn degrees(self) -> S {
-        self.0 * S::of(180.0 / PI)
+        self.0 * S::from_f64(180.0 / PI)
     }
 
     /// Sine and cosine.
@@ -99,15 +99,15 @@ impl<S: Scalar> Angle<S> {
     /// This angle turned by `radians`, which may be any size.
     #[must_use]
     #[inline(always)]
-    pub fn turned(self, radians: S) -> Self {
-        Self::wrapped(self.0 + radians)
+    pub fn rotated_by(self, radians: S) -> Self {
+        Self::from_radians(self.0 + radians)
     }
 
     /// This angle turned by less than a whole turn, as by the motion of one period.
     #[must_use]
     #[inline(always)]
-    pub fn nudged(self, radians: S) -> Self {
-        Self((self.0 + radians).wrapped_sum())
+    pub fn rotated_by_small(self, radians: S) -> Self {
+        Self((self.0 + radians).wrap_once())
     }
 }
 
@@ -115,7 +115,7 @@ impl<S: Scalar> Add for Angle<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self((self.0 + other.0).wrapped_sum())
+        Self((self.0 + other.0).wrap_once())
     }
 }
 
@@ -123,7 +123,7 @@ impl<S: Scalar> Sub for Angle<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self((self.0 - other.0).wrapped_sum())
+        Self((self.0 - other.0).wrap_once())
     }
 }
 
@@ -131,6 +131,6 @@ impl<S: Scalar> Neg for Angle<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self::wrapped(-self.0)
+        Self::from_radians(-self.0)
     }
 }

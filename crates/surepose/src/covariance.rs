@@ -19,15 +19,15 @@ pub struct Covariance<S, const N: usize> {
 
 /// The matrix is not symmetric positive semi-definite, or not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NotACovariance;
+pub struct InvalidCovariance;
 
-impl core::fmt::Display for NotACovariance {
+impl core::fmt::Display for InvalidCovariance {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str("the matrix is not a covariance: it must be finite, symmetric and positive semi-definite")
     }
 }
 
-impl core::error::Error for NotACovariance {}
+impl core::error::Error for InvalidCovariance {}
 
 /// What one scalar observation does: [Tran2012] Eq. (16) and (18) for a single row of H.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
     /// Independent errors with these variances, none of them negative.
     #[inline(always)]
     pub fn from_variances(variances: [S; N]) -> Self {
-        Self { upper: [[S::of(0.0); N]; N], diagonal: variances.map(|v| v.max(S::of(0.0))) }
+        Self { upper: [[S::from_f64(0.0); N]; N], diagonal: variances.map(|v| v.max(S::from_f64(0.0))) }
     }
 
     /// Independent errors with these standard deviations.
@@ -63,7 +63,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
     /// The entry in `row` and `column` of the matrix itself.
     #[inline(always)]
     pub fn entry(&self, row: usize, column: usize) -> S {
-        let mut sum = S::of(0.0);
+        let mut sum = S::from_f64(0.0);
         for k in row.max(column)..N {
             sum = sum + self.u(row, k) * self.diagonal[k] * self.u(column, k);
         }
@@ -107,12 +107,12 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
     pub fn mahalanobis_squared(&self, error: [S; N]) -> S {
         // With e = U y, the length is Σ yᵢ²/dᵢ; U is solved from the last row up.
         let mut y = error;
-        let mut sum = S::of(0.0);
+        let mut sum = S::from_f64(0.0);
         for j in (0..N).rev() {
             for i in 0..j {
                 y[i] = y[i] - self.upper[i][j] * y[j];
             }
-            sum = sum + y[j].squared().over_positive(self.diagonal[j]);
+            sum = sum + y[j].squared().div_or_zero(self.diagonal[j]);
         }
         sum
     }
@@ -136,7 +136,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
             }
         }
         const { assert!(N <= 3, "a pose has three components") };
-        let zeros = Self { upper: [[S::of(0.0); N]; N], diagonal: [S::of(0.0); N] };
+        let zeros = Self { upper: [[S::from_f64(0.0); N]; N], diagonal: [S::from_f64(0.0); N] };
         let mut rows = Rows { au, w: w.0, weights: self.diagonal, noise, result: zeros };
         // Written out: a loop that is left inside another keeps the compiler from making vectors of the outer one.
         if N > 2 {
@@ -158,7 +158,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
     #[inline(always)]
     pub fn observed(&self, row: [S; N], variance: S) -> Observation<S, N> {
         let mut result = *self;
-        let mut gain = [S::of(0.0); N];
+        let mut gain = [S::from_f64(0.0); N];
         let mut total = variance;
         for j in 0..N {
             let mut f = row[j];
@@ -177,7 +177,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
                 gain[i] = gain[i] + u * v;
             }
         }
-        let share = S::of(1.0) / total;
+        let share = S::from_f64(1.0) / total;
         for component in &mut gain {
             *component = *component * share;
         }
@@ -200,7 +200,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
 
     #[inline(always)]
     fn u(&self, row: usize, column: usize) -> S {
-        if row == column { S::of(1.0) } else { self.upper[row][column] }
+        if row == column { S::from_f64(1.0) } else { self.upper[row][column] }
     }
 }
 
@@ -208,23 +208,23 @@ impl<S: Float, const N: usize> Covariance<S, N> {
     /// The factors of `matrix`, of which only the upper triangle is read.
     ///
     /// # Errors
-    /// [`NotACovariance`] where it is not finite or has a negative eigenvalue beyond rounding.
-    pub fn from_matrix(matrix: &Matrix<S, N, N>) -> Result<Self, NotACovariance> {
+    /// [`InvalidCovariance`] where it is not finite or has a negative eigenvalue beyond rounding.
+    pub fn from_matrix(matrix: &Matrix<S, N, N>) -> Result<Self, InvalidCovariance> {
         let mut rest = matrix.0;
-        let mut result = Self::from_variances([S::of(0.0); N]);
-        let scale = (0..N).fold(S::of(0.0), |largest, i| largest.max(rest[i][i]));
-        let rounding = scale * S::EPSILON * S::of(16.0);
+        let mut result = Self::from_variances([S::from_f64(0.0); N]);
+        let scale = (0..N).fold(S::from_f64(0.0), |largest, i| largest.max(rest[i][i]));
+        let rounding = scale * S::EPSILON * S::from_f64(16.0);
         for j in (0..N).rev() {
             let d = rest[j][j];
             if !d.is_finite() || d < -rounding {
-                return Err(NotACovariance);
+                return Err(InvalidCovariance);
             }
-            result.diagonal[j] = d.max(S::of(0.0));
+            result.diagonal[j] = d.max(S::from_f64(0.0));
             for i in 0..j {
                 if !rest[i][j].is_finite() || (d <= rounding && rest[i][j].abs() > rounding) {
-                    return Err(NotACovariance);
+                    return Err(InvalidCovariance);
                 }
-                result.upper[i][j] = if d > rounding { rest[i][j] / d } else { S::of(0.0) };
+                result.upper[i][j] = if d > rounding { rest[i][j] / d } else { S::from_f64(0.0) };
             }
             for i in 0..j {
                 for k in i..j {
@@ -239,7 +239,7 @@ impl<S: Float, const N: usize> Covariance<S, N> {
     pub fn is_valid(&self) -> bool {
         (0..N).all(|i| {
             self.diagonal[i].is_finite()
-                && self.diagonal[i] >= S::of(0.0)
+                && self.diagonal[i] >= S::from_f64(0.0)
                 && (i + 1..N).all(|j| self.upper[i][j].is_finite())
         })
     }
@@ -259,9 +259,9 @@ impl<S: Scalar, const N: usize, const M: usize> Rows<S, N, M> {
     #[inline(always)]
     fn make_orthogonal(&mut self, j: usize) {
         let Self { au, w, weights, noise, result } = self;
-        let mut weighted = [S::of(0.0); N];
-        let mut weighted_noise = [S::of(0.0); M];
-        let mut sum = S::of(0.0);
+        let mut weighted = [S::from_f64(0.0); N];
+        let mut weighted_noise = [S::from_f64(0.0); M];
+        let mut sum = S::from_f64(0.0);
         for k in 0..N {
             weighted[k] = au[j][k] * weights[k];
             sum = sum + weighted[k] * au[j][k];
@@ -271,9 +271,9 @@ impl<S: Scalar, const N: usize, const M: usize> Rows<S, N, M> {
             sum = sum + weighted_noise[k] * w[j][k];
         }
         result.diagonal[j] = sum;
-        let share = S::of(1.0).over_positive(sum);
+        let share = S::from_f64(1.0).div_or_zero(sum);
         for i in 0..j {
-            let mut dot = S::of(0.0);
+            let mut dot = S::from_f64(0.0);
             for k in 0..N {
                 dot = dot + au[i][k] * weighted[k];
             }

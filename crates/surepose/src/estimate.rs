@@ -1,18 +1,19 @@
 //! Where am I? Odometry predicts; each measurement is gated, then corrects: [Tran2012] Sec. 3.
 
+mod delayed_ekf;
 mod ekf;
-mod estimator;
 mod gate;
 mod history;
 mod measurement;
 mod outcome;
 mod time;
 
-pub use ekf::{Belief, Correction, Ekf, Travel};
-pub use estimator::Estimator;
+pub use delayed_ekf::DelayedEkf;
+pub use ekf::{Belief, Correction, Ekf, WheelOdometry};
 pub use gate::Gate;
 pub use measurement::{
-    Compass, Innovation, LandmarkSighting, Measurement, PoseFix, PositionFix, WallSighting,
+    HeadingMeasurement, Innovation, LineMeasurement, Measurement, PoseMeasurement, PositionMeasurement,
+    RangeBearingMeasurement,
 };
-pub use outcome::{Outcome, Refusal, Tally};
+pub use outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
 pub use time::{Stamp, Stamped};

@@ -1,23 +1,23 @@
 //! Laser scan → wall lines → matched walls.
 //!
-//! [`LineExtractor`] turns a [`Scan`] into [`SeenLine`]s without a map and without knowing the pose:
+//! [`LineExtractor`] turns a [`Scan`] into [`ExtractedLine`]s without a map and without knowing the pose:
 //!
 //! 1. *beams*: what did not come back, or came from outside the laser's reach, is left out;
 //! 2. *segments*: seven beams that agree on a line start one, beam after beam joins it as long as the χ² test of
 //!    its own variance says so, a few that do not fit are stepped over;
-//! 3. *join*: segments of one line are one wall, seen in pieces; beams left between them are offered to every wall;
+//! 3. *join*: segments of one line are one wall, seen in several runs; beams left between them are offered to every wall;
 //! 4. *boundaries*: a beam next to an edge or so near a corner that it may belong to either wall belongs to none;
 //! 5. *fit*: maximum likelihood with the full covariance; where things stand before the walls, likelihood of the
 //!    mixture of both.
 //!
-//! [`Matcher`] then finds which wall of the map each line is: inside a χ² gate, one to one, where the wall really is.
+//! [`LineAssociator`] then finds which wall of the map each line is: inside a χ² gate, one to one, where the wall really is.
 //!
-//! [`Aligner`] lays a scan on the walls of a map beam by beam, where rooms are so full that few walls are long enough to be
+//! [`ScanMatcher`] lays a scan on the walls of a map beam by beam, where rooms are so full that few walls are long enough to be
 //! found without one.
 //!
-//! [`Rays`] asks where the first wall in the way of each beam is, and what the beams together say of the pose.
+//! [`BeamModelMatcher`] asks where the first wall in the way of each beam is, and what the beams together say of the pose.
 //!
-//! [`Eye`] is the whole way from a scan to what the filter is told, by lines, by beams or by rays.
+//! [`ScanProcessor`] is the whole way from a scan to the measurements of the filter, by lines, by scan matching or by the beam model.
 //!
 //! # The coordinates
 //! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
@@ -26,35 +26,35 @@
 //! With range noise σ_r and bearing noise σ_φ the variance of the inverse range is u⁴σ_r² + u′²σ_φ²: the same as
 //! the perpendicular residual ρ·cos(φ−ψ) − r with its variance cos²(φ−ψ)·σ_r² + ρ²·sin²(φ−ψ)·σ_φ², divided by r·ρ.
 
-mod agreement;
-mod align;
 mod beam;
+mod beam_model_matcher;
+mod beam_stats;
+mod beam_subset;
 mod boundary;
-mod evidence;
-mod extract;
-mod eye;
 mod fit;
-mod glance;
+mod fixed_vec;
 mod grow;
-mod join;
-mod list;
-mod matching;
-mod pull;
-mod ray_line;
-mod rays;
+mod inverse_range_line;
+mod line_associator;
+mod line_extractor;
+mod line_normal_equations;
+mod merge;
+mod missed_returns;
+mod pose_normal_equations;
 mod scan;
+mod scan_matcher;
+mod scan_processor;
 mod segment;
-mod silence;
 mod wall;
 
-pub use agreement::Agreement;
-pub use align::{Aligned, Aligner, AlignerMemory, Alignment};
-pub use extract::{Extracted, LineExtractor, MOST_LINES, RefusedLines, SeenLine};
-pub use eye::{Eye, Recognition, Seen};
-pub use glance::Glance;
-pub use matching::{Fate, Matched, Matcher};
-pub(crate) use pull::Pull;
-pub use rays::Rays;
-pub use scan::{RangeFinder, Scan, ScanRefusal};
-pub use silence::Silence;
-pub use wall::{NotAWall, Wall};
+pub use beam_model_matcher::BeamModelMatcher;
+pub use beam_stats::BeamStats;
+pub use beam_subset::BeamSubset;
+pub use line_associator::{Association, Associations, LineAssociator};
+pub use line_extractor::{ExtractedLine, LineExtraction, LineExtractor, MAX_LINES, RejectedLines};
+pub use missed_returns::MissedReturns;
+pub(crate) use pose_normal_equations::PoseNormalEquations;
+pub use scan::{RangeFinder, Scan, ScanError};
+pub use scan_matcher::{ScanMatch, ScanMatchResult, ScanMatcher, ScanMatcherWorkspace};
+pub use scan_processor::{ScanModel, ScanObservation, ScanProcessor};
+pub use wall::{InvalidWall, Wall};

@@ -1,43 +1,43 @@
 //! How should I move? The control laws of [Tran2012] Sec. 4, each with its Lyapunov function beside it.
 
-mod arrival;
+mod active_mode;
 mod braking;
-mod commitment;
-mod engaged;
-mod facing;
-mod follow;
+mod deadband;
+mod directed_error;
 mod gains;
 mod global;
+mod goal_checker;
 mod hybrid;
+mod hysteresis;
 mod local;
-mod paper;
-mod rest;
+mod path_following;
+mod tran2012;
 
-use crate::navigation::Navigation;
+use crate::navigation::NavigationVariables;
 use crate::scalar::Scalar;
 
-pub use arrival::{Arrival, Phase, Tolerance};
-pub use braking::Braking;
-pub use commitment::{Direction, Memory};
-pub use engaged::Engaged;
-pub use facing::Facing;
-pub use follow::{FollowLaw, Following, Offset};
-pub use gains::{Actuation, Gains};
+pub use active_mode::ActiveMode;
+pub use braking::BrakingProfile;
+pub use deadband::Deadband;
+pub use directed_error::DirectedError;
+pub use gains::{ActuatorLimits, Gains};
 pub use global::GlobalLaw;
+pub use goal_checker::{GoalChecker, GoalStatus, Tolerance};
 pub use hybrid::HybridLaw;
+pub use hysteresis::{Direction, HybridState};
 pub use local::LocalLaw;
-pub use paper::PaperLaw;
-pub use rest::Rest;
+pub use path_following::{PathCommand, PathError, PathFollowingLaw};
+pub use tran2012::Tran2012Law;
 
-use crate::drive::Twist;
+use crate::kinematics::Twist;
 
 /// What a law wants, and what it remembers for the next tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decision<S: Scalar> {
+pub struct ControlOutput<S: Scalar> {
     /// The wanted twist, before limits.
     pub twist: Twist<S>,
     /// What to pass to the next tick.
-    pub memory: Memory<S>,
+    pub state: HybridState<S>,
 }
 
 /// The law in use, by name.
@@ -46,73 +46,77 @@ pub enum Law<S> {
     /// `surepose`: both laws of the paper with smooth hand-over, hysteresis and a bounded speed.
     Hybrid(HybridLaw<S>),
     /// `paper`: both laws on the paper's sets, without memory.
-    Paper(PaperLaw<S>),
+    Tran2012(Tran2012Law<S>),
 }
 
 impl<S: Scalar> Law<S> {
-    /// The twist for the goal as seen now, and the memory for the next tick.
+    /// The twist for the goal as seen now, and the state for the next tick.
     ///
     /// Finite for every input: a goal whose place is not a number, or that asks for 10³⁰ m/s, is answered with rest.
     #[inline(always)]
-    pub fn decide(&self, navigation: &Navigation<S>, memory: Memory<S>) -> Decision<S> {
-        self.decide_in_time(None, navigation, memory)
+    pub fn compute(&self, navigation: &NavigationVariables<S>, state: HybridState<S>) -> ControlOutput<S> {
+        self.compute_with_braking(None, navigation, state)
     }
 
     /// The same for wheels that need time to slow down, if they do.
     #[inline(always)]
-    pub fn decide_in_time(
+    pub fn compute_with_braking(
         &self,
-        braking: Option<&Braking<S>>,
-        navigation: &Navigation<S>,
-        memory: Memory<S>,
-    ) -> Decision<S> {
-        let facing = self.face(navigation, &memory);
-        let engaged = self.engage(&facing, memory);
-        self.steer(braking, &facing, engaged)
+        braking: Option<&BrakingProfile<S>>,
+        navigation: &NavigationVariables<S>,
+        state: HybridState<S>,
+    ) -> ControlOutput<S> {
+        let directed = self.select_direction(navigation, &state);
+        let mode = self.select_mode(&directed, state);
+        self.compute_for_mode(braking, &directed, mode)
     }
 
-    /// The first step of [`Law::decide`]: which end goes first, and what it sees.
+    /// The first step of [`Law::compute`]: which end goes first, and what it sees.
     #[inline(always)]
-    pub fn face(&self, navigation: &Navigation<S>, memory: &Memory<S>) -> Facing<S> {
+    pub fn select_direction(
+        &self,
+        navigation: &NavigationVariables<S>,
+        state: &HybridState<S>,
+    ) -> DirectedError<S> {
         match self {
-            Self::Hybrid(law) => law.face(navigation, memory),
-            Self::Paper(law) => law.face(navigation),
+            Self::Hybrid(law) => law.select_direction(navigation, state),
+            Self::Tran2012(law) => law.select_direction(navigation),
         }
     }
 
     /// The second step: which law is in charge.
     #[inline(always)]
-    pub fn engage(&self, facing: &Facing<S>, memory: Memory<S>) -> Engaged<S> {
+    pub fn select_mode(&self, directed: &DirectedError<S>, state: HybridState<S>) -> ActiveMode<S> {
         match self {
-            Self::Hybrid(law) => law.engage(facing, memory),
-            Self::Paper(law) => law.engage(facing, memory),
+            Self::Hybrid(law) => law.select_mode(directed, state),
+            Self::Tran2012(law) => law.select_mode(directed, state),
         }
     }
 
     /// The third: its twist, slowed down in time where the law knows how.
     #[inline(always)]
-    pub fn steer(
+    pub fn compute_for_mode(
         &self,
-        braking: Option<&Braking<S>>,
-        facing: &Facing<S>,
-        engaged: Engaged<S>,
-    ) -> Decision<S> {
-        let Decision { twist, memory } = match (self, braking) {
-            (Self::Hybrid(law), Some(braking)) => law.steer_in_time(braking, facing, engaged),
-            (Self::Hybrid(law), None) => law.steer(facing, engaged),
-            (Self::Paper(law), _) => law.steer(facing, engaged),
+        braking: Option<&BrakingProfile<S>>,
+        directed: &DirectedError<S>,
+        mode: ActiveMode<S>,
+    ) -> ControlOutput<S> {
+        let ControlOutput { twist, state } = match (self, braking) {
+            (Self::Hybrid(law), Some(braking)) => law.compute_for_mode_with_braking(braking, directed, mode),
+            (Self::Hybrid(law), None) => law.compute_for_mode(directed, mode),
+            (Self::Tran2012(law), _) => law.compute_for_mode(directed, mode),
         };
         // One sum for two comparisons: small where both are, and not a number where one of them is not. A goal that is nowhere
         // makes v so.
-        let seen = (twist.v.abs() + twist.omega.abs()).lt(S::of(1e30));
-        Decision { twist: Twist::select(seen, twist, Twist::rest()), memory }
+        let is_finite = (twist.v.abs() + twist.omega.abs()).lt(S::from_f64(1e30));
+        ControlOutput { twist: Twist::select(is_finite, twist, Twist::zero()), state }
     }
 
     /// The gains of both its laws.
     pub fn gains(&self) -> Gains<S> {
         match self {
             Self::Hybrid(law) => law.gains,
-            Self::Paper(law) => law.gains,
+            Self::Tran2012(law) => law.gains,
         }
     }
 
@@ -120,12 +124,12 @@ impl<S: Scalar> Law<S> {
     /// Eq. (26) near the goal, V_g of Eq. (19) elsewhere.
     ///
     /// The two are different functions: at the switch the value jumps.
-    pub fn lyapunov(&self, navigation: &Navigation<S>, memory: &Memory<S>) -> S {
+    pub fn lyapunov(&self, navigation: &NavigationVariables<S>, state: &HybridState<S>) -> S {
         let Gains { k_v, k_alpha, h, k_theta } = self.gains();
-        let ahead = Navigation::select(memory.reverse, navigation.reversed(), *navigation);
-        let near = LocalLaw { k_v, k_theta }.lyapunov(&ahead);
+        let ahead = NavigationVariables::select(state.reverse, navigation.reversed(), *navigation);
+        let local_mode = LocalLaw { k_v, k_theta }.lyapunov(&ahead);
         let far = GlobalLaw { k_v, k_alpha, h }.lyapunov(&ahead);
-        S::select(memory.near, near, far)
+        S::select(state.local_mode, local_mode, far)
     }
 }
 
@@ -136,15 +140,15 @@ impl Law<f64> {
         match self {
             Self::Hybrid(law) => Law::Hybrid(HybridLaw {
                 gains: law.gains.cast(),
-                capture_radius: T::of(law.capture_radius),
+                capture_radius: T::from_f64(law.capture_radius),
                 direction: law.direction,
-                actuation: law.actuation.cast(),
-                rest: law.rest.map(Rest::cast),
+                actuator_limits: law.actuator_limits.cast(),
+                deadband: law.deadband.map(Deadband::cast),
             }),
-            Self::Paper(law) => Law::Paper(PaperLaw {
+            Self::Tran2012(law) => Law::Tran2012(Tran2012Law {
                 gains: law.gains.cast(),
-                capture_radius: T::of(law.capture_radius),
-                capture_heading: T::of(law.capture_heading),
+                capture_radius: T::from_f64(law.capture_radius),
+                capture_heading: T::from_f64(law.capture_heading),
             }),
         }
     }

@@ -7,10 +7,10 @@
 //! | file | what |
 //! |---|---|
 //! | `scalar`, `angle`, `frame`, `pose`, `line`, `matrix`, `covariance` | the words |
-//! | [`drive`](Drive) | wheels ↔ twist ↔ motion: Eq. (1), (7)–(9) |
+//! | [`drive`](DiffDrive) | wheels ↔ twist ↔ motion: Eq. (1), (7)–(9) |
 //! | `estimate` | where am I: Eq. (11)–(18), gates, late measurements |
 //! | `laser` | from a scan to walls that are known again, line by line or beam by beam |
-//! | [`navigation`](Navigation) | the goal as the robot sees it: Eq. (3)–(6) |
+//! | [`navigation`](NavigationVariables) | the goal as the robot sees it: Eq. (3)–(6) |
 //! | `law` | how should I move: Eq. (19)–(29), hysteresis, arrival |
 //! | [`limit`](Limits) | what the wheels can do |
 //! | [`pid`](Pid) | how a wheel keeps its speed |
@@ -25,7 +25,7 @@
 //! named `to_from_from`. Metres, seconds, radians and their squares throughout; degrees exist at the edge only.
 //!
 //! # What the types do not protect
-//! Two different maps are the same type, and so are a turn rate, a rim speed and a travel of [`Wheels`]: the
+//! Two different maps are the same type, and so are a turn rate, a rim speed and a travel of [`WheelPair`]: the
 //! function's name says which it takes. Time stamps share one origin because the caller sees to it.
 //!
 //! A pose in `f32` has steps of 1 µm at 10 m and of 8 µm at 100 m, to which each period's way is rounded. Odometry alone
@@ -43,9 +43,9 @@
 mod angle;
 pub mod closed_loop;
 mod covariance;
-mod drive;
 mod estimate;
 mod frame;
+mod kinematics;
 mod laser;
 mod law;
 mod limit;
@@ -61,21 +61,22 @@ mod scalar;
 mod supervisor;
 
 pub use angle::Angle;
-pub use covariance::{Covariance, NotACovariance, Observation};
-pub use drive::{Drive, Integration, Motion, Twist, Wheels};
+pub use covariance::{Covariance, InvalidCovariance, Observation};
 pub use estimate::*;
 pub use frame::{Body, Frame, Goal, Laser, Map, Target};
+pub use kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
 pub use laser::*;
 pub use law::*;
 pub use limit::Limits;
 pub use line::Line;
 pub use matrix::Matrix;
-pub use navigation::{Navigation, NavigationNoise};
-pub use path::{Leg, NotAPath, Path, Place};
+pub use navigation::{NavigationNoise, NavigationVariables};
+pub use path::{InvalidPath, Path, PathPoint, PathSegment};
 pub use pid::{Pid, PidState};
 pub use pose::{Point, Pose};
 pub use relocate::{
-    Certainty, Chart, Extent, Finding, Hypothesis, MOST_PAIRS, MOST_STRETCHES, Nudge, Relocaliser,
+    AcceptanceCriteria, DistanceField, GlobalLocalizer, GlobalStatus, GridSpec, Hypothesis, LocalSearch,
+    MAX_LINE_PAIRS, MAX_ODOMETRY_INCREMENTS,
 };
 pub use scalar::{Dual, Float, Mask, Scalar};
-pub use supervisor::{Health, Reason, Supervisor, Verdict, Vigilance};
+pub use supervisor::{FaultReason, Health, SafetyAction, Supervisor, SupervisorConfig};

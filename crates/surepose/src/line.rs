@@ -34,9 +34,9 @@ impl<In: Frame, S: Scalar> Line<In, S> {
     /// Where the points coincide the direction is that of a null vector, 0.
     #[inline(always)]
     pub fn through(start: Point<In, S>, end: Point<In, S>) -> Self {
-        let direction = Angle::of_vector(end.y - start.y, start.x - end.x);
+        let direction = Angle::from_vector(end.y - start.y, start.x - end.x);
         let (sin, cos) = direction.sin_cos();
-        let distance = (start.x * cos + start.y * sin + end.x * cos + end.y * sin) * S::of(0.5);
+        let distance = (start.x * cos + start.y * sin + end.x * cos + end.y * sin) * S::from_f64(0.5);
         Self { distance, direction, normal: (cos, sin), frame: PhantomData }
     }
 

@@ -15,13 +15,13 @@ impl<S: Scalar, const R: usize, const C: usize> Matrix<S, R, C> {
     /// All zeros.
     #[inline]
     pub fn zeros() -> Self {
-        Self([[S::of(0.0); C]; R])
+        Self([[S::from_f64(0.0); C]; R])
     }
 
     /// Rows and columns exchanged.
     #[must_use]
     #[inline]
-    pub fn transposed(&self) -> Matrix<S, C, R> {
+    pub fn transpose(&self) -> Matrix<S, C, R> {
         let mut result = Matrix::zeros();
         for row in 0..R {
             for column in 0..C {
@@ -35,7 +35,7 @@ impl<S: Scalar, const R: usize, const C: usize> Matrix<S, R, C> {
 impl<S: Scalar, const N: usize> Matrix<S, N, N> {
     /// `diagonal` on the diagonal, zeros elsewhere.
     #[inline]
-    pub fn diagonal(diagonal: [S; N]) -> Self {
+    pub fn from_diagonal(diagonal: [S; N]) -> Self {
         let mut result = Self::zeros();
         for (i, value) in diagonal.into_iter().enumerate() {
             result[(i, i)] = value;
@@ -66,7 +66,7 @@ impl<S: Scalar, const R: usize, const K: usize, const C: usize> Mul<&Matrix<S, K
         let mut result = Matrix::zeros();
         for row in 0..R {
             for column in 0..C {
-                let mut sum = S::of(0.0);
+                let mut sum = S::from_f64(0.0);
                 for k in 0..K {
                     sum = sum + self[(row, k)] * other[(k, column)];
                 }

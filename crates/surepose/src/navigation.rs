@@ -1,8 +1,8 @@
 //! The navigation variables: the goal as the robot sees it, [Tran2012] Eq. (3)–(6).
 
 use crate::angle::Angle;
-use crate::drive::Twist;
 use crate::frame::{Body, Goal, Map};
+use crate::kinematics::Twist;
 use crate::pose::{Point, Pose};
 use crate::scalar::Scalar;
 
@@ -17,7 +17,7 @@ use crate::scalar::Scalar;
 /// φ − α = θ − θ₂, the heading error. On the goal itself (ρ = 0) the direction is taken as 0 in the map, so that
 /// every value is finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Navigation<S> {
+pub struct NavigationVariables<S> {
     /// Distance ρ \[m].
     pub rho: S,
     /// Bearing of the goal α.
@@ -26,12 +26,12 @@ pub struct Navigation<S> {
     pub phi: Angle<S>,
 }
 
-impl<S: Scalar> Navigation<S> {
+impl<S: Scalar> NavigationVariables<S> {
     /// The goal seen from the robot: [Tran2012] Eq. (3), or (5) where the pose is an estimate.
     #[inline(always)]
-    pub fn of(map_from_body: Pose<Map, Body, S>, map_from_goal: Pose<Map, Goal, S>) -> Self {
+    pub fn from_poses(map_from_body: Pose<Map, Body, S>, map_from_goal: Pose<Map, Goal, S>) -> Self {
         let goal = map_from_goal.origin();
-        let seen = Self::from_goal(Pose::new(
+        let seen = Self::from_goal_frame(Pose::new(
             map_from_body.x - goal.x,
             map_from_body.y - goal.y,
             map_from_body.heading,
@@ -41,15 +41,15 @@ impl<S: Scalar> Navigation<S> {
 
     /// The same where the pose is told in the goal's own frame.
     #[inline(always)]
-    pub fn from_goal(goal_from_body: Pose<Goal, Body, S>) -> Self {
-        let (body, goal) = (goal_from_body.origin(), Point::new(S::of(0.0), S::of(0.0)));
+    pub fn from_goal_frame(goal_from_body: Pose<Goal, Body, S>) -> Self {
+        let (body, goal) = (goal_from_body.origin(), Point::new(S::from_f64(0.0), S::from_f64(0.0)));
         let (rho, bearing) = body.polar_to(goal);
-        Self::toward(rho, bearing, goal_from_body.heading)
+        Self::from_polar(rho, bearing, goal_from_body.heading)
     }
 
     /// The goal `rho` \[m] away in the direction `bearing`, seen by a robot with this `heading`, both in the goal's frame.
     #[inline(always)]
-    pub fn toward(rho: S, bearing: Angle<S>, heading: Angle<S>) -> Self {
+    pub fn from_polar(rho: S, bearing: Angle<S>, heading: Angle<S>) -> Self {
         Self { rho, alpha: bearing - heading, phi: bearing }
     }
 
@@ -106,7 +106,7 @@ pub struct NavigationNoise<S> {
 impl<S: Scalar> NavigationNoise<S> {
     /// Estimated minus true.
     #[inline(always)]
-    pub fn between(estimated: Navigation<S>, truth: Navigation<S>) -> Self {
+    pub fn between(estimated: NavigationVariables<S>, truth: NavigationVariables<S>) -> Self {
         Self {
             rho: estimated.rho - truth.rho,
             alpha: estimated.alpha - truth.alpha,

@@ -34,7 +34,7 @@ pub enum Kind {
         range: Range,
     },
     /// A whole number.
-    Whole {
+    Integer {
         /// Where nothing else is said.
         default: u32,
         /// The bounds.
@@ -53,24 +53,24 @@ pub struct Range {
     /// The smallest value.
     pub low: f64,
     /// Whether `low` itself is allowed.
-    pub low_allowed: bool,
+    pub low_inclusive: bool,
     /// The largest value, allowed.
     pub high: f64,
-    /// Why a value outside is refused.
+    /// Why a value outside is rejected.
     pub reason: &'static str,
 }
 
 impl Range {
     /// Whether `value` is inside; NaN is not.
-    pub fn admits(&self, value: f64) -> bool {
-        let above = if self.low_allowed { value >= self.low } else { value > self.low };
+    pub fn contains(&self, value: f64) -> bool {
+        let above = if self.low_inclusive { value >= self.low } else { value > self.low };
         above && value <= self.high
     }
 }
 
 impl core::fmt::Display for Range {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let open = if self.low_allowed { '[' } else { '(' };
+        let open = if self.low_inclusive { '[' } else { '(' };
         write!(f, "{open}{}, {}]", self.low, self.high)
     }
 }
@@ -81,15 +81,15 @@ pub enum Unit {
     /// A pure number or a name.
     One,
     /// Metres.
-    Metre,
+    Meter,
     /// Seconds.
     Second,
     /// Degrees; radians inside the program.
     Degree,
     /// Metres per second.
-    MetrePerSecond,
+    MeterPerSecond,
     /// Metres per second squared.
-    MetrePerSecondSquared,
+    MeterPerSecondSquared,
     /// Per second.
     PerSecond,
 }
@@ -98,11 +98,11 @@ impl Unit {
     /// Every unit.
     pub const ALL: [Self; 7] = [
         Self::One,
-        Self::Metre,
+        Self::Meter,
         Self::Second,
         Self::Degree,
-        Self::MetrePerSecond,
-        Self::MetrePerSecondSquared,
+        Self::MeterPerSecond,
+        Self::MeterPerSecondSquared,
         Self::PerSecond,
     ];
 
@@ -110,11 +110,11 @@ impl Unit {
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::One => "",
-            Self::Metre => "m",
+            Self::Meter => "m",
             Self::Second => "s",
             Self::Degree => "°",
-            Self::MetrePerSecond => "m/s",
-            Self::MetrePerSecondSquared => "m/s²",
+            Self::MeterPerSecond => "m/s",
+            Self::MeterPerSecondSquared => "m/s²",
             Self::PerSecond => "1/s",
         }
     }
@@ -123,11 +123,11 @@ impl Unit {
     pub const fn suffix(self) -> &'static str {
         match self {
             Self::One | Self::PerSecond => "",
-            Self::Metre => "_m",
+            Self::Meter => "_m",
             Self::Second => "_s",
             Self::Degree => "_deg",
-            Self::MetrePerSecond => "_m_s",
-            Self::MetrePerSecondSquared => "_m_s2",
+            Self::MeterPerSecond => "_m_s",
+            Self::MeterPerSecondSquared => "_m_s2",
         }
     }
 
@@ -165,14 +165,16 @@ mod tests {
     use super::{ALL, Kind, Unit, find, find_by_name};
 
     #[test]
-    fn every_entry_keeps_its_own_rules() {
+    fn every_parameter_is_well_formed() {
         for (i, p) in ALL.iter().enumerate() {
             assert!(p.key.ends_with(p.unit.suffix()), "{}.{} is in {:?}", p.section, p.key, p.unit);
             assert!(p.meaning.trim().ends_with('.'), "{}.{} lacks a sentence", p.section, p.key);
             assert!(ALL.iter().skip(i + 1).all(|q| (q.section, q.key) != (p.section, p.key)));
             match p.kind {
-                Kind::Number { default, range } => assert!(range.admits(default), "{}.{}", p.section, p.key),
-                Kind::Whole { default, range } => assert!(range.admits(default.into()), "{}", p.key),
+                Kind::Number { default, range } => {
+                    assert!(range.contains(default), "{}.{}", p.section, p.key);
+                }
+                Kind::Integer { default, range } => assert!(range.contains(default.into()), "{}", p.key),
                 Kind::Choice { options } => assert!(!options.is_empty() && p.unit == Unit::One),
             }
         }

@@ -1,6 +1,6 @@
 //! The wheels' speed controller: the PID of [Tran2012] Sec. 5.2, with anti-windup.
 
-use crate::drive::FASTEST;
+use crate::kinematics::MAX_WHEEL_RATE;
 use crate::scalar::{Mask, Scalar};
 
 /// A PID controller of one wheel's turn rate that says what part of the supply the motor gets.
@@ -12,7 +12,7 @@ use crate::scalar::{Mask, Scalar};
 /// | `feed_forward` | k_f, the duty per turn rate at which the unloaded wheel settles | s/rad |
 /// | `proportional` | k_p | s/rad |
 /// | `integral` | k_i | 1/rad |
-/// | `derivative` | k_d, on the measured rate: a step of the wanted one does not kick | s²/rad |
+/// | `derivative` | k_d, on the measured rate: a step of the desired one does not kick | s²/rad |
 /// | `tracking` | k_t, how fast the integral gives way where the duty is at its limit; below 1/period | 1/s |
 ///
 /// The last term of İ is the anti-windup, back-calculation [Astrom2006]: while the motor has all it can get, the
@@ -45,8 +45,8 @@ pub struct PidState<S> {
 
 impl<S: Scalar> PidState<S> {
     /// At rest.
-    pub fn fresh() -> Self {
-        Self { integral: S::of(0.0), measured: S::of(0.0) }
+    pub fn zero() -> Self {
+        Self { integral: S::from_f64(0.0), measured: S::from_f64(0.0) }
     }
 }
 
@@ -54,23 +54,23 @@ impl<S: Scalar> Pid<S> {
     /// The duty in [−1, 1] for the next `period` \[s] > 0, and the state to pass to the next step.
     ///
     /// A wheel that shall rest and does gets no duty: what the integral still held would make it creep. A rate that
-    /// is not a number, measured or wanted, is no news: the integral and the feed-forward carry on without it.
+    /// is not a number, measured or desired, is no news: the integral and the feed-forward carry on without it.
     #[inline]
-    pub fn step(&self, state: PidState<S>, wanted: S, measured: S, period: S) -> (S, PidState<S>) {
-        let (zero, one) = (S::of(0.0), S::of(1.0));
-        let sound = |rate: S| rate.abs().lt(S::of(FASTEST));
-        let known = sound(measured).and(sound(wanted));
-        let wanted = S::select(sound(wanted), wanted, zero);
-        let measured = S::select(sound(measured), measured, state.measured);
-        let error = S::select(known, wanted - measured, zero);
+    pub fn step(&self, state: PidState<S>, desired: S, measured: S, period: S) -> (S, PidState<S>) {
+        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
+        let is_valid = |rate: S| rate.abs().lt(S::from_f64(MAX_WHEEL_RATE));
+        let known = is_valid(measured).and(is_valid(desired));
+        let desired = S::select(is_valid(desired), desired, zero);
+        let measured = S::select(is_valid(measured), measured, state.measured);
+        let error = S::select(known, desired - measured, zero);
 
         let damping = self.derivative * (measured - state.measured) / period;
-        let asked = self.feed_forward * wanted + self.proportional * error + state.integral - damping;
-        let duty = asked.clamp(-one, one);
+        let unlimited = self.feed_forward * desired + self.proportional * error + state.integral - damping;
+        let duty = unlimited.clamp(-one, one);
 
-        let growth = self.integral * error + self.tracking * (duty - asked);
-        let moving = wanted.abs().gt(zero).or(measured.abs().gt(zero));
-        let integral = S::select(moving, state.integral + growth * period, zero);
+        let integral_rate = self.integral * error + self.tracking * (duty - unlimited);
+        let moving = desired.abs().gt(zero).or(measured.abs().gt(zero));
+        let integral = S::select(moving, state.integral + integral_rate * period, zero);
         (S::select(moving, duty, zero), PidState { integral, measured })
     }
 }
@@ -86,10 +86,10 @@ mod tests {
     }
 
     /// A motor that settles at 10 rad/s per duty with a lag of 80 ms and a load that eats `load` rad/s.
-    fn drive(pid: &Pid<f64>, load: f64, wanted: impl Fn(usize) -> f64) -> [f64; 900] {
-        let (mut state, mut rate) = (PidState::fresh(), 0.0);
+    fn drive(pid: &Pid<f64>, load: f64, desired: impl Fn(usize) -> f64) -> [f64; 900] {
+        let (mut state, mut rate) = (PidState::zero(), 0.0);
         core::array::from_fn(|k| {
-            let (duty, next) = pid.step(state, wanted(k), rate, PERIOD);
+            let (duty, next) = pid.step(state, desired(k), rate, PERIOD);
             assert!(duty.abs() <= 1.0);
             state = next;
             rate += (10.0 * duty - load - rate) * (PERIOD / 0.08);
@@ -108,18 +108,18 @@ mod tests {
     /// Asked for more than the motor can give, then for what it can: with anti-windup the wheel obeys at once.
     #[test]
     fn anti_windup_leaves_saturation_at_once() {
-        let wanted = |k: usize| if k < 300 { 14.0 } else { 5.0 };
+        let desired = |k: usize| if k < 300 { 14.0 } else { 5.0 };
         let settled = |rates: &[f64]| rates[300..].iter().position(|rate| (rate - 5.0).abs() < 0.25);
-        let with = settled(&drive(&pid(), 0.0, wanted)).unwrap();
+        let with = settled(&drive(&pid(), 0.0, desired)).unwrap();
         let wound_up = Pid { tracking: 0.0, ..pid() };
-        let without = settled(&drive(&wound_up, 0.0, wanted)).unwrap_or(900);
+        let without = settled(&drive(&wound_up, 0.0, desired)).unwrap_or(900);
         assert!(with < 40 && without > 3 * with, "{with} steps with, {without} without");
     }
 
     #[test]
     fn resting_wheel_gets_no_duty_and_does_not_creep() {
         let stop = |k: usize| if k < 200 { 6.0 } else { 0.0 };
-        let (mut state, mut rate) = (PidState::fresh(), 0.0_f64);
+        let (mut state, mut rate) = (PidState::zero(), 0.0_f64);
         let mut duty = 0.0;
         for k in 0..400 {
             // An encoder this coarse reads 0 long before the wheel stands.
@@ -133,11 +133,11 @@ mod tests {
 
     #[test]
     fn broken_rates_change_nothing() {
-        let (_, state) = pid().step(PidState::fresh(), 6.0, 5.0, PERIOD);
-        for (wanted, measured) in [(6.0, f64::NAN), (f64::NAN, 5.0), (6.0, f64::INFINITY), (1e300, 5.0)] {
-            let (duty, after) = pid().step(state, wanted, measured, PERIOD);
-            assert!(duty.abs() <= 1.0, "{wanted} {measured}: {duty}");
-            assert_eq!(after, state, "{wanted} {measured}");
+        let (_, state) = pid().step(PidState::zero(), 6.0, 5.0, PERIOD);
+        for (desired, measured) in [(6.0, f64::NAN), (f64::NAN, 5.0), (6.0, f64::INFINITY), (1e300, 5.0)] {
+            let (duty, after) = pid().step(state, desired, measured, PERIOD);
+            assert!(duty.abs() <= 1.0, "{desired} {measured}: {duty}");
+            assert_eq!(after, state, "{desired} {measured}");
         }
     }
 }

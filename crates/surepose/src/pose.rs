@@ -48,7 +48,7 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
     /// The frames coincide.
     #[inline(always)]
     pub fn identity() -> Self {
-        Self::new(S::of(0.0), S::of(0.0), Angle::zero())
+        Self::new(S::from_f64(0.0), S::from_f64(0.0), Angle::zero())
     }
 
     /// `yes` where `mask` is true, else `no`.
@@ -56,7 +56,7 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
     #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         let heading = S::select(mask, yes.heading.radians(), no.heading.radians());
-        Self::new(S::select(mask, yes.x, no.x), S::select(mask, yes.y, no.y), Angle::wrapped(heading))
+        Self::new(S::select(mask, yes.x, no.x), S::select(mask, yes.y, no.y), Angle::from_radians(heading))
     }
 
     /// The same relation, seen from the other side: `from_from_to`.
@@ -110,13 +110,13 @@ impl<In: Frame, S: Scalar> Point<In, S> {
     #[inline(always)]
     pub fn polar_to(self, other: Self) -> (S, Angle<S>) {
         let (distance, direction) = (other.y - self.y).polar(other.x - self.x);
-        (distance, Angle::from_wrapped(direction))
+        (distance, Angle::from_radians_unchecked(direction))
     }
 
     /// Direction from here to `other`; 0 where they coincide.
     #[inline(always)]
     pub fn direction_to(self, other: Self) -> Angle<S> {
-        Angle::of_vector(other.x - self.x, other.y - self.y)
+        Angle::from_vector(other.x - self.x, other.y - self.y)
     }
 }
 

@@ -63,7 +63,7 @@ pub trait Scalar:
     type Mask: Mask;
 
     /// The constant `value`, rounded to this type.
-    fn of(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
 
     /// True where `self < other`; false where either is NaN.
     fn lt(self, other: Self) -> Self::Mask;
@@ -104,9 +104,9 @@ pub trait Scalar:
     #[inline(always)]
     fn sin_cos_sinc(self) -> (Self, Self, Self) {
         // Below 1e-8, sin(x)/x differs from 1 by less than x²/6 < 2e-17: under half an ulp of 1 in every format.
-        let near_zero = self.abs().lt(Self::of(1e-8));
+        let near_zero = self.abs().lt(Self::from_f64(1e-8));
         let (sin, cos) = self.sin_cos();
-        let one = Self::of(1.0);
+        let one = Self::from_f64(1.0);
         let ratio = sin / Self::select(near_zero, one, self);
         (sin, cos, Self::select(near_zero, one, ratio))
     }
@@ -122,13 +122,13 @@ pub trait Scalar:
     ///
     /// For scalars that know a shorter way than [`Scalar::sin_cos`], which takes any angle.
     #[inline(always)]
-    fn turn_sin_cos(self) -> (Self, Self) {
+    fn sin_cos_bounded(self) -> (Self, Self) {
         self.sin_cos()
     }
 
     /// Cosine and `sin(x)/x` of such an angle.
     #[inline(always)]
-    fn turn_cos_sinc(self) -> (Self, Self) {
+    fn cos_sinc_bounded(self) -> (Self, Self) {
         let (_, cos, sinc) = self.sin_cos_sinc();
         (cos, sinc)
     }
@@ -136,20 +136,20 @@ pub trait Scalar:
     /// The derivative of `sin(x)/x`, given `cos(x)` and `sin(x)/x`.
     #[must_use]
     #[inline(always)]
-    fn sinc_slope(self, cos: Self, sinc: Self) -> Self {
+    fn sinc_derivative(self, cos: Self, sinc: Self) -> Self {
         // (cos x − sinc x)/x loses all digits near 0, where the series −x/3 takes over.
-        let small = self.abs().lt(Self::of(1e-3));
-        let safe = Self::select(small, Self::of(1.0), self);
-        Self::select(small, -self * Self::of(1.0 / 3.0), (cos - sinc) / safe)
+        let small = self.abs().lt(Self::from_f64(1e-3));
+        let safe = Self::select(small, Self::from_f64(1.0), self);
+        Self::select(small, -self * Self::from_f64(1.0 / 3.0), (cos - sinc) / safe)
     }
 
     /// An angle \[rad] that is at most a turn too large, as the sum of two wrapped ones is, wrapped to (−π, π].
     ///
-    /// For scalars that know a shorter way than [`Angle::wrapped`](crate::Angle::wrapped), which takes any angle.
+    /// For scalars that know a shorter way than [`Angle::from_radians`](crate::Angle::from_radians), which takes any angle.
     #[must_use]
     #[inline(always)]
-    fn wrapped_sum(self) -> Self {
-        crate::Angle::wrapped(self).radians()
+    fn wrap_once(self) -> Self {
+        crate::Angle::from_radians(self).radians()
     }
 
     /// The value limited to [`low`, `high`].
@@ -175,24 +175,24 @@ pub trait Scalar:
     /// The magnitude of `self` with the sign of `other`; which of the two where that is 0 is left to the implementation.
     #[must_use]
     #[inline(always)]
-    fn with_sign_of(self, other: Self) -> Self {
+    fn copysign(self, other: Self) -> Self {
         let magnitude = self.abs();
-        Self::select(other.lt(Self::of(0.0)), -magnitude, magnitude)
+        Self::select(other.lt(Self::from_f64(0.0)), -magnitude, magnitude)
     }
 
     /// 1 with the sign of `self`.
     #[must_use]
     #[inline(always)]
-    fn sign(self) -> Self {
-        Self::of(1.0).with_sign_of(self)
+    fn signum(self) -> Self {
+        Self::from_f64(1.0).copysign(self)
     }
 
     /// `self / divisor`, or 0 where the divisor is not positive: a direction without variance has nothing to share.
     #[must_use]
     #[inline(always)]
-    fn over_positive(self, divisor: Self) -> Self {
-        let zero = Self::of(0.0);
+    fn div_or_zero(self, divisor: Self) -> Self {
+        let zero = Self::from_f64(0.0);
         let positive = divisor.gt(zero);
-        Self::select(positive, self / Self::select(positive, divisor, Self::of(1.0)), zero)
+        Self::select(positive, self / Self::select(positive, divisor, Self::from_f64(1.0)), zero)
     }
 }

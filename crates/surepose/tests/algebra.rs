@@ -4,13 +4,13 @@ use core::f64::consts::PI;
 
 use proptest::prelude::*;
 use surepose::{
-    Angle, Body, Drive, Goal, Integration, Line, Map, Motion, Point, Pose, Scalar, Twist, Wheels,
+    Angle, Body, DiffDrive, Goal, Integration, Line, Map, Motion, Point, Pose, Scalar, Twist, WheelPair,
 };
 
 type MapFromBody = Pose<Map, Body, f64>;
 
 fn pose() -> impl Strategy<Value = MapFromBody> {
-    (-50.0..50.0, -50.0..50.0, -10.0..10.0).prop_map(|(x, y, t)| Pose::new(x, y, Angle::wrapped(t)))
+    (-50.0..50.0, -50.0..50.0, -10.0..10.0).prop_map(|(x, y, t)| Pose::new(x, y, Angle::from_radians(t)))
 }
 
 fn close(a: MapFromBody, b: MapFromBody, tolerance: f64) -> bool {
@@ -22,7 +22,7 @@ fn close(a: MapFromBody, b: MapFromBody, tolerance: f64) -> bool {
 proptest! {
     #[test]
     fn wrapping_stays_in_range_and_keeps_the_direction(radians in -1e6..1e6_f64) {
-        let angle = Angle::wrapped(radians);
+        let angle = Angle::from_radians(radians);
         prop_assert!(angle.radians() > -PI && angle.radians() <= PI);
         let (sin, cos) = angle.sin_cos();
         // Six digits of the argument's seven before the point are lost to its own rounding.
@@ -36,8 +36,8 @@ proptest! {
     }
 
     #[test]
-    fn composition_moves_points_in_turn(a in pose(), x in -9.0..9.0, y in -9.0..9.0, t in -3.0..3.0) {
-        let body_from_goal: Pose<Body, Goal, f64> = Pose::new(x, y, Angle::wrapped(t));
+    fn composition_transforms_points_in_sequence(a in pose(), x in -9.0..9.0, y in -9.0..9.0, t in -3.0..3.0) {
+        let body_from_goal: Pose<Body, Goal, f64> = Pose::new(x, y, Angle::from_radians(t));
         let point = Point::new(y, x);
         let at_once = (a * body_from_goal) * point;
         let in_turn = a * (body_from_goal * point);
@@ -48,20 +48,20 @@ proptest! {
     fn two_half_arcs_make_the_whole(pose in pose(), length in -2.0..2.0, turn in -3.0..3.0) {
         let half = Motion { length: length / 2.0, turn: turn / 2.0 };
         let whole = Motion { length, turn };
-        let in_two = pose.moved(half, Integration::Arc).moved(half, Integration::Arc);
-        prop_assert!(close(in_two, pose.moved(whole, Integration::Arc), 1e-12));
+        let in_two = pose.integrate(half, Integration::Arc).integrate(half, Integration::Arc);
+        prop_assert!(close(in_two, pose.integrate(whole, Integration::Arc), 1e-12));
     }
 
     #[test]
-    fn wheels_and_twist_are_inverse(v in -1.0..1.0, omega in -3.0..3.0, track in 0.1..1.0) {
-        let drive = Drive::new(0.05, track);
-        let back = drive.twist_from_rims(drive.rims_from_twist(Twist::new(v, omega)));
+    fn wheels_and_twist_are_inverse(v in -1.0..1.0, omega in -3.0..3.0, wheel_separation in 0.1..1.0) {
+        let drive = DiffDrive::new(0.05, wheel_separation);
+        let back = drive.twist_from_wheel_speeds(drive.wheel_speeds_from_twist(Twist::new(v, omega)));
         prop_assert!((back.v - v).abs() < 1e-14 && (back.omega - omega).abs() < 1e-13);
     }
 
     #[test]
     fn a_line_moves_with_its_points(pose in pose(), r in -5.0..5.0, t in -3.0..3.0, along in -4.0..4.0) {
-        let line: Line<Body, f64> = Line::new(r, Angle::wrapped(t));
+        let line: Line<Body, f64> = Line::new(r, Angle::from_radians(t));
         let (nx, ny) = line.normal();
         let point = Point::new(nx * r - ny * along, ny * r + nx * along);
         prop_assert!(line.distance_from(point).abs() < 1e-12);
@@ -71,14 +71,14 @@ proptest! {
 
 /// The midpoint rule errs by the third order of the turn, the arc not at all: [Tran2012] Eq. (9).
 #[test]
-fn the_midpoint_is_of_second_order() {
+fn midpoint_rule_is_second_order() {
     let start: MapFromBody = Pose::identity();
     let error = |turn: f64| {
         let motion = Motion { length: turn, turn };
         let exact = Point::new(turn.sin(), 1.0 - turn.cos());
-        let arc = start.moved(motion, Integration::Arc).origin();
+        let arc = start.integrate(motion, Integration::Arc).origin();
         assert!(arc.distance(exact) < 1e-15, "a circle of radius 1 closes");
-        start.moved(motion, Integration::Midpoint).origin().distance(exact)
+        start.integrate(motion, Integration::Midpoint).origin().distance(exact)
     };
     let ratio = error(0.2) / error(0.1);
     assert!((ratio - 8.0).abs() < 0.1, "halving the turn divides the error by {ratio}");
@@ -86,22 +86,24 @@ fn the_midpoint_is_of_second_order() {
 
 /// Figures of the paper's robot: 0.3 m/s on both wheels for 0.1 s is 3 cm straight on, Eq. (7), (8).
 #[test]
-fn wheel_increments_are_the_papers() {
-    let drive = Drive::new(0.05, 0.6);
-    let straight = drive.motion_from_travel(drive.rims_from_turns(Wheels::new(0.6, 0.6)));
+fn wheel_increments_match_the_paper() {
+    let drive = DiffDrive::new(0.05, 0.6);
+    let straight = drive.motion_from_travel(drive.wheel_travel_from_angle(WheelPair::new(0.6, 0.6)));
     assert!((straight.length - 0.03).abs() < 1e-15 && straight.turn.abs() < 1e-15);
     // One wheel slowed to 0.05 m/s turns the robot by (0.03 − 0.005)/0.6 rad.
-    let turning = drive.motion_from_travel(drive.rims_from_turns(Wheels::new(0.6, 0.1)));
+    let turning = drive.motion_from_travel(drive.wheel_travel_from_angle(WheelPair::new(0.6, 0.1)));
     assert!((turning.turn - 0.025 / 0.6).abs() < 1e-15);
 }
 
 /// A robot that drives straight with a larger right wheel turns that wheel more slowly, and Eq. (7), (8) undo it.
 #[test]
-fn wheels_that_differ_turn_differently_for_the_same_way() {
-    let drive = Drive { radius: Wheels::new(0.06, 0.05), track: 0.6 };
-    let turns = drive.rates_from_twist(Twist::new(0.3, 0.0));
+fn unequal_radii_give_unequal_wheel_angles() {
+    let drive = DiffDrive { radius: WheelPair::new(0.06, 0.05), wheel_separation: 0.6 };
+    let turns = drive.wheel_rates_from_twist(Twist::new(0.3, 0.0));
     assert!((turns.right - 5.0).abs() < 1e-14 && (turns.left - 6.0).abs() < 1e-14, "{turns:?}");
-    let twist = drive.twist_from_rims(drive.rims_from_turns(drive.rates_from_twist(Twist::new(0.2, -0.7))));
+    let twist = drive.twist_from_wheel_speeds(
+        drive.wheel_travel_from_angle(drive.wheel_rates_from_twist(Twist::new(0.2, -0.7))),
+    );
     assert!((twist.v - 0.2).abs() < 1e-15 && (twist.omega + 0.7).abs() < 1e-14, "{twist:?}");
 }
 
@@ -118,18 +120,18 @@ fn sinc_is_continued_through_zero() {
 }
 
 #[test]
-fn the_wrap_keeps_pi_and_turns_minus_pi() {
-    assert!((Angle::wrapped(PI).radians() - PI).abs() < 1e-15);
-    assert!((Angle::wrapped(-PI).radians() - PI).abs() < 1e-15);
-    assert!((Angle::of_vector(-1.0, -0.0).radians() - PI).abs() < 1e-15);
+fn wrapping_maps_minus_pi_to_pi() {
+    assert!((Angle::from_radians(PI).radians() - PI).abs() < 1e-15);
+    assert!((Angle::from_radians(-PI).radians() - PI).abs() < 1e-15);
+    assert!((Angle::from_vector(-1.0, -0.0).radians() - PI).abs() < 1e-15);
 }
 
 /// A made-up angle could not be refused: what is not a number must stay so, for the filter to see it.
 #[test]
-fn the_wrap_of_what_is_no_angle_is_nan() {
+fn wrapping_a_non_finite_angle_is_nan() {
     for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        assert!(Angle::wrapped(broken).radians().is_nan(), "{broken}");
-        assert!(Angle::zero().turned(broken).radians().is_nan(), "{broken}");
+        assert!(Angle::from_radians(broken).radians().is_nan(), "{broken}");
+        assert!(Angle::zero().rotated_by(broken).radians().is_nan(), "{broken}");
     }
-    assert!(Angle::of_vector(f64::NAN, 1.0).radians().is_nan());
+    assert!(Angle::from_vector(f64::NAN, 1.0).radians().is_nan());
 }

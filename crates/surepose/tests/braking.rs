@@ -1,17 +1,17 @@
 //! The law slows down as the wheels can: they follow it to the goal, however fast they may run.
 
-use surepose::closed_loop::{Controller, Progress};
+use surepose::closed_loop::{Controller, ControllerState};
 use surepose::{
-    Angle, Body, Braking, Direction, Drive, Gains, Goal, Integration, Limits, Map, Pose, Tolerance,
+    Angle, Body, BrakingProfile, DiffDrive, Direction, Gains, Goal, Integration, Limits, Map, Pose, Tolerance,
 };
 
-const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
+const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
 /// What braking takes of the wheels' acceleration.
 const SHARE: f64 = 0.7;
 
 fn controller(speed: f64, acceleration: f64, period: f64) -> Controller<f64> {
     let limits = Limits { wheel_speed: speed, wheel_acceleration: acceleration };
-    let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), hold: 1.0, release: 1.5 };
+    let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), dwell: 1.0, hysteresis: 1.5 };
     Controller::fitted(DRIVE, limits, period, Direction::Auto, tolerance)
 }
 
@@ -20,18 +20,18 @@ fn controller(speed: f64, acceleration: f64, period: f64) -> Controller<f64> {
 /// Infinite where it does not arrive.
 fn park(controller: &Controller<f64>, start: [f64; 3]) -> (f64, f64) {
     let goal: Pose<Map, Goal, f64> = Pose::new(0.0, 0.0, Angle::zero());
-    let mut pose: Pose<Map, Body, f64> = Pose::new(start[0], start[1], Angle::wrapped(start[2]));
-    let (mut progress, mut late) = (Progress::fresh(), 0.0);
+    let mut pose: Pose<Map, Body, f64> = Pose::new(start[0], start[1], Angle::from_radians(start[2]));
+    let (mut state, mut late) = (ControllerState::new(), 0.0);
     for tick in 1..100_000 {
-        let step = controller.step(progress, pose, goal);
-        pose = pose.moved(step.granted.over(controller.period), Integration::Arc);
-        let faster = controller.drive.rims_from_twist(step.granted).largest()
-            - controller.drive.rims_from_twist(step.wanted).largest();
+        let step = controller.step(state, pose, goal);
+        pose = pose.integrate(step.limited.integrate_for(controller.period), Integration::Arc);
+        let faster = controller.drive.wheel_speeds_from_twist(step.limited).max_abs()
+            - controller.drive.wheel_speeds_from_twist(step.desired).max_abs();
         if faster > 1e-9 {
             late += controller.period;
         }
-        progress = step.progress;
-        if progress.arrival.reached(&controller.tolerance) {
+        state = step.state;
+        if state.goal_checker.reached(&controller.tolerance) {
             return (f64::from(tick) * controller.period, late);
         }
     }
@@ -42,10 +42,10 @@ fn park(controller: &Controller<f64>, start: [f64; 3]) -> (f64, f64) {
 fn braking_is_never_harder_than_the_wheels_can() {
     for acceleration in [0.05, 0.5, 5.0] {
         let limits = Limits { wheel_speed: 1.0, wheel_acceleration: acceleration };
-        let braking = Braking::of(&DRIVE, &limits);
+        let braking = BrakingProfile::from_limits(&DRIVE, &limits);
         let allowed = SHARE * acceleration;
         for gain in [0.5, 2.0, 9.0] {
-            let speed = |way: f64| gain * braking.part_of_drive(gain, way) * way;
+            let speed = |way: f64| gain * braking.linear_gain_factor(gain, way) * way;
             for k in 1..2000 {
                 let (way, step) = (0.005 * f64::from(k), 1e-6);
                 let deceleration = speed(way) * (speed(way + step) - speed(way - step)) / (2.0 * step);
@@ -54,9 +54,15 @@ fn braking_is_never_harder_than_the_wheels_can() {
                 let solved = speed(way).powi(2) / (2.0 * allowed) + speed(way) / gain;
                 assert!((solved / way - 1.0).abs() < 1e-9, "{way} m: {solved}");
             }
-            assert!((braking.part_of_drive(gain, 0.0) - 1.0).abs() < 1e-12, "at the goal the gain is whole");
-            let (turn, way) = (braking.part_of_turn(gain, -1.0), 0.5 * DRIVE.track);
-            assert!((turn - braking.part_of_drive(gain, way)).abs() < 1e-12, "a turn is a way of the rims");
+            assert!(
+                (braking.linear_gain_factor(gain, 0.0) - 1.0).abs() < 1e-12,
+                "at the goal the gain is whole"
+            );
+            let (turn, way) = (braking.angular_gain_factor(gain, -1.0), 0.5 * DRIVE.wheel_separation);
+            assert!(
+                (turn - braking.linear_gain_factor(gain, way)).abs() < 1e-12,
+                "a turn is a way of the rims"
+            );
         }
     }
 }
@@ -66,8 +72,8 @@ fn what_the_wheels_follow_is_not_slowed_down() {
     let gains = |k: f64| Gains { k_v: k, k_alpha: k, h: 0.3, k_theta: k };
     let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
     assert!(
-        Braking::needed(&DRIVE, &limits, &gains(1.1)).is_none()
-            && Braking::needed(&DRIVE, &limits, &gains(1.2)).is_some()
+        BrakingProfile::from_limits_if_needed(&DRIVE, &limits, &gains(1.1)).is_none()
+            && BrakingProfile::from_limits_if_needed(&DRIVE, &limits, &gains(1.2)).is_some()
     );
 }
 

@@ -1,7 +1,7 @@
 //! The factored covariance is the matrix of the textbook, and stays a covariance.
 
 use proptest::prelude::*;
-use surepose::{Covariance, Float, Matrix, NotACovariance};
+use surepose::{Covariance, Float, InvalidCovariance, Matrix};
 
 type M3 = Matrix<f64, 3, 3>;
 
@@ -15,7 +15,7 @@ fn square(e: [f64; 9]) -> M3 {
 
 /// G Gᵀ: a covariance whatever G.
 fn gram(g: &M3) -> M3 {
-    g * &g.transposed()
+    g * &g.transpose()
 }
 
 fn largest_difference(a: &M3, b: &M3) -> f64 {
@@ -24,7 +24,7 @@ fn largest_difference(a: &M3, b: &M3) -> f64 {
 
 proptest! {
     #[test]
-    fn factors_multiply_back(e in entries()) {
+    fn factors_reproduce_the_matrix(e in entries()) {
         let p = gram(&square(e));
         let factored = Covariance::from_matrix(&p).unwrap();
         prop_assert!(factored.is_valid());
@@ -33,12 +33,12 @@ proptest! {
 
     /// [Tran2012] Eq. (12), multiplied out.
     #[test]
-    fn propagation_is_the_textbooks(e in entries(), a in entries(), w in entries(), q in 0.0..3.0, r in 0.0..3.0) {
+    fn propagation_matches_the_textbook_formula(e in entries(), a in entries(), w in entries(), q in 0.0..3.0, r in 0.0..3.0) {
         let p = gram(&square(e));
         let a = square(a);
         let w = Matrix([[w[0], w[1]], [w[2], w[3]], [w[4], w[5]]]);
-        let noise = &(&w * &Matrix::diagonal([q, r])) * &w.transposed();
-        let mut expected = &(&a * &p) * &a.transposed();
+        let noise = &(&w * &Matrix::from_diagonal([q, r])) * &w.transpose();
+        let mut expected = &(&a * &p) * &a.transpose();
         for i in 0..9 {
             expected[(i / 3, i % 3)] += noise[(i / 3, i % 3)];
         }
@@ -49,7 +49,7 @@ proptest! {
 
     /// [Tran2012] Eq. (16), (18): K = P hᵀ/s, P − K s Kᵀ.
     #[test]
-    fn observation_is_the_textbooks(e in entries(), row in prop::array::uniform3(-2.0..2.0_f64), r in 0.01..3.0) {
+    fn observation_matches_the_textbook_formula(e in entries(), row in prop::array::uniform3(-2.0..2.0_f64), r in 0.01..3.0) {
         let p = gram(&square(e));
         let ph: Vec<f64> = (0..3).map(|i| (0..3).map(|k| p[(i, k)] * row[k]).sum()).collect();
         let s: f64 = r + (0..3).map(|i| row[i] * ph[i]).sum::<f64>();
@@ -83,21 +83,22 @@ proptest! {
 /// A million updates of every badly scaled kind leave a covariance, in single precision too.
 /// A million steps of driving and measuring, in this format.
 fn endured<S: Float>() -> Covariance<S, 3> {
-    let of = S::of;
-    let mut p = Covariance::from_std([of(1.0), of(1e-4), of(0.5)]);
+    let num = S::from_f64;
+    let mut p = Covariance::from_std([num(1.0), num(1e-4), num(0.5)]);
     for k in 0..1_000_000_u32 {
         let phase = f64::from(k % 997) * 0.0063;
-        let (sin, cos) = (of(phase.sin()), of(phase.cos()));
-        let step = of(0.03);
-        let zero = of(0.0);
-        let a = Matrix([[of(1.0), zero, -(step * sin)], [zero, of(1.0), step * cos], [zero, zero, of(1.0)]]);
-        let w = Matrix([[cos, cos], [sin, sin], [of(1.6), of(-1.6)]]);
-        p = p.propagated(&a, &w, [of(1e-6), of(1e-6)]);
+        let (sin, cos) = (num(phase.sin()), num(phase.cos()));
+        let step = num(0.03);
+        let zero = num(0.0);
+        let a =
+            Matrix([[num(1.0), zero, -(step * sin)], [zero, num(1.0), step * cos], [zero, zero, num(1.0)]]);
+        let w = Matrix([[cos, cos], [sin, sin], [num(1.6), num(-1.6)]]);
+        p = p.propagated(&a, &w, [num(1e-6), num(1e-6)]);
         if k % 3 == 0 {
-            p = p.observed([zero, zero, of(1.0)], of(3e-6)).covariance;
+            p = p.observed([zero, zero, num(1.0)], num(3e-6)).covariance;
         }
         if k % 7 == 0 {
-            p = p.observed([cos, sin, zero], of(1e-10)).covariance;
+            p = p.observed([cos, sin, zero], num(1e-10)).covariance;
         }
         assert!(p.is_valid(), "step {k}: {p:?}");
     }
@@ -106,7 +107,7 @@ fn endured<S: Float>() -> Covariance<S, 3> {
 
 /// And the one that f64 has, entry by entry.
 #[test]
-fn a_million_steps_leave_a_covariance_in_f32() {
+fn covariance_stays_valid_for_a_million_steps_in_f32() {
     let (single, double) = (endured::<f32>(), endured::<f64>());
     for (i, j) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
         let size = double.std(i) * double.std(j);
@@ -116,11 +117,11 @@ fn a_million_steps_leave_a_covariance_in_f32() {
 }
 
 #[test]
-fn what_is_no_covariance_is_refused() {
-    let negative = Matrix::diagonal([1.0, -1.0, 1.0]);
-    assert_eq!(Covariance::from_matrix(&negative), Err(NotACovariance));
+fn invalid_covariance_is_rejected() {
+    let negative = Matrix::from_diagonal([1.0, -1.0, 1.0]);
+    assert_eq!(Covariance::from_matrix(&negative), Err(InvalidCovariance));
     let indefinite = Matrix([[1.0, 2.0], [2.0, 1.0]]);
-    assert_eq!(Covariance::from_matrix(&indefinite), Err(NotACovariance));
+    assert_eq!(Covariance::from_matrix(&indefinite), Err(InvalidCovariance));
     let broken = Matrix([[1.0, f64::NAN], [f64::NAN, 1.0]]);
-    assert_eq!(Covariance::from_matrix(&broken), Err(NotACovariance));
+    assert_eq!(Covariance::from_matrix(&broken), Err(InvalidCovariance));
 }

@@ -5,18 +5,19 @@ mod common;
 use common::Noise;
 use proptest::prelude::*;
 use surepose::{
-    Angle, Belief, Compass, Drive, Ekf, Estimator, Float, Gate, Integration, LandmarkSighting, Line, Matrix,
-    Measurement, Outcome, Point, Pose, PoseFix, PositionFix, Refusal, Stamp, Stamped, WallSighting, Wheels,
+    Angle, Belief, DelayedEkf, DiffDrive, Ekf, Float, Gate, HeadingMeasurement, Integration, Line,
+    LineMeasurement, Matrix, Measurement, MeasurementOutcome, Point, Pose, PoseMeasurement,
+    PositionMeasurement, RangeBearingMeasurement, RejectReason, Stamp, Stamped, WheelPair,
 };
 
-fn estimator<S: Float>() -> Estimator<S, 64> {
+fn estimator<S: Float>() -> DelayedEkf<S, 64> {
     let ekf = Ekf {
-        drive: Drive::new(S::of(0.05), S::of(0.6)),
-        delta: S::of(0.0025),
+        drive: DiffDrive::new(S::from_f64(0.05), S::from_f64(0.6)),
+        delta: S::from_f64(0.0025),
         integration: Integration::Arc,
     };
-    let belief = Belief::new(Pose::identity(), [S::of(0.05), S::of(0.05), S::of(0.02)]);
-    Estimator::new(ekf, Gate::new(0.999), 1.0, Stamp::default(), belief)
+    let belief = Belief::new(Pose::identity(), [S::from_f64(0.05), S::from_f64(0.05), S::from_f64(0.02)]);
+    DelayedEkf::new(ekf, Gate::new(0.999), 1.0, Stamp::default(), belief)
 }
 
 fn at(milliseconds: i64) -> Stamp {
@@ -24,14 +25,14 @@ fn at(milliseconds: i64) -> Stamp {
 }
 
 fn compass(heading: f64) -> Measurement<f64> {
-    Measurement::Compass(Compass { heading: Angle::wrapped(heading), std: 0.01 })
+    Measurement::Heading(HeadingMeasurement { heading: Angle::from_radians(heading), std: 0.01 })
 }
 
 fn landmark(range: f64) -> Measurement<f64> {
-    Measurement::Landmark(LandmarkSighting {
+    Measurement::RangeBearing(RangeBearingMeasurement {
         landmark: Point::new(2.0, 1.0),
         range,
-        bearing: Angle::wrapped(0.45),
+        bearing: Angle::from_radians(0.45),
         range_std: 0.05,
         bearing_std: 0.02,
     })
@@ -46,8 +47,8 @@ fn same(a: &Belief<f64>, b: &Belief<f64>) -> bool {
 
 /// Whatever order measurements arrive in, the belief is the one of their order in time.
 #[test]
-fn late_measurements_end_where_timely_ones_do() {
-    let rims = Wheels::new(0.03, 0.02);
+fn late_measurements_match_timely_ones() {
+    let rims = WheelPair::new(0.03, 0.02);
     let measured = [(100, compass(0.02)), (150, landmark(2.1)), (200, compass(0.04)), (260, landmark(2.0))];
 
     let mut timely = estimator::<f64>();
@@ -56,28 +57,31 @@ fn late_measurements_end_where_timely_ones_do() {
     for tick in 1..=6_i64 {
         // The timely one is told of every stretch as soon as a measurement falls into it.
         let mut from = (tick - 1) * 50;
-        let whole = timely.ekf().travel(rims);
+        let whole = timely.ekf().wheel_odometry(rims);
         while let Some((time, value)) = pending.next_if(|(time, _)| *time <= tick * 50) {
             let part = (time - from) as f64 / 50.0;
-            timely.roll_by(at(*time), whole.part(part)).unwrap();
-            assert!(matches!(timely.measure(Stamped::new(at(*time), *value)), Outcome::Accepted { .. }));
+            timely.predict_with(at(*time), whole.fraction(part)).unwrap();
+            assert!(matches!(
+                timely.update(Stamped::new(at(*time), *value)),
+                MeasurementOutcome::Accepted { .. }
+            ));
             from = *time;
         }
-        timely.roll_by(at(tick * 50), whole.part((tick * 50 - from) as f64 / 50.0)).unwrap();
-        late.roll(at(tick * 50), rims).unwrap();
+        timely.predict_with(at(tick * 50), whole.fraction((tick * 50 - from) as f64 / 50.0)).unwrap();
+        late.predict(at(tick * 50), rims).unwrap();
     }
     for (time, value) in [measured[3], measured[1], measured[0], measured[2]] {
-        assert!(matches!(late.measure(Stamped::new(at(time), value)), Outcome::Accepted { .. }));
+        assert!(matches!(late.update(Stamped::new(at(time), value)), MeasurementOutcome::Accepted { .. }));
     }
     assert!(same(&timely.belief(), &late.belief()), "{:?}\n{:?}", timely.belief(), late.belief());
-    assert_eq!(late.tally().accepted, 4);
+    assert_eq!(late.measurement_stats().accepted, 4);
 }
 
 #[test]
-fn the_past_can_be_asked_for() {
+fn belief_at_returns_past_beliefs() {
     let mut estimator = estimator::<f64>();
     for tick in 1..=4 {
-        estimator.roll(at(tick * 50), Wheels::new(0.02, 0.02)).unwrap();
+        estimator.predict(at(tick * 50), WheelPair::new(0.02, 0.02)).unwrap();
     }
     let halfway = estimator.belief_at(at(125)).unwrap();
     assert!((halfway.pose.x - 0.05).abs() < 1e-12);
@@ -86,24 +90,36 @@ fn the_past_can_be_asked_for() {
 }
 
 #[test]
-fn what_is_too_old_or_too_new_is_refused_by_name() {
+fn stale_and_future_measurements_are_rejected() {
     let mut estimator = estimator::<f64>();
     for tick in 1..=60 {
-        estimator.roll(at(tick * 50), Wheels::new(0.0, 0.0)).unwrap();
+        estimator.predict(at(tick * 50), WheelPair::new(0.0, 0.0)).unwrap();
     }
     let before = estimator.belief();
-    assert_eq!(estimator.measure(Stamped::new(at(1000), compass(0.0))), Outcome::Refused(Refusal::Stale));
-    assert_eq!(estimator.measure(Stamped::new(at(3001), compass(0.0))), Outcome::Refused(Refusal::Future));
-    assert_eq!(estimator.measure(Stamped::new(at(3000), compass(1.0))), Outcome::Refused(Refusal::Outlier));
+    assert_eq!(
+        estimator.update(Stamped::new(at(1000), compass(0.0))),
+        MeasurementOutcome::Rejected(RejectReason::Stale)
+    );
+    assert_eq!(
+        estimator.update(Stamped::new(at(3001), compass(0.0))),
+        MeasurementOutcome::Rejected(RejectReason::Future)
+    );
+    assert_eq!(
+        estimator.update(Stamped::new(at(3000), compass(1.0))),
+        MeasurementOutcome::Rejected(RejectReason::Outlier)
+    );
     assert_eq!(estimator.belief(), before);
-    assert_eq!(estimator.tally().refused(Refusal::Stale), 1);
-    assert_eq!(estimator.tally().refused_in_all(), 3);
-    assert!(matches!(estimator.measure(Stamped::new(at(2500), compass(0.0))), Outcome::Accepted { .. }));
+    assert_eq!(estimator.measurement_stats().rejected(RejectReason::Stale), 1);
+    assert_eq!(estimator.measurement_stats().rejected_total(), 3);
+    assert!(matches!(
+        estimator.update(Stamped::new(at(2500), compass(0.0))),
+        MeasurementOutcome::Accepted { .. }
+    ));
 }
 
 /// One stamp an hour ahead, or a clock that is set back for good: the robot has rolled as far as it has, and time goes on from there.
 #[test]
-fn a_clock_that_jumps_loses_no_travel() {
+fn clock_jumps_lose_no_travel() {
     for jumps in [[3_600_000, 0], [-5_000, -5_000], [-80, 0]] {
         let mut estimator = estimator::<f64>();
         for tick in 1..=100_i64 {
@@ -113,27 +129,27 @@ fn a_clock_that_jumps_loses_no_travel() {
                 _ => jumps[1],
             };
             let now = at(50 * tick + jump);
-            assert_eq!(estimator.roll(now, Wheels::new(0.01, 0.01)), Ok(()));
+            assert_eq!(estimator.predict(now, WheelPair::new(0.01, 0.01)), Ok(()));
             assert_eq!(estimator.stamp(), now);
         }
         assert!((estimator.belief().pose.x - 1.0).abs() < 1e-9, "{jumps:?}: {:?}", estimator.belief());
-        assert_eq!(estimator.tally().clock_set_back, 1, "{jumps:?}");
+        assert_eq!(estimator.measurement_stats().clock_resets, 1, "{jumps:?}");
         let now = Stamped::new(estimator.stamp(), compass(0.0));
-        assert!(matches!(estimator.measure(now), Outcome::Accepted { .. }), "{jumps:?}");
+        assert!(matches!(estimator.update(now), MeasurementOutcome::Accepted { .. }), "{jumps:?}");
     }
 }
 
 /// However many late outliers come, the history reaches as far back as it did.
 #[test]
-fn an_outlier_leaves_no_trace() {
+fn rejected_outlier_leaves_the_belief_unchanged() {
     let mut estimator = estimator::<f64>();
     for tick in 1..=64_i64 {
-        estimator.roll(at(tick * 10), Wheels::new(0.001, 0.0012)).unwrap();
+        estimator.predict(at(tick * 10), WheelPair::new(0.001, 0.0012)).unwrap();
     }
     let before = estimator;
     for late in 1..60_i64 {
         let outlier = Stamped::new(at(640 - 10 * late + 3), compass(2.0));
-        assert_eq!(estimator.measure(outlier), Outcome::Refused(Refusal::Outlier));
+        assert_eq!(estimator.update(outlier), MeasurementOutcome::Rejected(RejectReason::Outlier));
     }
     assert_eq!(estimator.belief(), before.belief());
     assert!((1..64).all(|tick| estimator.belief_at(at(tick * 10)) == before.belief_at(at(tick * 10))));
@@ -141,31 +157,34 @@ fn an_outlier_leaves_no_trace() {
 
 /// Entries beyond the capacity push out the oldest; measurements older than those are stale, not lost in the state.
 #[test]
-fn a_full_history_forgets_its_oldest_only() {
+fn full_history_drops_only_its_oldest_entry() {
     let mut estimator = estimator::<f64>();
     for tick in 1..=640_i64 {
-        estimator.roll(at(tick), Wheels::new(0.0001, 0.0001)).unwrap();
+        estimator.predict(at(tick), WheelPair::new(0.0001, 0.0001)).unwrap();
         let late = Stamped::new(at(tick - 20), compass(0.0));
-        let outcome = estimator.measure(late);
-        assert!(matches!(outcome, Outcome::Accepted { .. } | Outcome::Refused(Refusal::Stale)));
+        let outcome = estimator.update(late);
+        assert!(matches!(
+            outcome,
+            MeasurementOutcome::Accepted { .. } | MeasurementOutcome::Rejected(RejectReason::Stale)
+        ));
         assert!(estimator.belief().covariance.is_valid());
     }
-    assert!(estimator.tally().accepted > 600, "{:?}", estimator.tally());
+    assert!(estimator.measurement_stats().accepted > 600, "{:?}", estimator.measurement_stats());
     assert!((estimator.belief().pose.x - 0.064).abs() < 1e-9);
 }
 
 /// However late a measurement is, in a full history too: the robot has rolled as far as it has.
 #[test]
-fn no_lateness_loses_travel() {
+fn late_measurements_lose_no_travel() {
     for half_ticks_late in 0..160_i64 {
         for heading in [0.0, 3.0] {
             let mut estimator = estimator::<f64>();
             for tick in 1..=100_i64 {
-                estimator.roll(at(tick), Wheels::new(0.0001, 0.0001)).unwrap();
+                estimator.predict(at(tick), WheelPair::new(0.0001, 0.0001)).unwrap();
             }
             let half_tick = (at(1).nanoseconds() - at(0).nanoseconds()) / 2;
             let taken = Stamp::from_nanoseconds(at(100).nanoseconds() - half_ticks_late * half_tick);
-            let outcome = estimator.measure(Stamped::new(taken, compass(heading)));
+            let outcome = estimator.update(Stamped::new(taken, compass(heading)));
             let x = estimator.belief().pose.x;
             assert!(
                 (x - 0.01).abs() < 1e-9,
@@ -177,46 +196,46 @@ fn no_lateness_loses_travel() {
 
 /// Who knows where the robot was a while ago knows where it is: it has rolled on from there.
 #[test]
-fn a_pose_of_the_past_is_carried_on_by_odometry() {
+fn reset_at_replays_odometry() {
     let known = Belief::new(Pose::new(3.0, -1.0, Angle::from_degrees(90.0)), [0.01, 0.02, 0.003]);
-    let rims = Wheels::new(0.03, 0.02);
+    let rims = WheelPair::new(0.03, 0.02);
     let mut rolled = estimator::<f64>();
     for tick in 1..=20_i64 {
-        rolled.roll(at(tick * 50), rims).unwrap();
+        rolled.predict(at(tick * 50), rims).unwrap();
         let heading = compass(0.01 / 0.6 * tick as f64);
-        let outcome = rolled.measure(Stamped::new(at(tick * 50 - 20), heading));
-        assert!(matches!(outcome, Outcome::Accepted { .. }));
+        let outcome = rolled.update(Stamped::new(at(tick * 50 - 20), heading));
+        assert!(matches!(outcome, MeasurementOutcome::Accepted { .. }));
     }
     // The last odometry comes in two parts of one time.
-    rolled.roll(at(1000), rims).unwrap();
+    rolled.predict(at(1000), rims).unwrap();
 
     // 12 of 50 ms are left of the stretch in which the robot was seen; what was measured since is forgotten.
-    let whole = rolled.ekf().travel(rims);
+    let whole = rolled.ekf().wheel_odometry(rims);
     let mut expected = known;
     for part in [0.24, 0.6, 0.4, 0.6, 0.4, 1.0] {
-        expected = rolled.ekf().predict(expected, whole.part(part));
+        expected = rolled.ekf().predict(expected, whole.fraction(part));
     }
     let mut resumed = rolled;
-    resumed.resume(at(888), known);
+    resumed.reset_at(at(888), known);
     assert_eq!(resumed.stamp(), at(1000));
     assert!(same(&resumed.belief(), &expected), "{:?}\n{expected:?}", resumed.belief());
     assert!(resumed.belief_at(at(880)).is_none(), "and what was before is as well");
 
     for outside in [at(-1), at(1001), Stamp::from_seconds(1e9)] {
         let mut resumed = rolled;
-        resumed.resume(outside, known);
+        resumed.reset_at(outside, known);
         assert_eq!((resumed.stamp(), resumed.belief()), (at(1000), known), "as of now");
     }
 }
 
 /// Two odometries of one time: a robot that was seen before them has rolled on by both.
 #[test]
-fn no_travel_is_lost_where_no_time_passes() {
+fn zero_duration_odometry_is_kept() {
     let mut estimator = estimator::<f64>();
     for time in [0, 50, 50] {
-        estimator.roll(at(time), Wheels::new(0.05, 0.05)).unwrap();
+        estimator.predict(at(time), WheelPair::new(0.05, 0.05)).unwrap();
     }
-    estimator.resume(at(20), Belief::new(Pose::identity(), [0.01; 3]));
+    estimator.reset_at(at(20), Belief::new(Pose::identity(), [0.01; 3]));
     assert!((estimator.belief().pose.x - 0.08).abs() < 1e-12, "{:?}", estimator.belief());
 }
 
@@ -231,31 +250,31 @@ fn any_number() -> impl Strategy<Value = f64> {
 
 fn any_measurement<S: Float>() -> impl Strategy<Value = Measurement<S>> {
     (0..5, prop::array::uniform9(any_number())).prop_map(|(kind, v)| {
-        let v = v.map(S::of);
-        let pose = Pose::new(v[0], v[1], Angle::wrapped(v[2]));
+        let v = v.map(S::from_f64);
+        let pose = Pose::new(v[0], v[1], Angle::from_radians(v[2]));
         match kind {
-            0 => Measurement::Compass(Compass { heading: Angle::wrapped(v[0]), std: v[1] }),
-            1 => Measurement::Wall(WallSighting {
-                wall: Line::new(v[0], Angle::wrapped(v[1])),
-                seen: Line::new(v[2], Angle::wrapped(v[3])),
+            0 => Measurement::Heading(HeadingMeasurement { heading: Angle::from_radians(v[0]), std: v[1] }),
+            1 => Measurement::Line(LineMeasurement {
+                wall: Line::new(v[0], Angle::from_radians(v[1])),
+                seen: Line::new(v[2], Angle::from_radians(v[3])),
                 distance_variance: v[4],
                 direction_variance: v[5],
                 covariance: v[6],
             }),
-            2 => Measurement::Landmark(LandmarkSighting {
+            2 => Measurement::RangeBearing(RangeBearingMeasurement {
                 landmark: Point::new(v[0], v[1]),
                 range: v[2],
-                bearing: Angle::wrapped(v[3]),
+                bearing: Angle::from_radians(v[3]),
                 range_std: v[4],
                 bearing_std: v[5],
             }),
-            3 => Measurement::Position(PositionFix {
+            3 => Measurement::Position(PositionMeasurement {
                 position: Point::new(v[0], v[1]),
                 x_variance: v[2],
                 y_variance: v[3],
                 covariance: v[4],
             }),
-            _ => Measurement::Pose(PoseFix {
+            _ => Measurement::Pose(PoseMeasurement {
                 pose,
                 information: Matrix([[v[3], v[4], v[5]], [v[4], v[6], v[7]], [v[5], v[7], v[8]]]),
             }),
@@ -270,12 +289,12 @@ fn endures<S: Float>(inputs: Vec<(Measurement<S>, f64, f64, i64, i64)>) -> Resul
     for (measurement, right, left, lateness, step) in inputs {
         now += step;
         let before = estimator.belief();
-        if estimator.roll(at(now), Wheels::new(S::of(right), S::of(left))).is_err() {
+        if estimator.predict(at(now), WheelPair::new(S::from_f64(right), S::from_f64(left))).is_err() {
             prop_assert_eq!(estimator.belief(), before);
         }
         let before = estimator.belief();
-        let outcome = estimator.measure(Stamped::new(at(now + lateness), measurement));
-        if matches!(outcome, Outcome::Refused(_)) {
+        let outcome = estimator.update(Stamped::new(at(now + lateness), measurement));
+        if matches!(outcome, MeasurementOutcome::Rejected(_)) {
             prop_assert_eq!(estimator.belief(), before);
         }
         let belief = estimator.belief();
@@ -293,30 +312,33 @@ fn any_inputs<S: Float>() -> impl Strategy<Value = Vec<(Measurement<S>, f64, f64
 
 proptest! {
     #[test]
-    fn nothing_breaks_the_belief(inputs in any_inputs::<f64>()) {
+    fn belief_stays_valid_for_any_input(inputs in any_inputs::<f64>()) {
         endures(inputs)?;
     }
 
     #[test]
-    fn nothing_breaks_the_belief_in_f32(inputs in any_inputs::<f32>()) {
+    fn belief_stays_valid_for_any_input_in_f32(inputs in any_inputs::<f32>()) {
         endures(inputs)?;
     }
 }
 
 /// A landmark on the robot says everything about its bearing: an innovation that overflows agrees with anything.
 #[test]
-fn a_landmark_on_the_robot_takes_no_number_away() {
+fn landmark_at_zero_range_leaves_the_belief_finite() {
     fn tried<S: Float>(apart: f64) {
         let mut estimator = estimator::<S>();
-        estimator.restart(at(0), Belief::new(Pose::identity(), [S::of(30.0), S::of(30.0), S::of(0.1)]));
-        let sighting = LandmarkSighting {
-            landmark: Point::new(S::of(apart), S::of(0.0)),
-            range: S::of(0.0),
+        estimator.reset(
+            at(0),
+            Belief::new(Pose::identity(), [S::from_f64(30.0), S::from_f64(30.0), S::from_f64(0.1)]),
+        );
+        let sighting = RangeBearingMeasurement {
+            landmark: Point::new(S::from_f64(apart), S::from_f64(0.0)),
+            range: S::from_f64(0.0),
             bearing: Angle::zero(),
-            range_std: S::of(0.1),
-            bearing_std: S::of(0.1),
+            range_std: S::from_f64(0.1),
+            bearing_std: S::from_f64(0.1),
         };
-        let _either = estimator.measure(Stamped::new(at(0), Measurement::Landmark(sighting)));
+        let _either = estimator.update(Stamped::new(at(0), Measurement::RangeBearing(sighting)));
         assert!(estimator.belief().covariance.is_valid(), "{apart} m: {:?}", estimator.belief());
     }
     for exponent in 0..160 {
@@ -334,24 +356,28 @@ fn consistent<S: Float>() {
     for _ in 0..runs {
         let mut estimator = estimator::<S>();
         let start = [random.normal() * 0.05, random.normal() * 0.05, random.normal() * 0.02];
-        let mut truth = Pose::new(S::of(start[0]), S::of(start[1]), Angle::wrapped(S::of(start[2])));
+        let mut truth = Pose::new(
+            S::from_f64(start[0]),
+            S::from_f64(start[1]),
+            Angle::from_radians(S::from_f64(start[2])),
+        );
         for tick in 1..=50_i64 {
-            let rims = Wheels::new(S::of(0.03), S::of(0.025));
-            assert_eq!(estimator.roll(at(tick * 100), rims), Ok(()));
-            let slip = |rim: S, noise: f64| rim * S::of(1.0 + 0.05 * noise);
-            let real = Wheels::new(slip(rims.right, random.normal()), slip(rims.left, random.normal()));
-            truth = truth.moved(estimator.ekf().drive.motion_from_travel(real), Integration::Arc);
+            let rims = WheelPair::new(S::from_f64(0.03), S::from_f64(0.025));
+            assert_eq!(estimator.predict(at(tick * 100), rims), Ok(()));
+            let slip = |rim: S, noise: f64| rim * S::from_f64(1.0 + 0.05 * noise);
+            let real = WheelPair::new(slip(rims.right, random.normal()), slip(rims.left, random.normal()));
+            truth = truth.integrate(estimator.ekf().drive.motion_from_travel(real), Integration::Arc);
 
-            let point = Point::new(S::of(2.0), S::of(1.0));
-            let seen = LandmarkSighting {
+            let point = Point::new(S::from_f64(2.0), S::from_f64(1.0));
+            let seen = RangeBearingMeasurement {
                 landmark: point,
-                range: truth.origin().distance(point) + S::of(0.05 * random.normal()),
+                range: truth.origin().distance(point) + S::from_f64(0.05 * random.normal()),
                 bearing: (truth.origin().direction_to(point) - truth.heading)
-                    .turned(S::of(0.02 * random.normal())),
-                range_std: S::of(0.05),
-                bearing_std: S::of(0.02),
+                    .rotated_by(S::from_f64(0.02 * random.normal())),
+                range_std: S::from_f64(0.05),
+                bearing_std: S::from_f64(0.02),
             };
-            estimator.measure(Stamped::new(at(tick * 100), Measurement::Landmark(seen)));
+            estimator.update(Stamped::new(at(tick * 100), Measurement::RangeBearing(seen)));
         }
         sum += estimator.belief().nees(truth).to_f64();
     }
@@ -361,11 +387,11 @@ fn consistent<S: Float>() {
 }
 
 #[test]
-fn mistakes_have_the_claimed_size_in_f64() {
+fn filter_is_consistent_in_f64() {
     consistent::<f64>();
 }
 
 #[test]
-fn mistakes_have_the_claimed_size_in_f32() {
+fn filter_is_consistent_in_f32() {
     consistent::<f32>();
 }

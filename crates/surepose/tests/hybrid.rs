@@ -1,40 +1,44 @@
 //! The hybrid law: it descends, it does not change its mind on noise, and it parks, noise or not.
 
 use proptest::prelude::*;
-use surepose::closed_loop::{Controller, Progress};
+use surepose::closed_loop::{Controller, ControllerState};
 use surepose::{
-    Angle, Body, Braking, Direction, Drive, Float, Gains, Goal, HybridLaw, Integration, Law, Limits,
-    LocalLaw, Map, Memory, Navigation, PaperLaw, Pose, Rest, Tolerance, Twist,
+    Angle, Body, BrakingProfile, Deadband, DiffDrive, Direction, Float, Gains, Goal, HybridLaw, HybridState,
+    Integration, Law, Limits, LocalLaw, Map, NavigationVariables, Pose, Tolerance, Tran2012Law, Twist,
 };
 
 const PI: f64 = core::f64::consts::PI;
 
-fn drive<S: Float>() -> Drive<S> {
-    Drive::new(S::of(0.05), S::of(0.6))
+fn drive<S: Float>() -> DiffDrive<S> {
+    DiffDrive::new(S::from_f64(0.05), S::from_f64(0.6))
 }
 
 fn limits<S: Float>(acceleration: f64) -> Limits<S> {
-    Limits { wheel_speed: S::of(0.3), wheel_acceleration: S::of(acceleration) }
+    Limits { wheel_speed: S::from_f64(0.3), wheel_acceleration: S::from_f64(acceleration) }
 }
 
 fn law<S: Float>(period: f64, direction: Direction) -> HybridLaw<S> {
-    HybridLaw::fitted(&drive(), &limits(f64::INFINITY), S::of(period), direction)
+    HybridLaw::fitted(&drive(), &limits(f64::INFINITY), S::from_f64(period), direction)
 }
 
-fn navigation(rho: f64, alpha: f64, phi: f64) -> Navigation<f64> {
-    Navigation { rho, alpha: Angle::wrapped(alpha), phi: Angle::wrapped(phi) }
+fn navigation(rho: f64, alpha: f64, phi: f64) -> NavigationVariables<f64> {
+    NavigationVariables { rho, alpha: Angle::from_radians(alpha), phi: Angle::from_radians(phi) }
 }
 
 fn angle() -> impl Strategy<Value = f64> {
     -PI..PI
 }
 
-fn memory(near: bool, reverse: bool, side: f64) -> Memory<f64> {
-    Memory { near, reverse, side, ..Memory::fresh() }
+fn memory(local_mode: bool, reverse: bool, turn_direction: f64) -> HybridState<f64> {
+    HybridState { local_mode, reverse, turn_direction, ..HybridState::new() }
 }
 
 /// The goal as the end that goes first sees it, and how that end moves.
-fn seen_by_the_front(n: Navigation<f64>, reverse: bool, twist: Twist<f64>) -> (Navigation<f64>, Twist<f64>) {
+fn in_direction_of_travel(
+    n: NavigationVariables<f64>,
+    reverse: bool,
+    twist: Twist<f64>,
+) -> (NavigationVariables<f64>, Twist<f64>) {
     if reverse { (n.reversed(), Twist::new(-twist.v, twist.omega)) } else { (n, twist) }
 }
 
@@ -56,18 +60,18 @@ impl Noise {
 proptest! {
     /// W = c·ln ρ + ½(α² + hφ²) falls everywhere outside the capture radius, whatever the memory: c = 2, h = 0.1.
     #[test]
-    fn the_far_law_descends(
+    fn global_law_descends(
         rho in 0.0331..5.0, alpha in angle(), phi in angle(), reverse: bool, period in 0.005..0.1, slow: bool,
     ) {
         let n = navigation(rho, alpha, phi);
         let limits = limits(if slow { 0.1 } else { 1e4 });
         let law = HybridLaw::fitted(&drive(), &limits, period, Direction::Auto);
-        let braking = Braking::of(&drive(), &limits);
+        let braking = BrakingProfile::from_limits(&drive(), &limits);
         let remembered = memory(false, reverse, n.alpha.radians().signum());
-        let decision = Law::Hybrid(law).decide_in_time(Some(&braking), &n, remembered);
-        prop_assert!(!decision.memory.near);
-        let (front, twist) = seen_by_the_front(n, decision.memory.reverse, decision.twist);
-        prop_assume!(front.alpha.radians() * decision.memory.side >= 0.0); // not continued beyond ±π
+        let output = Law::Hybrid(law).compute_with_braking(Some(&braking), &n, remembered);
+        prop_assert!(!output.state.local_mode);
+        let (front, twist) = in_direction_of_travel(n, output.state.reverse, output.twist);
+        prop_assume!(front.alpha.radians() * output.state.turn_direction >= 0.0); // not continued beyond ±π
         let (rho_rate, alpha_rate, phi_rate) = front.rates(twist);
         let rate = 2.0 * rho_rate / rho + front.alpha.radians() * alpha_rate + 0.1 * front.phi.radians() * phi_rate;
         prop_assert!(rate < 0.0, "dW/dt = {rate}");
@@ -76,21 +80,21 @@ proptest! {
 
     /// V̇_l ≤ 0 wherever the local law is in charge, (26)–(29).
     #[test]
-    fn the_near_law_descends(rho in 0.0..0.0197, alpha in angle(), phi in angle(), reverse: bool) {
+    fn local_law_descends(rho in 0.0..0.0197, alpha in angle(), phi in angle(), reverse: bool) {
         let n = navigation(rho, alpha, phi);
         let side = -n.heading_error().radians().signum();
-        let decision = law(0.02, Direction::Auto).decide(&n, memory(true, reverse, side));
-        prop_assume!(decision.memory.near);
-        let rate = LocalLaw { k_v: 1.0, k_theta: 1.0 }.lyapunov_rate(&n, decision.twist);
+        let output = law(0.02, Direction::Auto).compute(&n, memory(true, reverse, side));
+        prop_assume!(output.state.local_mode);
+        let rate = LocalLaw { k_v: 1.0, k_theta: 1.0 }.lyapunov_rate(&n, output.twist);
         prop_assert!(rate <= 1e-12, "{rate}");
     }
 
     /// The robot turns round only where W falls by it.
     #[test]
-    fn turning_round_is_a_descent(alpha in angle(), phi in angle(), reverse: bool) {
+    fn reversal_is_a_descent(alpha in angle(), phi in angle(), reverse: bool) {
         let law = law(0.02, Direction::Auto);
         let n = navigation(1.0, alpha, phi);
-        let turned = law.decide(&n, memory(false, reverse, 1.0)).memory.reverse;
+        let turned = law.compute(&n, memory(false, reverse, 1.0)).state.reverse;
         let level = |reverse: bool| {
             let front = if reverse { n.reversed() } else { n };
             0.5 * (front.alpha.radians().powi(2) + law.gains.h * front.phi.radians().powi(2))
@@ -101,27 +105,27 @@ proptest! {
     /// Every number in, a finite twist out.
     #[test]
     fn every_input_has_a_finite_answer(
-        rho in any::<f64>(), alpha in any::<f64>(), phi in any::<f64>(), near: bool, reverse: bool, side in -1.0..1.0,
+        rho in any::<f64>(), alpha in any::<f64>(), phi in any::<f64>(), local_mode: bool, reverse: bool, side in -1.0..1.0,
     ) {
-        let n = Navigation { rho, alpha: Angle::wrapped(alpha), phi: Angle::wrapped(phi) };
-        for law in [Law::Hybrid(law(0.02, Direction::Auto)), Law::Paper(paper())] {
-            let twist = law.decide(&n, memory(near, reverse, side)).twist;
+        let n = NavigationVariables { rho, alpha: Angle::from_radians(alpha), phi: Angle::from_radians(phi) };
+        for law in [Law::Hybrid(law(0.02, Direction::Auto)), Law::Tran2012(paper())] {
+            let twist = law.compute(&n, memory(local_mode, reverse, side)).twist;
             prop_assert!(twist.v.is_finite() && twist.omega.is_finite(), "{twist:?}");
         }
     }
 }
 
-fn paper() -> PaperLaw<f64> {
-    PaperLaw { gains: Gains::paper(), capture_radius: 0.01, capture_heading: PI }
+fn paper() -> Tran2012Law<f64> {
+    Tran2012Law { gains: Gains::tran2012(), capture_radius: 0.01, capture_heading: PI }
 }
 
 #[test]
 fn odd_inputs_have_a_finite_answer() {
     let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, f64::MIN_POSITIVE, f64::MAX, PI, -PI];
     for (rho, alpha, phi) in odd.iter().flat_map(|r| odd.iter().flat_map(move |a| odd.map(|p| (*r, *a, p)))) {
-        let n = Navigation { rho, alpha: Angle::wrapped(alpha), phi: Angle::wrapped(phi) };
-        for law in [Law::Hybrid(law(0.02, Direction::Auto)), Law::Paper(paper())] {
-            let twist = law.decide(&n, Memory::fresh()).twist;
+        let n = NavigationVariables { rho, alpha: Angle::from_radians(alpha), phi: Angle::from_radians(phi) };
+        for law in [Law::Hybrid(law(0.02, Direction::Auto)), Law::Tran2012(paper())] {
+            let twist = law.compute(&n, HybridState::new()).twist;
             assert!(twist.v.is_finite() && twist.omega.is_finite(), "{twist:?} for {n:?}");
         }
     }
@@ -129,30 +133,30 @@ fn odd_inputs_have_a_finite_answer() {
 
 /// Near α = ±π noise flips the sign of the wrapped angle. The robot keeps the side that it has begun with.
 #[test]
-fn the_turning_side_survives_noise() {
+fn turn_direction_survives_noise() {
     let law: HybridLaw<f64> = law(0.02, Direction::Forward);
     for side in [-1.0, 1.0] {
         let mut noise = Noise(7);
         let mut remembered = memory(false, false, side);
         for _ in 0..10_000 {
             let n = navigation(1.0, PI + 0.1 * noise.draw(), 0.3);
-            let decision = law.decide(&n, remembered);
-            assert!(decision.twist.omega * side > 0.0);
-            remembered = decision.memory;
+            let output = law.compute(&n, remembered);
+            assert!(output.twist.omega * side > 0.0);
+            remembered = output.state;
         }
     }
 }
 
 /// A goal abeam is equally far for nose and tail. Once chosen, the direction stays.
 #[test]
-fn the_direction_of_approach_survives_noise() {
+fn drive_direction_survives_noise() {
     let law: HybridLaw<f64> = law(0.02, Direction::Auto);
     let mut noise = Noise(11);
-    let mut remembered = Memory::fresh();
+    let mut remembered = HybridState::new();
     let mut chosen = None;
     for _ in 0..10_000 {
         let n = navigation(1.0, 0.5 * PI + 0.2 * noise.draw(), 0.5 * PI + 0.2 * noise.draw());
-        remembered = law.decide(&n, remembered).memory;
+        remembered = law.compute(&n, remembered).state;
         assert_eq!(*chosen.get_or_insert(remembered.reverse), remembered.reverse);
     }
 }
@@ -167,7 +171,7 @@ fn fitted_gains_suit_the_period() {
     }
 }
 
-struct Drove {
+struct ParkingResult {
     reached: bool,
     /// How often the laws took turns.
     switches: u32,
@@ -181,41 +185,41 @@ fn park<S: Float>(
     start: (f64, f64, f64),
     mut noise: Noise,
     (position, heading): (f64, f64),
-) -> Drove {
-    let goal: Pose<Map, Goal, S> = Pose::new(S::of(0.0), S::of(0.0), Angle::zero());
+) -> ParkingResult {
+    let goal: Pose<Map, Goal, S> = Pose::new(S::from_f64(0.0), S::from_f64(0.0), Angle::zero());
     let mut pose: Pose<Map, Body, S> =
-        Pose::new(S::of(start.0), S::of(start.1), Angle::wrapped(S::of(start.2)));
-    let mut progress = Progress::fresh();
-    let mut drove = Drove { reached: false, switches: 0, distance: 0.0 };
+        Pose::new(S::from_f64(start.0), S::from_f64(start.1), Angle::from_radians(S::from_f64(start.2)));
+    let mut state = ControllerState::new();
+    let mut result = ParkingResult { reached: false, switches: 0, distance: 0.0 };
     let ticks = (120.0 / controller.period.to_f64()) as u32;
     for _ in 0..ticks {
         let seen = Pose::new(
-            pose.x + S::of(position * noise.draw()),
-            pose.y + S::of(position * noise.draw()),
-            pose.heading.turned(S::of(heading * noise.draw())),
+            pose.x + S::from_f64(position * noise.draw()),
+            pose.y + S::from_f64(position * noise.draw()),
+            pose.heading.rotated_by(S::from_f64(heading * noise.draw())),
         );
-        let step = controller.step(progress, seen, goal);
-        assert!(controller.drive.rims_from_twist(step.granted).largest().to_f64() <= 0.3 + 1e-6);
-        drove.switches += u32::from(step.progress.memory.near != progress.memory.near);
-        pose = pose.moved(step.granted.over(controller.period), Integration::Arc);
-        progress = step.progress;
-        drove.distance = Navigation::of(pose, goal).rho.to_f64();
-        drove.reached = progress.arrival.reached(&controller.tolerance);
-        if drove.reached {
+        let step = controller.step(state, seen, goal);
+        assert!(controller.drive.wheel_speeds_from_twist(step.limited).max_abs().to_f64() <= 0.3 + 1e-6);
+        result.switches += u32::from(step.state.hybrid.local_mode != state.hybrid.local_mode);
+        pose = pose.integrate(step.limited.integrate_for(controller.period), Integration::Arc);
+        state = step.state;
+        result.distance = NavigationVariables::from_poses(pose, goal).rho.to_f64();
+        result.reached = state.goal_checker.reached(&controller.tolerance);
+        if result.reached {
             break;
         }
     }
-    drove
+    result
 }
 
 fn controller<S: Float>(period: f64, acceleration: f64, direction: Direction) -> Controller<S> {
     let tolerance = Tolerance {
-        position: S::of(0.01),
-        heading: S::of(1f64.to_radians()),
-        hold: S::of(1.0),
-        release: S::of(1.5),
+        position: S::from_f64(0.01),
+        heading: S::from_f64(1f64.to_radians()),
+        dwell: S::from_f64(1.0),
+        hysteresis: S::from_f64(1.5),
     };
-    Controller::fitted(drive(), limits(acceleration), S::of(period), direction, tolerance)
+    Controller::fitted(drive(), limits(acceleration), S::from_f64(period), direction, tolerance)
 }
 
 fn start() -> impl Strategy<Value = (f64, f64, f64)> {
@@ -231,7 +235,7 @@ proptest! {
 
     /// From everywhere, in both formats, at both periods, with and without an acceleration limit.
     #[test]
-    fn it_parks(start in start(), direction in direction(), slow: bool, limited: bool) {
+    fn every_start_parks(start in start(), direction in direction(), slow: bool, limited: bool) {
         let (period, acceleration) = (if slow { 0.1 } else { 0.02 }, if limited { 0.5 } else { 1e4 });
         let double = park(&controller::<f64>(period, acceleration, direction), start, Noise(1), (0.0, 0.0));
         prop_assert!(double.reached && double.distance < 0.01, "stands {} m off", double.distance);
@@ -241,22 +245,27 @@ proptest! {
 
     /// The estimate of a laser localisation; the switch does not chatter.
     #[test]
-    fn it_parks_with_noise(start in start(), direction in direction(), slow: bool, seed in 1u64..) {
+    fn every_start_parks_with_noise(start in start(), direction in direction(), slow: bool, seed in 1u64..) {
         let period = if slow { 0.1 } else { 0.02 };
-        let drove = park(&controller::<f64>(period, 1e4, direction), start, Noise(seed), (0.0017, 0.0013));
-        prop_assert!(drove.reached && drove.distance < 0.012, "stands {} m off", drove.distance);
-        prop_assert!(drove.switches <= 7, "switched {} times", drove.switches);
+        let result = park(&controller::<f64>(period, 1e4, direction), start, Noise(seed), (0.0017, 0.0013));
+        prop_assert!(result.reached && result.distance < 0.012, "stands {} m off", result.distance);
+        prop_assert!(result.switches <= 7, "switched {} times", result.switches);
     }
 }
 
 /// Told of noise the robot does not follow it to and fro, and turns its travel round only for what noise is not.
 #[test]
-fn told_of_noise_it_rests() {
-    let told =
-        |noise: f64| HybridLaw { rest: Some(Rest::of(noise, 0.02)), ..law::<f64>(0.02, Direction::Forward) };
-    let drives = |noise: f64, ahead: f64, travel: f64| -> i32 {
+fn deadband_suppresses_noise_driven_motion() {
+    let with_deadband = |noise: f64| HybridLaw {
+        deadband: Some(Deadband::from_noise(noise, 0.02)),
+        ..law::<f64>(0.02, Direction::Forward)
+    };
+    let drives = |noise: f64, ahead: f64, drive_direction: f64| -> i32 {
         let n = navigation(ahead.abs(), if ahead < 0.0 { PI } else { 0.0 }, 0.0);
-        let v = told(noise).decide(&n, Memory { near: true, travel, ..memory(true, false, 1.0) }).twist.v;
+        let v = with_deadband(noise)
+            .compute(&n, HybridState { local_mode: true, drive_direction, ..memory(true, false, 1.0) })
+            .twist
+            .v;
         i32::from(v > 0.0) - i32::from(v < 0.0)
     };
     // Both ways: what the robot is told, and with far too much noise what is left for resting. A robot that rests is within
@@ -270,12 +279,12 @@ fn told_of_noise_it_rests() {
 
 /// The heading is trimmed by a recursive mean: of `n` sightings of a robot that stands still, each counts the same.
 #[test]
-fn trimming_averages_the_sightings() {
+fn trimming_averages_the_measurements() {
     let law: HybridLaw<f64> = law(0.1, Direction::Forward);
-    let gain = |trims: f64| {
+    let gain = |trim_ticks: f64| {
         let n = navigation(0.0, 0.0, 0.01);
-        let step = law.decide(&n, Memory { trims, ..memory(true, false, -1.0) });
-        assert!((step.memory.trims - trims - 1.0).abs() < 1e-9);
+        let step = law.compute(&n, HybridState { trim_ticks, ..memory(true, false, -1.0) });
+        assert!((step.state.trim_ticks - trim_ticks - 1.0).abs() < 1e-9);
         -step.twist.omega / 0.01 * 0.1
     };
     for n in 0..7 {

@@ -2,8 +2,9 @@
 
 use proptest::prelude::*;
 use surepose::{
-    Angle, Belief, Body, Compass, Drive, Ekf, Innovation, Integration, LandmarkSighting, Line, Map, Matrix,
-    Point, Pose, PoseFix, PositionFix, Travel, WallSighting, Wheels,
+    Angle, Belief, Body, DiffDrive, Ekf, HeadingMeasurement, Innovation, Integration, Line, LineMeasurement,
+    Map, Matrix, Point, Pose, PoseMeasurement, PositionMeasurement, RangeBearingMeasurement, WheelOdometry,
+    WheelPair,
 };
 
 type MapFromBody = Pose<Map, Body, f64>;
@@ -14,7 +15,7 @@ const TOLERANCE: f64 = 1e-7;
 fn shifted(pose: MapFromBody, component: usize, by: f64) -> MapFromBody {
     let mut d = [0.0; 3];
     d[component] = by;
-    Pose::new(pose.x + d[0], pose.y + d[1], pose.heading.turned(d[2]))
+    Pose::new(pose.x + d[0], pose.y + d[1], pose.heading.rotated_by(d[2]))
 }
 
 fn difference(a: MapFromBody, b: MapFromBody) -> [f64; 3] {
@@ -22,26 +23,26 @@ fn difference(a: MapFromBody, b: MapFromBody) -> [f64; 3] {
 }
 
 fn ekf(integration: Integration) -> Ekf<f64> {
-    Ekf { drive: Drive::new(0.05, 0.6), delta: 0.0025, integration }
+    Ekf { drive: DiffDrive::new(0.05, 0.6), delta: 0.0025, integration }
 }
 
 /// The covariance after one prediction, with Jacobians by central differences of the pose.
-fn expected_covariance(ekf: &Ekf<f64>, belief: Belief<f64>, travel: Travel<f64>) -> Matrix<f64, 3, 3> {
-    let moved = |pose: MapFromBody, rims: Wheels<f64>| {
-        pose.moved(ekf.drive.motion_from_travel(rims), ekf.integration)
+fn expected_covariance(ekf: &Ekf<f64>, belief: Belief<f64>, travel: WheelOdometry<f64>) -> Matrix<f64, 3, 3> {
+    let moved = |pose: MapFromBody, rims: WheelPair<f64>| {
+        pose.integrate(ekf.drive.motion_from_travel(rims), ekf.integration)
     };
     let slope = |ahead: MapFromBody, behind: MapFromBody| difference(ahead, behind).map(|d| d / (2.0 * STEP));
-    let (pose, rims) = (belief.pose, travel.rims);
+    let (pose, rims) = (belief.pose, travel.travel);
     let a: [[f64; 3]; 3] = core::array::from_fn(|j| {
         slope(moved(shifted(pose, j, STEP), rims), moved(shifted(pose, j, -STEP), rims))
     });
-    let right = |by| moved(pose, Wheels::new(rims.right + by, rims.left));
-    let left = |by| moved(pose, Wheels::new(rims.right, rims.left + by));
+    let right = |by| moved(pose, WheelPair::new(rims.right + by, rims.left));
+    let left = |by| moved(pose, WheelPair::new(rims.right, rims.left + by));
     let w = [slope(right(STEP), right(-STEP)), slope(left(STEP), left(-STEP))];
-    let q = Matrix::diagonal([travel.variance.right, travel.variance.left]);
-    let (a, w) = (Matrix(a).transposed(), Matrix(w).transposed());
-    let mut sum = &(&a * &belief.covariance.matrix()) * &a.transposed();
-    let noise = &(&w * &q) * &w.transposed();
+    let q = Matrix::from_diagonal([travel.variance.right, travel.variance.left]);
+    let (a, w) = (Matrix(a).transpose(), Matrix(w).transpose());
+    let mut sum = &(&a * &belief.covariance.matrix()) * &a.transpose();
+    let noise = &(&w * &q) * &w.transpose();
     for i in 0..9 {
         sum[(i / 3, i % 3)] += noise[(i / 3, i % 3)];
     }
@@ -73,15 +74,15 @@ proptest! {
         heading in -3.0..3.0, right in -0.4..0.4, left in -0.4..0.4, midpoint in any::<bool>(),
     ) {
         let ekf = ekf(if midpoint { Integration::Midpoint } else { Integration::Arc });
-        let belief = Belief::new(Pose::new(1.0, -2.0, Angle::wrapped(heading)), [0.3, 0.2, 0.1]);
-        let travel = Travel { rims: Wheels::new(right, left), variance: Wheels::new(0.02, 0.03) };
+        let belief = Belief::new(Pose::new(1.0, -2.0, Angle::from_radians(heading)), [0.3, 0.2, 0.1]);
+        let travel = WheelOdometry { travel: WheelPair::new(right, left), variance: WheelPair::new(0.02, 0.03) };
         let predicted = ekf.predict(belief, travel);
         let expected = expected_covariance(&ekf, belief, travel);
         for i in 0..9 {
             let (row, column) = (i / 3, i % 3);
             prop_assert!((predicted.covariance.entry(row, column) - expected[(row, column)]).abs() < TOLERANCE);
         }
-        let moved = belief.pose.moved(ekf.drive.motion_from_travel(travel.rims), ekf.integration);
+        let moved = belief.pose.integrate(ekf.drive.motion_from_travel(travel.travel), ekf.integration);
         prop_assert!(difference(predicted.pose, moved).iter().all(|d| d.abs() < 1e-14));
     }
 
@@ -90,36 +91,36 @@ proptest! {
         x in -3.0..3.0_f64, y in -3.0..3.0_f64, heading in -3.1..3.1_f64,
         direction in -3.0..3.0_f64, distance in 4.5..9.0_f64, flip in any::<bool>(),
     ) {
-        let belief = Belief::new(Pose::new(x, y, Angle::wrapped(heading)), [0.1, 0.1, 0.1]);
-        let compass = Compass { heading: Angle::wrapped(heading + 0.2), std: 0.01 };
+        let belief = Belief::new(Pose::new(x, y, Angle::from_radians(heading)), [0.1, 0.1, 0.1]);
+        let compass = HeadingMeasurement { heading: Angle::from_radians(heading + 0.2), std: 0.01 };
         prop_assert!(jacobian_error(belief, |b| compass.innovation(b)) < TOLERANCE);
 
         let side = if flip { core::f64::consts::PI } else { 0.0 };
-        let wall = WallSighting {
-            wall: Line::new(distance, Angle::wrapped(direction)),
-            seen: Line::new(if flip { -distance } else { distance }, Angle::wrapped(direction - heading + 0.1 + side)),
+        let wall = LineMeasurement {
+            wall: Line::new(distance, Angle::from_radians(direction)),
+            seen: Line::new(if flip { -distance } else { distance }, Angle::from_radians(direction - heading + 0.1 + side)),
             distance_variance: 0.02,
             direction_variance: 0.01,
             covariance: 0.005,
         };
         prop_assert!(jacobian_error(belief, |b| wall.innovation(b)) < TOLERANCE);
 
-        let landmark = LandmarkSighting {
+        let landmark = RangeBearingMeasurement {
             landmark: Point::new(distance * f64::cos(direction), distance * f64::sin(direction)),
             range: 5.0,
-            bearing: Angle::wrapped(direction - heading),
+            bearing: Angle::from_radians(direction - heading),
             range_std: 0.1,
             bearing_std: 0.01,
         };
         prop_assert!(jacobian_error(belief, |b| landmark.innovation(b)) < TOLERANCE);
 
-        let fix = PositionFix {
+        let fix = PositionMeasurement {
             position: Point::new(y, x), x_variance: 0.1, y_variance: 0.2, covariance: -0.05,
         };
         prop_assert!(jacobian_error(belief, |b| fix.innovation(b)) < TOLERANCE);
 
-        let pose = PoseFix {
-            pose: Pose::new(y, x, Angle::wrapped(heading + 0.3)),
+        let pose = PoseMeasurement {
+            pose: Pose::new(y, x, Angle::from_radians(heading + 0.3)),
             information: Matrix([[4.0, 1.0, -2.0], [1.0, 3.0, 0.5], [-2.0, 0.5, 9.0]]),
         };
         prop_assert!(jacobian_error(belief, |b| pose.innovation(b)) < TOLERANCE);
@@ -128,13 +129,13 @@ proptest! {
     /// A wall says the same whichever way its seen normal points, and nothing new where it is expected.
     #[test]
     fn a_wall_has_two_normals(x in -3.0..3.0, y in -3.0..3.0, heading in -3.1..3.1, direction in -3.0..3.0) {
-        let pose: MapFromBody = Pose::new(x, y, Angle::wrapped(heading));
+        let pose: MapFromBody = Pose::new(x, y, Angle::from_radians(heading));
         let belief = Belief::new(pose, [0.1, 0.1, 0.1]);
-        let wall: Line<Map, f64> = Line::new(1.0, Angle::wrapped(direction));
+        let wall: Line<Map, f64> = Line::new(1.0, Angle::from_radians(direction));
         let seen = pose.inverse() * wall;
         let other: Line<Body, f64> = Line::new(-seen.distance, seen.direction + Angle::half_turn());
         for seen in [seen, other] {
-            let sighting = WallSighting {
+            let sighting = LineMeasurement {
                 wall, seen, distance_variance: 1e-4, direction_variance: 1e-4, covariance: 0.0,
             };
             prop_assert!(sighting.innovation(&belief).residual.iter().all(|r| r.abs() < 1e-12));

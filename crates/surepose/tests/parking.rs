@@ -1,12 +1,12 @@
 //! The closed loop comes to rest at the goal.
 
-use surepose::closed_loop::{Controller, Progress};
-use surepose::{Angle, Body, Direction, Drive, Goal, Integration, Limits, Map, Pose, Tolerance};
+use surepose::closed_loop::{Controller, ControllerState};
+use surepose::{Angle, Body, DiffDrive, Direction, Goal, Integration, Limits, Map, Pose, Tolerance};
 
 fn controller(direction: Direction) -> Controller<f64> {
-    let (drive, period) = (Drive::new(0.05, 0.6), 0.02);
+    let (drive, period) = (DiffDrive::new(0.05, 0.6), 0.02);
     let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
-    let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), hold: 1.0, release: 1.5 };
+    let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), dwell: 1.0, hysteresis: 1.5 };
     Controller::fitted(drive, limits, period, direction, tolerance)
 }
 
@@ -16,17 +16,17 @@ fn every_direction_of_approach_parks() {
     for direction in [Direction::Forward, Direction::Reverse, Direction::Auto] {
         for k in 0..64_u32 {
             let bearing = f64::from(k) * 0.1;
-            let heading = Angle::wrapped(f64::from(k) * 2.4);
+            let heading = Angle::from_radians(f64::from(k) * 2.4);
             let mut pose: Pose<Map, Body, f64> = Pose::new(2.0 * bearing.cos(), 2.0 * bearing.sin(), heading);
             let controller = controller(direction);
-            let mut progress = Progress::fresh();
+            let mut state = ControllerState::new();
             let mut reached = false;
             for _ in 0..6000 {
-                let step = controller.step(progress, pose, goal);
-                assert!(controller.drive.rims_from_twist(step.granted).largest() <= 0.3 + 1e-12);
-                pose = pose.moved(step.granted.over(controller.period), Integration::Arc);
-                progress = step.progress;
-                reached = progress.arrival.reached(&controller.tolerance);
+                let step = controller.step(state, pose, goal);
+                assert!(controller.drive.wheel_speeds_from_twist(step.limited).max_abs() <= 0.3 + 1e-12);
+                pose = pose.integrate(step.limited.integrate_for(controller.period), Integration::Arc);
+                state = step.state;
+                reached = state.goal_checker.reached(&controller.tolerance);
                 if reached {
                     break;
                 }

@@ -15,7 +15,7 @@ const SIN_COS_ULPS: f64 = 2.0;
 /// Twice the error of `libm`'s `atan2` \[ulp].
 const ATAN2_ULPS: f64 = 4.0;
 /// Beyond this the interval is taken for the whole circle: no angle of a robot is as large.
-const LARGEST_ANGLE: f64 = 1e9;
+const MAX_ANGLE: f64 = 1e9;
 
 impl Interval {
     /// Square; tighter than the product with itself, which does not know that both factors are the same.
@@ -36,7 +36,7 @@ impl Interval {
     /// Sine and cosine.
     pub(super) fn sine_cosine(self) -> (Self, Self) {
         let all = Self { lo: -1.0, hi: 1.0 };
-        if self.magnitude() > LARGEST_ANGLE || self.hi - self.lo >= TAU {
+        if self.magnitude() > MAX_ANGLE || self.hi - self.lo >= TAU {
             return (all, all);
         }
         let (sin_lo, cos_lo) = libm::sincos(self.lo);

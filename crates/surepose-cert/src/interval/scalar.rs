@@ -4,38 +4,38 @@ use core::f64::consts::{PI, TAU};
 
 use surepose::{Angle, Scalar};
 
-use crate::fork::choose;
+use crate::branching::choose_branch;
 use crate::interval::Interval;
-use crate::verdict::Verdict;
+use crate::tribool::Tribool;
 
 impl Scalar for Interval {
-    type Mask = Verdict;
+    type Mask = Tribool;
 
     /// The float `value`, which is what the program has: π, for one, is the `f64` π.
     #[inline]
-    fn of(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         Self::point(value)
     }
     #[inline]
-    fn lt(self, other: Self) -> Verdict {
+    fn lt(self, other: Self) -> Tribool {
         if self.hi < other.lo {
-            Verdict::Yes
+            Tribool::True
         } else if self.lo >= other.hi {
-            Verdict::No
+            Tribool::False
         } else {
-            match choose(2) {
-                Some(0) => Verdict::Yes,
-                Some(_) => Verdict::No,
-                None => Verdict::Maybe,
+            match choose_branch(2) {
+                Some(0) => Tribool::True,
+                Some(_) => Tribool::False,
+                None => Tribool::Unknown,
             }
         }
     }
     #[inline]
-    fn select(mask: Verdict, yes: Self, no: Self) -> Self {
+    fn select(mask: Tribool, yes: Self, no: Self) -> Self {
         match mask {
-            Verdict::Yes => yes,
-            Verdict::No => no,
-            Verdict::Maybe => yes.hull(no),
+            Tribool::True => yes,
+            Tribool::False => no,
+            Tribool::Unknown => yes.hull(no),
         }
     }
     #[inline]
@@ -55,7 +55,7 @@ impl Scalar for Interval {
         let all = self.nearest();
         let count = all.hi - all.lo + 1.0;
         if (2.0..=4.0).contains(&count)
-            && let Some(taken) = choose(count as u8)
+            && let Some(taken) = choose_branch(count as u8)
         {
             return Self::point(all.lo + f64::from(taken));
         }
@@ -79,7 +79,7 @@ impl Scalar for Interval {
         (sin, cos, self.sine_over(sin))
     }
     #[inline]
-    fn sinc_slope(self, _cos: Self, _sinc: Self) -> Self {
+    fn sinc_derivative(self, _cos: Self, _sinc: Self) -> Self {
         self.sine_over_slope()
     }
     #[inline]
@@ -87,21 +87,21 @@ impl Scalar for Interval {
         self.square()
     }
     #[inline]
-    fn wrapped_sum(self) -> Self {
+    fn wrap_once(self) -> Self {
         // Floats in (−π, π] stay as they are: they are less than half a turn from 0, and half a turn rounds to none.
         if self.lo > -PI && self.hi <= PI {
             return self;
         }
         // Across the branch: each piece on its own way. −π comes as π with the piece that is one turn on.
-        let turns = (self * Self::of(1.0 / TAU)).nearest();
+        let turns = (self * Self::from_f64(1.0 / TAU)).nearest();
         let count = turns.hi - turns.lo + 1.0;
         if (2.0..=3.0).contains(&count)
-            && let Some(taken) = choose(count as u8)
+            && let Some(taken) = choose_branch(count as u8)
         {
-            let near = self - Self::of(TAU) * Self::point(turns.lo + f64::from(taken));
-            return near.clamp(Self::of(-PI), Self::of(PI));
+            let near = self - Self::from_f64(TAU) * Self::point(turns.lo + f64::from(taken));
+            return near.clamp(Self::from_f64(-PI), Self::from_f64(PI));
         }
-        Angle::wrapped(self).radians()
+        Angle::from_radians(self).radians()
     }
 }
 

@@ -1,12 +1,12 @@
-//! What the certificate's tests share: the shipped law and requests for it.
+//! What the certificate's tests share: the deployed law and requests for it.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses a part")]
 
 use std::f64::consts::PI;
 
-use surepose::{Direction, Drive, Gains, HybridLaw, Law, Limits};
-use surepose_cert::{Noise, Request, Shipped, Situation, Subject};
+use surepose::{DiffDrive, Direction, Gains, HybridLaw, Law, Limits};
+use surepose_cert::{DeployedController, DisturbedState, NoiseBounds, Request, SampledController};
 
-pub const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
+pub const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
 pub const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 1e9 };
 
 /// The default law for a period \[s].
@@ -14,39 +14,44 @@ pub fn hybrid(period: f64) -> HybridLaw<f64> {
     HybridLaw::fitted(&DRIVE, &LIMITS, period, Direction::Auto)
 }
 
-pub fn shipped(law: HybridLaw<f64>) -> Shipped {
-    Shipped { law: Law::Hybrid(law), drive: DRIVE, braking: None, limits: LIMITS }
+pub fn deployed(law: HybridLaw<f64>) -> DeployedController {
+    DeployedController { law: Law::Hybrid(law), drive: DRIVE, braking: None, limits: LIMITS }
 }
 
 /// The default law with the gains that the paper prints.
 pub fn paper_gains(period: f64) -> HybridLaw<f64> {
-    HybridLaw { gains: Gains::paper(), ..hybrid(period) }
+    HybridLaw { gains: Gains::tran2012(), ..hybrid(period) }
 }
 
 /// Bounds as on the command line: \[m], \[°].
-pub fn noise(position: f64, heading_deg: f64) -> Noise {
-    Noise { position, heading: heading_deg.to_radians(), ..Noise::default() }
+pub fn noise(position: f64, heading_deg: f64) -> NoiseBounds {
+    NoiseBounds { position, heading: heading_deg.to_radians(), ..NoiseBounds::default() }
 }
 
-pub fn request<L: Subject>(subject: &L, h: f64, period: f64, noise: Noise) -> Request<'_, L> {
+pub fn request<L: SampledController>(
+    controller: &L,
+    h: f64,
+    period: f64,
+    noise: NoiseBounds,
+) -> Request<'_, L> {
     Request {
-        subject,
+        controller,
         drive: DRIVE,
         limits: LIMITS,
         h,
         period,
         noise,
         workspace: 5.0,
-        largest_capture_radius: 0.15,
+        max_capture_radius: 0.15,
         rests_within: 0.0,
-        longest_period: 0.0,
+        max_period_searched: 0.0,
     }
 }
 
 /// Repeatable random numbers in [−1, 1): a 64-bit linear congruential generator's upper half.
-pub struct Dice(pub u64);
+pub struct Rng(pub u64);
 
-impl Dice {
+impl Rng {
     pub fn either(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         f64::from((self.0 >> 32) as u32) / f64::from(1_u32 << 31) - 1.0
@@ -61,10 +66,10 @@ pub fn trials() -> u64 {
 }
 
 /// Noise inside its bounds, on them half of the time.
-pub fn disturb(situation: &mut Situation, bounds: &Noise, dice: &mut Dice) {
-    let (direction, size) = (PI * dice.either(), if dice.flip() { 1.0 } else { dice.either().abs() });
+pub fn disturb(disturbed_state: &mut DisturbedState, bounds: &NoiseBounds, rng: &mut Rng) {
+    let (direction, size) = (PI * rng.either(), if rng.flip() { 1.0 } else { rng.either().abs() });
     let reach = bounds.position * size * (1.0 - 1e-12);
-    (situation.noise_x, situation.noise_y) = (reach * direction.cos(), reach * direction.sin());
-    let part = dice.either();
-    situation.noise_heading = bounds.heading * if dice.flip() { part.signum() } else { part };
+    (disturbed_state.noise_x, disturbed_state.noise_y) = (reach * direction.cos(), reach * direction.sin());
+    let part = rng.either();
+    disturbed_state.noise_heading = bounds.heading * if rng.flip() { part.signum() } else { part };
 }

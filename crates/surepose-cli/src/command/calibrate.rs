@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use surepose_data::Config;
-use surepose_data::ticks::{self, ROVER};
-use surepose_lab::Watch;
-use surepose_lab::calibrate::{CalibrationError, Options, Recording, STAGES, calibrate};
+use surepose_data::mines_rover::{self, ROVER};
+use surepose_lab::CancelToken;
+use surepose_lab::calibrate::{CalibrationError, CalibrationRecording, Options, STAGES, calibrate};
 use surepose_ros2::bag::{self, Recorded};
 
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::folder::Folder;
 use crate::output::{Output, object, say, table, warning, wrapped};
+use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, names_of};
 use crate::{interrupt, progress};
 
@@ -58,19 +58,19 @@ enum Format {
 }
 
 impl CalibrateCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
-        let folder = self.out.as_deref().map(Folder::at).transpose()?;
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
+        let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
         let (recording, options) = match self.format {
             Format::Ticks => self.ticks()?,
             Format::Mcap => self.mcap()?,
         };
-        let (watch, bar) = (Watch::default(), progress::bar(output, "fitting"));
-        let part = || watch.done() as f64 / STAGES as f64;
-        let fit = || calibrate(&recording, &options, &watch);
-        let found = match progress::attended(&bar, part, || watch.stop(), fit)? {
+        let (cancel, bar) = (CancelToken::default(), progress::bar(output, "fitting"));
+        let part = || cancel.completed() as f64 / STAGES as f64;
+        let fit = || calibrate(&recording, &options, &cancel);
+        let found = match progress::attended(&bar, part, || cancel.cancel(), fit)? {
             // There is no half of a fit to be kept.
             Err(CalibrationError::Stopped) => return interrupt::nothing(output),
-            found => found.map_err(|why| Failure::Recording { path: self.path, what: why.to_string() })?,
+            found => found.map_err(|why| CliError::Recording { path: self.path, what: why.to_string() })?,
         };
         if let Some(folder) = &folder {
             folder.text("calibration.toml", &found.configuration())?;
@@ -94,16 +94,16 @@ impl CalibrateCommand {
         })?;
         Ok(Exit::Done)
     }
-    fn ticks(&self) -> Result<(Recording, Options), Failure> {
+    fn ticks(&self) -> Result<(CalibrationRecording, Options), CliError> {
         if self.compass || !self.remap.is_empty() || self.config.is_given() {
-            return Err(Failure::Usage {
+            return Err(CliError::Usage {
                 what: "ticks are the rover's, whose robot is known, and have neither topics nor a compass"
                     .to_owned(),
                 help: "leave out --config, --set, --compass and --remap".to_owned(),
             });
         }
-        let log = ticks::read(&self.path)?;
-        let recording = Recording {
+        let log = mines_rover::read(&self.path)?;
+        let recording = CalibrationRecording {
             ticks_per_turn: ROVER.ticks_per_turn,
             ticks: log.odometry,
             scans: log.scans,
@@ -112,12 +112,12 @@ impl CalibrateCommand {
         Ok((recording, Options::rover()))
     }
 
-    fn mcap(&self) -> Result<(Recording, Options), Failure> {
+    fn mcap(&self) -> Result<(CalibrationRecording, Options), CliError> {
         let config = self.config.over(Config::default())?;
         let names = names_of(&self.remap)?;
         let Recorded { recording, options, skipped, mounted, truncations } =
             bag::recorded(&self.path, &config, &names, self.compass)
-                .map_err(|error| Failure::Recording { path: self.path.clone(), what: error.to_string() })?;
+                .map_err(|error| CliError::Recording { path: self.path.clone(), what: error.to_string() })?;
         if let Some(line) = mounted {
             say(&line);
         }

@@ -7,15 +7,15 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
-use surepose_cert::{Certificate, Counterexample, Margins, Noise};
+use surepose_cert::{Certificate, Counterexample, Margins, NoiseBounds};
 use surepose_data::Config;
 use surepose_lab::picture;
 
-use crate::certification::Bounds;
+use crate::certification::CertifiedBounds;
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::folder::Folder;
 use crate::output::{Output, table, worded, wrapped};
+use crate::output_dir::OutputDir;
 use crate::settings::LawArgs;
 use crate::{certification, interrupt, progress};
 
@@ -71,8 +71,8 @@ pub(super) struct NoiseArgs {
 
 impl NoiseArgs {
     /// The same, in radians.
-    pub(super) fn bounds(self) -> Noise {
-        Noise {
+    pub(super) fn bounds(self) -> NoiseBounds {
+        NoiseBounds {
             position: self.position,
             heading: self.heading.to_radians(),
             rim_speed: self.speed,
@@ -92,7 +92,7 @@ fn heading_bound(text: &str) -> Result<f64, String> {
 }
 
 impl CertifyCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let mut config = self.config.over(Config::default())?;
         if let Some(period) = &self.period {
             config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
@@ -102,7 +102,7 @@ impl CertifyCommand {
             return average::run(&config, noise, output);
         }
         // A folder that cannot be written to is found before the work, not after it.
-        let folder = self.out.as_deref().map(Folder::at).transpose()?;
+        let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
         let certificate = certification::certificate(&config, noise);
         let mut json = json_of(&certificate);
         if let Some(folder) = &folder {
@@ -145,12 +145,12 @@ impl CertifyCommand {
 
 /// Writes the pictures of the margin, unless the user does not wait for them.
 fn draw(
-    folder: &Folder,
+    folder: &OutputDir,
     config: &Config,
-    noise: Noise,
+    noise: NoiseBounds,
     certificate: &Certificate,
     output: Output,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     interrupt::listen();
     let bar = progress::bar(output, "margin");
     let margins = certification::margin(config, noise, certificate, |part| {
@@ -159,7 +159,7 @@ fn draw(
     });
     bar.finish_and_clear();
     let Some(margins) = margins else { return Ok(()) };
-    let rises = certificate.counterexample.as_ref().map(|found| &found.situation);
+    let rises = certificate.counterexample.as_ref().map(|found| &found.disturbed_state);
     folder.picture("margin", &picture::margin(&margins, rises))?;
     folder.picture("margin_over_distance", &picture::margin_over_distance(&margins))?;
     folder.table("margin.csv", cells(&margins))
@@ -204,8 +204,8 @@ const WORDS: [(&str, &str); 11] = [
 
 /// The certificate under the contract's keys; what was not shown is absent.
 fn json_of(certificate: &Certificate) -> Map<String, Json> {
-    let Bounds { capture_radius_m, final_heading_bound_deg, final_position_bound_m } =
-        Bounds::of(certificate);
+    let CertifiedBounds { capture_radius_m, final_heading_bound_deg, final_position_bound_m } =
+        CertifiedBounds::from_certificate(certificate);
     let numbers = [
         ("capture_radius_m", capture_radius_m),
         ("decrease_rate_per_s", certificate.decrease_rate),
@@ -221,9 +221,9 @@ fn json_of(certificate: &Certificate) -> Map<String, Json> {
             json.insert(key.to_owned(), json!(value));
         }
     }
-    if let Some(settling) = certificate.settling {
-        json.insert("switch_keeps_its_mind".to_owned(), json!(settling.switch_keeps_its_mind()));
-        json.insert("switch_dwell_ticks".to_owned(), json!(settling.switch_dwell));
+    if let Some(terminal_phase) = certificate.terminal_phase {
+        json.insert("switch_keeps_its_mind".to_owned(), json!(terminal_phase.has_switch_hysteresis()));
+        json.insert("switch_dwell_ticks".to_owned(), json!(terminal_phase.switch_dwell));
     }
     json.insert("boxes".to_owned(), json!(certificate.boxes));
     json.insert("wall_s".to_owned(), json!(certificate.wall));
@@ -231,31 +231,31 @@ fn json_of(certificate: &Certificate) -> Map<String, Json> {
         json.insert("reason".to_owned(), json!(reason.to_string()));
     }
     if let Some(found) = &certificate.counterexample {
-        json.insert("counterexample".to_owned(), situation(found));
+        json.insert("counterexample".to_owned(), disturbed_state(found));
     }
     json
 }
 
-fn situation(found: &Counterexample) -> Json {
-    let Counterexample { situation: at, consequence, .. } = found;
+fn disturbed_state(found: &Counterexample) -> Json {
+    let Counterexample { disturbed_state: at, transition, .. } = found;
     json!({
         "x_m": at.x, "y_m": at.y, "heading_deg": at.heading.to_degrees(),
         "noise_x_m": at.noise_x, "noise_y_m": at.noise_y, "noise_heading_deg": at.noise_heading.to_degrees(),
         "noise_right_m_s": at.noise_right, "noise_left_m_s": at.noise_left,
-        "v_m_s": consequence.told.v, "omega_deg_s": consequence.told.omega.to_degrees(),
-        "w_before": consequence.weight_before, "w_after": consequence.weight_after,
+        "v_m_s": transition.commanded.v, "omega_deg_s": transition.commanded.omega.to_degrees(),
+        "w_before": transition.lyapunov_before, "w_after": transition.lyapunov_after,
         "wheel_limits": found.limited,
     })
 }
 
 fn described(found: &Counterexample) -> String {
-    let (at, then) = (&found.situation, &found.consequence);
+    let (at, then) = (&found.disturbed_state, &found.transition);
     format!(
         "at {:.3} m, {:.3} m, {:.1}°: W goes from {:.3} to {:.3} in a tick",
         at.x,
         at.y,
         at.heading.to_degrees(),
-        then.weight_before,
-        then.weight_after
+        then.lyapunov_before,
+        then.lyapunov_after
     )
 }

@@ -7,11 +7,11 @@ use serde_json::{Map, Value as Json, json};
 use surepose::param::{Kind, Parameter, Range};
 use surepose_data::config::{ConfigProblem, Setting, Value, parameter};
 use surepose_data::{Config, ConfigError};
-use surepose_lab::rig::Scenario;
+use surepose_lab::robot::Scenario;
 
 use crate::certification;
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
 use crate::output::{Output, say, table, text, warning};
 use crate::settings::{ConfigArgs, toml_of};
 
@@ -51,14 +51,14 @@ struct Source {
 }
 
 impl Source {
-    fn read(self) -> Result<Config, Failure> {
+    fn read(self) -> Result<Config, CliError> {
         let Self { file, config: ConfigArgs { config, set } } = self;
         ConfigArgs { config: file.or(config), set }.over(Config::default())
     }
 }
 
 impl ConfigCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         match self.what {
             What::Check(source) => match source.read() {
                 Ok(config) => {
@@ -66,7 +66,7 @@ impl ConfigCommand {
                     Ok(Exit::Done)
                 }
                 Err(failure) => {
-                    if let (true, Failure::Config(error)) = (output.json, &failure) {
+                    if let (true, CliError::Config(error)) = (output.json, &failure) {
                         text(&format!("{}\n", invalid(error)))?;
                     }
                     Err(failure)
@@ -97,16 +97,17 @@ fn invalid(error: &ConfigError) -> Json {
     json!({ "valid": false, "problems": error.problems.iter().map(listed).collect::<Vec<_>>() })
 }
 
-fn check(output: Output, config: &Config) -> Result<(), Failure> {
+fn check(output: Output, config: &Config) -> Result<(), CliError> {
     let mut warnings = certification::warnings(config);
-    let refused = Scenario::configured(config.clone()).has_room().err();
+    let refused = Scenario::configured(config.clone()).check_clearance().err();
     warnings.extend(refused.map(|problem| format!("`surepose run` refuses this [scenario]: {problem}")));
     for said in &warnings {
         warning(said);
     }
     let json = Map::from_iter([("valid".to_owned(), json!(true)), ("warnings".to_owned(), json!(warnings))]);
     output.result(&json, || {
-        let set = config.settings().iter().filter(|s| s.origin != surepose_data::config::Origin::Default);
+        let set =
+            config.settings().iter().filter(|s| s.origin != surepose_data::config::ValueSource::Default);
         let mut table = table(&["parameter", "value", "from"]);
         for setting in set {
             table.add_row([name(setting.parameter), shown(setting), setting.origin.to_string()]);
@@ -127,7 +128,7 @@ fn check(output: Output, config: &Config) -> Result<(), Failure> {
     Ok(())
 }
 
-fn show(output: Output, config: &Config) -> Result<(), Failure> {
+fn show(output: Output, config: &Config) -> Result<(), CliError> {
     if output.json {
         let entry = |setting: &Setting| {
             let value = match &setting.value {
@@ -144,12 +145,12 @@ fn show(output: Output, config: &Config) -> Result<(), Failure> {
     text(&toml_of(config))
 }
 
-fn explain(output: Output, wanted: &str) -> Result<Exit, Failure> {
+fn explain(output: Output, wanted: &str) -> Result<Exit, CliError> {
     let p = parameter(wanted)
-        .map_err(|help| Failure::Usage { what: format!("'{wanted}' is not one parameter"), help })?;
+        .map_err(|help| CliError::Usage { what: format!("'{wanted}' is not one parameter"), help })?;
     let (bounds, default, reason) = match p.kind {
         Kind::Number { default, range } => (bounds(p, &range), json!(default), range.reason),
-        Kind::Whole { default, range } => (bounds(p, &range), json!(default), range.reason),
+        Kind::Integer { default, range } => (bounds(p, &range), json!(default), range.reason),
         Kind::Choice { options } => (options.join(", "), json!(options.first()), "these are what there is"),
     };
     let meaning = p.meaning.trim();

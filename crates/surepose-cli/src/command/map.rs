@@ -1,22 +1,22 @@
 //! `surepose map`: wall maps from occupancy grids and from recordings.
 
-mod place;
+mod output;
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use surepose_data::{carmen, map_server, wall_map};
-use surepose_lab::mapping::{MapReport, Mapped, from_grid, from_log};
-use surepose_lab::picture::{self, Ground};
-use surepose_lab::replay::carmen::{map_of, views};
+use surepose_lab::mapping::{MapReport, MappingResult, from_grid, from_log};
+use surepose_lab::picture::{self, MapBackground};
+use surepose_lab::replay::carmen::{map_from_log, views};
 
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::folder::{Folder, write_file};
 use crate::interrupt;
 use crate::maps::grid_in;
 use crate::output::{Output, object, table, warning};
-use place::{Place, keep, name_of, pictures_of};
+use crate::output_dir::{OutputDir, write_file};
+use output::{MapOutput, keep, name_of, pictures_of};
 
 /// Make a wall map, or show one.
 #[derive(Debug, Args)]
@@ -81,28 +81,28 @@ enum Format {
 }
 
 impl MapCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let report = match self.what {
             What::FromGrid { grid, out, picture } => {
-                let place = Place::new(out, picture, &[&grid, &map_server::image_of(&grid)?])?;
+                let target = MapOutput::new(out, picture, &[&grid, &map_server::image_of(&grid)?])?;
                 let grid = grid_in(&grid)?;
-                write(&from_grid::walls_of(&grid), Ground::Grid(&grid), &place)?
+                write(&from_grid::extract_walls(&grid), MapBackground::Grid(&grid), &target)?
             }
             What::FromLog { format: Format::Carmen, path, out, picture } => {
-                let place = Place::new(out, picture, &[&path])?;
-                let (log, settings) = (carmen::read(&path)?, from_log::Settings::default());
-                let ends = from_log::ends_of(views(&log), &settings);
-                write(&map_of(&log, 1, &settings), Ground::Ends(&ends), &place)?
+                let target = MapOutput::new(out, picture, &[&path])?;
+                let (log, settings) = (carmen::read(&path)?, from_log::LogMappingSettings::default());
+                let ends = from_log::beam_endpoints(views(&log), &settings);
+                write(&map_from_log(&log, 1, &settings), MapBackground::Ends(&ends), &target)?
             }
             What::Show { map, grid, out } => {
                 let walls = wall_map::read(&map)?;
                 let grid = grid.as_deref().map(grid_in).transpose()?;
                 if let Some(folder) = &out {
                     keep(&[&map], pictures_of(&map, folder), "give --out another folder")?;
-                    let ground = grid.as_ref().map_or(Ground::Nothing, Ground::Grid);
-                    Folder::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls, ground))?;
+                    let ground = grid.as_ref().map_or(MapBackground::Nothing, MapBackground::Grid);
+                    OutputDir::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls, ground))?;
                 }
-                MapReport::of(&walls)
+                MapReport::from_map(&walls)
             }
         };
         let json = object(&report);
@@ -130,11 +130,15 @@ impl MapCommand {
 }
 
 /// Writes the map, and its picture beside it or into a folder of its own.
-fn write(mapped: &Mapped, ground: Ground<'_>, place: &Place) -> Result<MapReport, Failure> {
-    let text = mapped.map.to_toml(&place.map)?;
+fn write(
+    mapped: &MappingResult,
+    ground: MapBackground<'_>,
+    target: &MapOutput,
+) -> Result<MapReport, CliError> {
+    let text = mapped.map.to_toml(&target.map)?;
     // A map comes with its picture: from here on, Ctrl-C waits for it.
     interrupt::listen();
-    write_file(&place.map, &text)?;
-    place.pictures.picture(&name_of(&place.map), &picture::wall_map(&mapped.map, ground))?;
+    write_file(&target.map, &text)?;
+    target.pictures.picture(&name_of(&target.map), &picture::wall_map(&mapped.map, ground))?;
     Ok(mapped.report)
 }

@@ -6,17 +6,19 @@ use clap::{Args, ValueEnum};
 use surepose::Belief;
 use surepose_data::Config;
 use surepose_data::wall_map::WallMap;
-use surepose_lab::replay::{FollowerSettings, Hall, ReplayError, ReplayReport, carmen, mrclam, ticks, wean};
-use surepose_lab::rig::Reading;
-use surepose_lab::{Watch, picture};
+use surepose_lab::replay::{
+    BuildingMap, LaserReplaySettings, ReplayError, ReplayReport, carmen, cmu_wean, mines_rover, mrclam,
+};
+use surepose_lab::robot::ScanMethod;
+use surepose_lab::{CancelToken, picture};
 use surepose_ros2::bag::{self, Notice};
-use surepose_ros2::{START_STD, Settings};
+use surepose_ros2::{NodeDriverSettings, START_STD};
 
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::folder::Folder;
-use crate::maps::{Known, known_in, walls_in, walls_to_read};
+use crate::maps::{MapFile, read_map_file, walls_in, walls_to_read};
 use crate::output::{Output, object, say, table, warning, worded};
+use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, PoseArg, names_of, whole};
 use crate::{interrupt, progress};
 
@@ -75,32 +77,37 @@ enum Format {
 }
 
 impl ReplayCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         self.check()?;
         let report = match self.format {
             Format::Mrclam => {
-                let config = self.config.over(mrclam::Settings::preset())?;
-                mrclam::replay(&self.path, self.robot.unwrap_or(1), &mrclam::Settings::of(&config))
+                let config = self.config.over(mrclam::MrclamSettings::preset())?;
+                mrclam::replay(
+                    &self.path,
+                    self.robot.unwrap_or(1),
+                    &mrclam::MrclamSettings::from_config(&config),
+                )
             }
             Format::Carmen => {
-                let settings = carmen::Settings::of(&self.config.over(carmen::Settings::preset())?);
+                let settings =
+                    carmen::CarmenSettings::from_config(&self.config.over(carmen::CarmenSettings::preset())?);
                 let map = self.map.as_deref().map(walls_in).transpose()?;
                 let log = surepose_data::carmen::read(&self.path)?;
-                let replay = |watch: &Watch| carmen::replay_log(&log, map.as_ref(), &settings, watch);
+                let replay = |cancel: &CancelToken| carmen::replay_log(&log, map.as_ref(), &settings, cancel);
                 watched(output, log.scans.len(), replay)?
             }
             Format::Ticks => {
-                let settings = FollowerSettings::of(&self.config.over(ticks::preset())?);
-                let log = surepose_data::ticks::read(&self.path)?;
-                let replay = |watch: &Watch| ticks::replay_log(&log, &settings, watch);
+                let settings = LaserReplaySettings::from_config(&self.config.over(mines_rover::preset())?);
+                let log = surepose_data::mines_rover::read(&self.path)?;
+                let replay = |cancel: &CancelToken| mines_rover::replay_log(&log, &settings, cancel);
                 Ok(watched(output, log.scans.len(), replay)?.report)
             }
             Format::Wean => Ok(self.wean(output)?),
             Format::Mcap => Ok(self.mcap()?),
         };
         let report = report.map_err(|error| match error {
-            ReplayError::Data(error) => Failure::Data(error),
-            ReplayError::NoStart => Failure::Recording { path: self.path.clone(), what: error.to_string() },
+            ReplayError::Data(error) => CliError::Data(error),
+            ReplayError::NoStart => CliError::Recording { path: self.path.clone(), what: error.to_string() },
         })?;
         let mut json = object(&report);
         interrupt::mark(&mut json);
@@ -127,36 +134,37 @@ impl ReplayCommand {
     }
 
     /// Follows the robot through Wean Hall, looks for it first where nobody says where it starts, and draws it.
-    fn wean(&self, output: Output) -> Result<ReplayReport, Failure> {
-        let config = self.config.over(wean::preset())?;
-        let folder = self.out.as_deref().map(Folder::at).transpose()?;
-        let hall = match self.map.as_deref().map(known_in).transpose()? {
-            Some(Known::Grid(grid)) => Hall::of_grid(grid),
-            Some(Known::Walls(map)) => Hall::of_map(&map),
-            None => Hall::of_map(&WallMap::default()),
+    fn wean(&self, output: Output) -> Result<ReplayReport, CliError> {
+        let config = self.config.over(cmu_wean::preset())?;
+        let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
+        let building = match self.map.as_deref().map(read_map_file).transpose()? {
+            Some(MapFile::Grid(grid)) => BuildingMap::from_grid(grid),
+            Some(MapFile::Walls(map)) => BuildingMap::from_wall_map(&map),
+            None => BuildingMap::from_wall_map(&WallMap::default()),
         };
-        let log = surepose_data::wean::read(&self.path)?;
-        let (start, settings) = (self.start.map(PoseArg::pose), wean::settings(&config));
-        let replay = |watch: &Watch| wean::replay(&log, &hall, start, &settings, watch);
+        let log = surepose_data::cmu_wean::read(&self.path)?;
+        let (start, settings) = (self.start.map(PoseArg::pose), cmu_wean::settings(&config));
+        let replay = |cancel: &CancelToken| cmu_wean::replay(&log, &building, start, &settings, cancel);
         let followed = watched(output, log.scans.len(), replay)?;
         if let Some(folder) = folder {
-            folder.picture("replay", &picture::hall(&hall, &log, &followed))?;
+            folder.picture("replay", &picture::building_map(&building, &log, &followed))?;
         }
         Ok(followed.report)
     }
 
-    /// Lets the node's pilot hear the recording.
-    fn mcap(&self) -> Result<ReplayReport, Failure> {
+    /// Lets the node's driver hear the recording.
+    fn mcap(&self) -> Result<ReplayReport, CliError> {
         let names = names_of(&self.remap)?;
         let map = self.map.as_deref().map(walls_to_read).transpose()?;
-        let (map, reading) = map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
-        let settings = Settings {
+        let (map, scan_method) =
+            map.map_or((None, ScanMethod::Lines), |(map, scan_method)| (Some(map), scan_method));
+        let settings = NodeDriverSettings {
             config: self.config.over(Config::default())?,
             map,
-            reading,
+            scan_method,
             start: self.start.map(|start| Belief::new(start.pose(), START_STD)),
             compass: self.compass,
-            room: 0.0,
+            safety_radius: 0.0,
             hold: false,
         };
         let notify = |notice: Notice| match notice {
@@ -164,13 +172,13 @@ impl ReplayCommand {
             Notice::Truncated(truncation) => warning(&truncation.to_string()),
         };
         bag::replay(&self.path, &settings, &names, notify)
-            .map_err(|error| Failure::Recording { path: self.path.clone(), what: error.to_string() })
+            .map_err(|error| CliError::Recording { path: self.path.clone(), what: error.to_string() })
     }
 
     /// Refuses options that the format has no use for, and asks for those that it needs.
-    fn check(&self) -> Result<(), Failure> {
+    fn check(&self) -> Result<(), CliError> {
         let usage =
-            |what: &str, help: &str| Err(Failure::Usage { what: what.to_owned(), help: help.to_owned() });
+            |what: &str, help: &str| Err(CliError::Usage { what: what.to_owned(), help: help.to_owned() });
         match self.format {
             Format::Carmen | Format::Ticks | Format::Wean | Format::Mcap if self.robot.is_some() => {
                 usage("only recordings of mrclam have several robots", "leave out --robot")
@@ -203,11 +211,11 @@ impl ReplayCommand {
 fn watched<T: Send>(
     output: Output,
     scans: usize,
-    replay: impl FnOnce(&Watch) -> T + Send,
-) -> Result<T, Failure> {
-    let (watch, bar) = (Watch::default(), progress::bar(output, "replaying"));
-    let part = || watch.done() as f64 / scans.max(1) as f64;
-    progress::attended(&bar, part, || watch.stop(), || replay(&watch))
+    replay: impl FnOnce(&CancelToken) -> T + Send,
+) -> Result<T, CliError> {
+    let (cancel, bar) = (CancelToken::default(), progress::bar(output, "replaying"));
+    let part = || cancel.completed() as f64 / scans.max(1) as f64;
+    progress::attended(&bar, part, || cancel.cancel(), || replay(&cancel))
 }
 
 /// What shows that the estimator was of no use.

@@ -1,6 +1,6 @@
 //! `surepose reproduce`: the paper's figures and their data.
 
-mod localisation;
+mod localization;
 
 use std::path::PathBuf;
 
@@ -10,13 +10,13 @@ use serde_json::{Map, Value as Json, json};
 use surepose_data::Config;
 use surepose_lab::{picture, reproduce};
 
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::folder::Folder;
 use crate::interrupt;
 use crate::output::{Output, table, warning};
+use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, whole};
-use localisation::Localisation;
+use localization::LocalizationRuns;
 
 /// Reproduce the figures of the paper, as SVG and PNG, with their data.
 #[derive(Debug, Args)]
@@ -64,9 +64,9 @@ struct Outcome {
 }
 
 impl ReproduceCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let config = self.config.over(Config::default())?;
-        let folder = Folder::at(&self.out)?;
+        let folder = OutputDir::at(&self.out)?;
         let mut figures = self.figures.clone();
         if figures.is_empty() {
             figures = Figure::value_variants().to_vec();
@@ -80,7 +80,7 @@ impl ReproduceCommand {
 
         interrupt::listen();
         // Fig. 4 and Fig. 5 show the same runs.
-        let mut localised: Option<Localisation> = None;
+        let mut localized: Option<LocalizationRuns> = None;
         let (mut json, mut good, mut rows) = (Map::new(), true, Vec::new());
         for figure in figures {
             if interrupt::asked() {
@@ -88,8 +88,8 @@ impl ReproduceCommand {
             }
             let (name, outcome) = match figure {
                 Figure::Fig3 => ("fig3", self.fig3(&folder)?),
-                Figure::Fig4 => ("fig4", self.localised(&config, output, &mut localised)?.fig4(&folder)?),
-                Figure::Fig5 => ("fig5", self.localised(&config, output, &mut localised)?.fig5(&folder)?),
+                Figure::Fig4 => ("fig4", self.localized(&config, output, &mut localized)?.fig4(&folder)?),
+                Figure::Fig5 => ("fig5", self.localized(&config, output, &mut localized)?.fig5(&folder)?),
                 Figure::Fig6 => ("fig6", self.fig6(&folder, &config)?),
                 Figure::Fig7 => ("fig7", self.fig7(&folder, &config)?),
             };
@@ -118,8 +118,8 @@ impl ReproduceCommand {
         })
     }
 
-    fn fig3(&self, folder: &Folder) -> Result<Outcome, Failure> {
-        let goals = reproduce::stabilisation(self.seed);
+    fn fig3(&self, folder: &OutputDir) -> Result<Outcome, CliError> {
+        let goals = reproduce::stabilization(self.seed);
         let (printed, corrected) = (reproduce::local_law(true), reproduce::local_law(false));
         folder.picture("fig3", &picture::fig3(&goals, &printed, &corrected))?;
         for goal in &goals {
@@ -138,22 +138,22 @@ impl ReproduceCommand {
         })
     }
 
-    fn localised<'a>(
+    fn localized<'a>(
         &self,
         config: &Config,
         output: Output,
-        kept: &'a mut Option<Localisation>,
-    ) -> Result<&'a Localisation, Failure> {
+        kept: &'a mut Option<LocalizationRuns>,
+    ) -> Result<&'a LocalizationRuns, CliError> {
         match kept {
-            Some(localised) => Ok(localised),
-            None => Ok(kept.insert(Localisation::run(config, self.runs, self.seed, output)?)),
+            Some(localized) => Ok(localized),
+            None => Ok(kept.insert(LocalizationRuns::run(config, self.runs, self.seed, output)?)),
         }
     }
 
-    fn fig6(&self, folder: &Folder, config: &Config) -> Result<Outcome, Failure> {
+    fn fig6(&self, folder: &OutputDir, config: &Config) -> Result<Outcome, CliError> {
         let runs = (self.runs / 10).max(1);
         let following = reproduce::following(config, self.seed, runs)
-            .map_err(|error| Failure::Usage { what: error.to_string(), help: "report this".to_owned() })?;
+            .map_err(|error| CliError::Usage { what: error.to_string(), help: "report this".to_owned() })?;
         folder.picture("fig6", &picture::fig6(&following))?;
         let shapes = [
             ("rounded_rectangle", &following.rounded_rectangle, following.figures.rounded_rectangle),
@@ -174,7 +174,7 @@ impl ReproduceCommand {
         Ok(Outcome { json: json!(following.figures), good: true, rows })
     }
 
-    fn fig7(&self, folder: &Folder, config: &Config) -> Result<Outcome, Failure> {
+    fn fig7(&self, folder: &OutputDir, config: &Config) -> Result<Outcome, CliError> {
         let goals = reproduce::parking(config, self.seed);
         folder.picture("fig7", &picture::fig7(&goals))?;
         for goal in &goals {

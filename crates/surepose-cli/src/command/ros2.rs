@@ -7,15 +7,15 @@ use clap::{Args, ValueEnum};
 use surepose::Belief;
 use surepose_data::Config;
 use surepose_data::wall_map::WallMap;
-use surepose_lab::rig::{Reading, Scenario};
+use surepose_lab::robot::{ScanMethod, Scenario};
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
 use surepose_ros2::robot::{self, RobotSettings};
-use surepose_ros2::{Names, NodeError, START_STD, Settings};
+use surepose_ros2::{Names, NodeDriverSettings, NodeError, START_STD};
 
 use crate::certification;
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
 use crate::interrupt;
 use crate::maps::walls_to_read;
 use crate::output::{Output, say, text, warning};
@@ -52,8 +52,8 @@ pub(crate) struct Ros2Command {
     #[arg(long)]
     hold: bool,
     /// Stop before what the laser sees and no map knows, so near to the way of the robot's middle; half the track and 10 cm unless given, 0 for not at all
-    #[arg(long, value_name = "M", value_parser = room, allow_negative_numbers = true)]
-    room: Option<f64>,
+    #[arg(long, value_name = "M", alias = "room", value_parser = safety_radius, allow_negative_numbers = true)]
+    safety_radius: Option<f64>,
     /// The type of cmd_vel, of geometry_msgs
     #[arg(long, value_enum, default_value_t = CommandType::Stamped)]
     cmd_vel: CommandType,
@@ -85,11 +85,11 @@ enum CommandType {
 }
 
 impl Ros2Command {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let config = self.config.over(Config::default())?;
         let names = Names::new(&self.namespace, &self.remap)
             .map_err(|error| usage(&error, "see --help for the node's names"))?;
-        let network = Network::of_environment(|name| std::env::var(name).ok())
+        let network = Network::from_env(|name| std::env::var(name).ok())
             .map_err(|error| usage(&error, "set the variable, or unset it"))?;
         let (simulated, settings) = self.settings(config, names, network)?;
         for said in &settings.warnings {
@@ -125,7 +125,7 @@ impl Ros2Command {
         config: Config,
         names: Names,
         network: Network,
-    ) -> Result<(Option<RobotSettings>, NodeSettings), Failure> {
+    ) -> Result<(Option<RobotSettings>, NodeSettings), CliError> {
         let stamped = self.cmd_vel == CommandType::Stamped;
         let mut warnings = certification::warnings(&config);
         let map = self.map.as_deref().map(walls_to_read).transpose()?;
@@ -134,35 +134,43 @@ impl Ros2Command {
         }
         if map.is_none() && self.start.is_some() && !self.simulate {
             let help = "give --map, or leave out --start: without a map the robot starts at 0,0,0".to_owned();
-            return Err(Failure::Usage { what: "there is no map to start on".to_owned(), help });
+            return Err(CliError::Usage { what: "there is no map to start on".to_owned(), help });
         }
         let scenario = self.simulate.then(|| Scenario::configured(config.clone()));
-        let mut pilot = match &scenario {
+        let mut driver = match &scenario {
             // The robot knows its arena, unless it is told otherwise.
-            Some(scenario) if map.is_none() => Settings::in_scenario(scenario),
+            Some(scenario) if map.is_none() => NodeDriverSettings::in_scenario(scenario),
             _ => {
-                let (map, reading) =
-                    map.map_or((None, Reading::Lines), |(map, reading)| (Some(map), reading));
+                let (map, scan_method) =
+                    map.map_or((None, ScanMethod::Lines), |(map, scan_method)| (Some(map), scan_method));
                 let compass = self.compass || self.simulate;
-                let room = Settings::usual_room(&config);
-                Settings { config, map, reading, start: None, compass, room, hold: false }
+                let safety_radius = NodeDriverSettings::default_safety_radius(&config);
+                NodeDriverSettings {
+                    config,
+                    map,
+                    scan_method,
+                    start: None,
+                    compass,
+                    safety_radius,
+                    hold: false,
+                }
             }
         };
-        pilot.hold = self.hold;
-        pilot.room = self.room.unwrap_or(pilot.room);
-        pilot.start = self.start.map(|start| Belief::new(start.pose(), START_STD)).or(pilot.start);
+        driver.hold = self.hold;
+        driver.safety_radius = self.safety_radius.unwrap_or(driver.safety_radius);
+        driver.start = self.start.map(|start| Belief::new(start.pose(), START_STD)).or(driver.start);
         let simulated = scenario.map(|scenario| {
             let (names, map_frame) = (names.clone(), self.map_frame.clone());
             RobotSettings { scenario, seed: self.seed, names, stamped, map_frame, network }
         });
         let map_frame = self.map_frame.clone();
-        Ok((simulated, NodeSettings { pilot, names, map_frame, stamped, network, warnings }))
+        Ok((simulated, NodeSettings { driver, names, map_frame, stamped, network, warnings }))
     }
 }
 
-fn room(text: &str) -> Result<f64, String> {
-    let room = text.parse::<f64>().ok().filter(|room| (0.0..=5.0).contains(room));
-    room.ok_or_else(|| "write metres, from 0 to 5".to_owned())
+fn safety_radius(text: &str) -> Result<f64, String> {
+    let safety_radius = text.parse::<f64>().ok().filter(|radius| (0.0..=5.0).contains(radius));
+    safety_radius.ok_or_else(|| "write metres, from 0 to 5".to_owned())
 }
 
 /// tf2 knows no frame whose name begins with `/`.
@@ -195,23 +203,23 @@ fn outside(map: &WallMap, start: PoseArg) -> Option<String> {
     ))
 }
 
-fn usage(error: &dyn std::fmt::Display, help: &str) -> Failure {
-    Failure::Usage { what: error.to_string(), help: help.to_owned() }
+fn usage(error: &dyn std::fmt::Display, help: &str) -> CliError {
+    CliError::Usage { what: error.to_string(), help: help.to_owned() }
 }
 
-fn failure(error: &NodeError) -> Failure {
+fn failure(error: &NodeError) -> CliError {
     usage(error, "is the network up, and is the domain free? See ROS_DOMAIN_ID")
 }
 
 #[cfg(test)]
 mod tests {
-    use surepose_data::wall_map::{Wall, WallMap};
+    use surepose_data::wall_map::{MapWall, WallMap};
 
     use super::{PoseArg, outside};
 
     #[test]
     fn a_start_far_beyond_all_walls_is_told() {
-        let wall = |from, to| Wall { name: None, from, to, covariance: None };
+        let wall = |from, to| MapWall { name: None, from, to, covariance: None };
         let walls = vec![wall([-1.0, 0.0], [3.0, 0.0]), wall([3.0, 0.0], [3.0, 2.5])];
         let map = WallMap { name: None, walls };
         let at = |x, y| outside(&map, PoseArg { x, y, heading_deg: 0.0 });

@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use surepose::param;
 use surepose_data::Config;
-use surepose_lab::drive::{Drive, Outcome, Sample, Summary};
 use surepose_lab::picture::{self, Picture};
-use surepose_lab::rig::{NoRoom, Scenario};
-use surepose_sim::Segment;
+use surepose_lab::robot::{InsufficientClearance, Scenario};
+use surepose_lab::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
+use surepose_sim::WallSegment;
 
 use crate::certification;
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::folder::Folder;
 use crate::output::{Output, object, table, warning};
+use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
 use crate::{interrupt, progress};
 
@@ -59,14 +59,14 @@ impl Default for RunCommand {
 }
 
 impl RunCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         interrupt::listen();
         let scenario = self.scenario()?;
         for said in certification::warnings(&scenario.config) {
             warning(&said);
         }
-        if let Some(wall) = scenario.wall_on_the_way() {
-            let Segment { start: a, end: b } = wall;
+        if let Some(wall) = scenario.wall_on_straight_path() {
+            let WallSegment { start: a, end: b } = wall;
             warning(&format!(
                 "the wall from ({}, {}) to ({}, {}) stands between start and goal: the law does not go round obstacles",
                 a.x, a.y, b.x, b.y
@@ -76,19 +76,19 @@ impl RunCommand {
             warning(&said);
         }
         // A folder that cannot be written to is found before the drive, not after it.
-        let folder = self.out.as_deref().map(Folder::at).transpose()?;
+        let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
 
         let bar = progress::bar(output, "driving");
-        let mut drive = Drive::new(&scenario, self.seed);
+        let mut simulation = Simulation::new(&scenario, self.seed);
         let mut samples = Vec::new();
         while !interrupt::asked() {
-            let Some(sample) = drive.next() else { break };
+            let Some(sample) = simulation.next() else { break };
             samples.push(sample);
-            progress::show(&bar, drive.elapsed());
+            progress::show(&bar, simulation.elapsed());
         }
         bar.finish_and_clear();
 
-        let summary = drive.summary();
+        let summary = simulation.summary();
         if summary.walls == 0 && summary.time_s > 1.0 {
             warning(
                 "the laser saw no wall that could be used, from the first to the last scan: is it set up as it is meant to be?",
@@ -116,13 +116,13 @@ impl RunCommand {
         })?;
         Ok(match summary.outcome {
             _ if interrupt::asked() => Exit::Interrupted,
-            Outcome::Reached => Exit::Done,
-            Outcome::Missed | Outcome::Timeout => Exit::Negative,
-            Outcome::Stopped => Exit::Stopped,
+            SimulationOutcome::Reached => Exit::Done,
+            SimulationOutcome::Missed | SimulationOutcome::Timeout => Exit::Negative,
+            SimulationOutcome::Stopped => Exit::Stopped,
         })
     }
 
-    fn scenario(&self) -> Result<Scenario, Failure> {
+    fn scenario(&self) -> Result<Scenario, CliError> {
         let mut base = Config::default();
         match self.scenario.as_deref() {
             Some(name) if Scenario::named(name, Config::default()).is_some() => {
@@ -134,7 +134,7 @@ impl RunCommand {
             Some(other) => {
                 let what = format!("'{}' is neither a scenario nor a file", other.escape_debug());
                 let help = "the scenarios are paper, open and loop".to_owned();
-                return Err(Failure::Usage { what, help });
+                return Err(CliError::Usage { what, help });
             }
             None => {}
         }
@@ -146,7 +146,7 @@ impl RunCommand {
             }
         }
         let scenario = Scenario::configured(config);
-        scenario.has_room().map_err(|problem| no_room(&problem, &scenario))?;
+        scenario.check_clearance().map_err(|problem| no_room(&problem, &scenario))?;
         Ok(scenario)
     }
 }
@@ -154,7 +154,7 @@ impl RunCommand {
 /// What is to be said of a goal at which a wheel stands in a wall: simulated walls stop the robot's middle only.
 fn cramped(scenario: &Scenario) -> Option<String> {
     let (clearance, half) =
-        (scenario.arena.clearance(scenario.goal().origin()), 0.5 * scenario.config.drive().track);
+        (scenario.arena.clearance(scenario.goal().origin()), 0.5 * scenario.config.drive().wheel_separation);
     (clearance <= half).then(|| {
         format!(
             "the goal is {clearance:.2} m from a wall, and the wheels are {half} m beside the robot's middle: whether there is \
@@ -164,7 +164,7 @@ fn cramped(scenario: &Scenario) -> Option<String> {
 }
 
 /// Which option puts it right, and where else the pose may have come from.
-fn no_room(problem: &NoRoom, scenario: &Scenario) -> Failure {
+fn no_room(problem: &InsufficientClearance, scenario: &Scenario) -> CliError {
     let (key, parameter) = match problem.end {
         "start" => ("start", &param::START_X),
         _ => ("goal", &param::GOAL_X),
@@ -181,15 +181,15 @@ fn no_room(problem: &NoRoom, scenario: &Scenario) -> Failure {
         high.1,
         scenario.config.origin(parameter),
     );
-    Failure::Usage { what: problem.to_string(), help }
+    CliError::Usage { what: problem.to_string(), help }
 }
 
 /// Writes all but the summary; a Ctrl-C that comes meanwhile leaves out the pictures that are not drawn yet.
-fn write(folder: &Folder, scenario: &Scenario, samples: &[Sample]) -> Result<(), Failure> {
+fn write(folder: &OutputDir, scenario: &Scenario, samples: &[Sample]) -> Result<(), CliError> {
     let stopped = interrupt::asked();
-    let drawn = &picture::thinned(samples);
-    let film = picture::film(scenario, drawn).map_err(std::io::Error::other);
-    folder.text_of("drive.html", film)?;
+    let drawn = &picture::downsampled(samples);
+    let html_player = picture::html_player(scenario, drawn).map_err(std::io::Error::other);
+    folder.text_of("drive.html", html_player)?;
     folder.table("time_series.csv", samples)?;
     folder.text("config.toml", &toml_of(&scenario.config.fitted()))?;
     let pictures: [(&str, &dyn Fn() -> Picture); 5] = [
@@ -207,15 +207,15 @@ fn write(folder: &Folder, scenario: &Scenario, samples: &[Sample]) -> Result<(),
     Ok(())
 }
 
-fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
+fn rows(summary: &SimulationSummary, mut row: impl FnMut(String, String)) {
     let outcome = match (summary.outcome, summary.stop_reason) {
-        (Outcome::Reached, _) => "reached".to_owned(),
-        (Outcome::Missed, _) => {
+        (SimulationOutcome::Reached, _) => "reached".to_owned(),
+        (SimulationOutcome::Missed, _) => {
             "missed: it believes it is there, and in truth is outside the tolerance".to_owned()
         }
-        (Outcome::Timeout, _) => "time ran out".to_owned(),
-        (Outcome::Stopped, None) => "stopped".to_owned(),
-        (Outcome::Stopped, Some(reason)) => format!("stopped: {reason}"),
+        (SimulationOutcome::Timeout, _) => "time ran out".to_owned(),
+        (SimulationOutcome::Stopped, None) => "stopped".to_owned(),
+        (SimulationOutcome::Stopped, Some(reason)) => format!("stopped: {reason}"),
     };
     row("outcome".to_owned(), outcome);
     row("time".to_owned(), format!("{:.1} s (at least {:.1} s)", summary.time_s, summary.optimal_time_s));
@@ -228,7 +228,7 @@ fn rows(summary: &Summary, mut row: impl FnMut(String, String)) {
     if let Some(nees) = summary.nees_mean {
         row("NEES (3 is consistent)".to_owned(), format!("{nees:.2}"));
     }
-    let Summary { accepted, walls, rejected, .. } = summary;
+    let SimulationSummary { accepted, walls, rejected, .. } = summary;
     row("measurements".to_owned(), format!("{accepted} used, of them {walls} walls, {rejected} refused"));
     row("seed".to_owned(), summary.seed.to_string());
 }

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value as Json};
-use surepose_data::starts;
-use surepose_lab::sweep::{Precision, Spread, Starts, Sweep, SweepReport};
-use surepose_lab::{Watch, picture};
+use surepose_data::start_poses;
+use surepose_lab::sweep::{Precision, Quantiles, Starts, Sweep, SweepReport};
+use surepose_lab::{CancelToken, picture};
 
 use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
-use crate::folder::Folder;
 use crate::output::{Output, align_numbers, object, table, warning};
+use crate::output_dir::OutputDir;
 use crate::settings::{toml_of, whole};
 use crate::{interrupt, progress};
 
@@ -64,7 +64,7 @@ enum PrecisionName {
 }
 
 impl SweepCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let trials = self.trials.read(self.noise_unless_given())?;
         let sweep = self.sweep(&trials)?;
         let unheeded = trials.unheeded();
@@ -75,11 +75,12 @@ impl SweepCommand {
                 unheeded.join(", ")
             ));
         }
-        let folder = self.out.as_deref().map(Folder::at).transpose()?;
+        let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
 
-        let (watch, bar, total) = (Watch::default(), progress::bar(output, "sweeping"), sweep.starts.len());
-        let part = || watch.done() as f64 / total.max(1) as f64;
-        let report = progress::attended(&bar, part, || watch.stop(), || sweep.run(&watch))?;
+        let (cancel, bar, total) =
+            (CancelToken::default(), progress::bar(output, "sweeping"), sweep.starts.len());
+        let part = || cancel.completed() as f64 / total.max(1) as f64;
+        let report = progress::attended(&bar, part, || cancel.cancel(), || sweep.run(&cancel))?;
 
         let mut json = object(&report);
         json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));
@@ -104,9 +105,9 @@ impl SweepCommand {
         }
     }
 
-    fn sweep(&self, trials: &Trials<'_>) -> Result<Sweep, Failure> {
+    fn sweep(&self, trials: &Trials<'_>) -> Result<Sweep, CliError> {
         let starts = match &self.starts {
-            Some(file) => Starts::Given(starts::read(file)?),
+            Some(file) => Starts::Given(start_poses::read(file)?),
             None => Starts::Random(self.runs as usize),
         };
         let precision = match self.precision {
@@ -117,11 +118,11 @@ impl SweepCommand {
     }
 }
 
-fn write(folder: &Folder, report: &SweepReport, json: &Map<String, Json>) -> Result<(), Failure> {
+fn write(folder: &OutputDir, report: &SweepReport, json: &Map<String, Json>) -> Result<(), CliError> {
     folder.table("trials.csv", &report.trials)?;
-    folder.columns("trials.parquet", &report.trials)?;
+    folder.parquet("trials.parquet", &report.trials)?;
     folder.picture("start_map", &picture::start_map(&report.trials))?;
-    folder.picture("spreads", &picture::spreads(&report.trials))?;
+    folder.picture("spreads", &picture::quantile_plots(&report.trials))?;
     folder.summary(json)
 }
 
@@ -135,7 +136,7 @@ fn shown(report: &SweepReport) -> comfy_table::Table {
         ("final error [°]", report.final_heading_error_deg, 1.0, 3),
     ];
     for (name, spread, factor, digits) in rows {
-        let Some(Spread { p50, p95, max }) = spread else { continue };
+        let Some(Quantiles { p50, p95, max }) = spread else { continue };
         let number = |value: f64| format!("{:.digits$}", value * factor);
         table.add_row([name.to_owned(), number(p50), number(p95), number(max)]);
     }

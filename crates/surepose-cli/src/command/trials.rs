@@ -4,10 +4,10 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value as Json, json};
 use surepose::param;
 use surepose_data::Config;
-use surepose_data::config::{Origin, Setting};
-use surepose_lab::sweep::{Estimate, Filter, Noise, Precision, Starts, Sweep};
+use surepose_data::config::{Setting, ValueSource};
+use surepose_lab::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise};
 
-use crate::failure::Failure;
+use crate::error::CliError;
 use crate::settings::{LawArgs, whole};
 
 /// The loop, its noise, and what they are drawn from.
@@ -61,13 +61,13 @@ const FILTER_JITTER: f64 = 5e-4;
 
 impl TrialArgs {
     /// Reads the configuration; the noise is this one unless it was given.
-    pub(super) fn read(&self, noise_unless_given: NoiseName) -> Result<Trials<'_>, Failure> {
+    pub(super) fn read(&self, noise_unless_given: NoiseName) -> Result<Trials<'_>, CliError> {
         let noise = self.noise.unwrap_or(noise_unless_given);
         // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
         let bench = [
             (&param::POSITION_NOISE, self.loop_.told(noise.sizes())),
             (&param::WHEEL_RADIUS, 0.05),
-            (&param::TRACK, 0.6),
+            (&param::WHEEL_SEPARATION, 0.6),
             (&param::WHEEL_SPEED_LIMIT, 0.3),
             (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
             (&param::PERIOD, 0.02),
@@ -101,7 +101,8 @@ impl Trials<'_> {
             }
             _ => false,
         };
-        let is_set = |setting: &Setting| matches!(setting.origin, Origin::File { .. } | Origin::CommandLine);
+        let is_set =
+            |setting: &Setting| matches!(setting.origin, ValueSource::File { .. } | ValueSource::CommandLine);
         // Both are in the order of the table.
         let settings = self.config.settings().iter().zip(self.bench.settings());
         settings
@@ -127,10 +128,10 @@ impl Trials<'_> {
 }
 
 impl NoiseName {
-    fn sizes(self) -> Noise {
+    fn sizes(self) -> SweepNoise {
         match self {
-            Self::None => Noise::NONE,
-            Self::Bench => Noise::BENCH,
+            Self::None => SweepNoise::NONE,
+            Self::Bench => SweepNoise::BENCH,
         }
     }
 }
@@ -145,7 +146,7 @@ const BENCH: &str = "bench";
 
 impl LoopName {
     /// How far off its estimate the law is told to be from tick to tick \[m], as a robot's owner would tell it.
-    fn told(self, noise: Noise) -> f64 {
+    fn told(self, noise: SweepNoise) -> f64 {
         match self {
             Self::Bench => noise.position,
             Self::Ekf => FILTER_JITTER,
@@ -153,10 +154,10 @@ impl LoopName {
     }
 
     /// What tells the law where the robot is.
-    fn estimate(self, config: &Config) -> Estimate {
+    fn estimate(self, config: &Config) -> PoseSource {
         match self {
-            Self::Bench => Estimate::Given,
-            Self::Ekf => Estimate::Filtered(Filter {
+            Self::Bench => PoseSource::Given,
+            Self::Ekf => PoseSource::Filtered(Filter {
                 delta: config.number(&param::DELTA),
                 gate_probability: config.number(&param::GATE_PROBABILITY),
                 ..Filter::BENCH

@@ -9,20 +9,20 @@ use clap::Args;
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{self, Kind, Parameter};
 use surepose::{Gains, Law};
-use surepose_cert::Noise;
+use surepose_cert::NoiseBounds;
 use surepose_data::Config;
-use surepose_data::config::Origin;
-use surepose_lab::sweep::{Precision, Spread, Starts, SweepReport};
-use surepose_lab::tune::{Candidate, STRESS, Tune, Tuned, Watch};
+use surepose_data::config::ValueSource;
+use surepose_lab::sweep::{Precision, Quantiles, Starts, SweepReport};
+use surepose_lab::tune::{GainCandidate, STRESS, Tune, TuneProgress, TuneResult};
 
 use super::certify::NoiseArgs;
 use super::trials::{NoiseName, TrialArgs, Trials};
-use crate::certification::Bounds;
+use crate::certification::CertifiedBounds;
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
 use crate::output::{Output, align_numbers, object, say, table, warning};
 use crate::settings::{toml_of_those, whole};
-use crate::{folder, interrupt, progress};
+use crate::{interrupt, output_dir, progress};
 use certificates::Certificates;
 
 /// Find the gains and the capture radius that take least time, always arrive, and are certified.
@@ -62,18 +62,18 @@ pub(crate) struct TuneCommand {
 const REACH: f64 = 20.0;
 
 impl TuneCommand {
-    pub(crate) fn run(self, output: Output) -> Result<Exit, Failure> {
+    pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let trials = self.trials.read(NoiseName::Bench)?;
         let config = &trials.config;
         if trials.unheeded().iter().any(|name| name.starts_with("robot.")) {
             warning("[robot] counts for the certificate only: the trials are those of the bench's robot");
         }
         if let Some(path) = &self.out {
-            folder::file_at(path)?;
+            output_dir::file_at(path)?;
         }
         let tune = self.tune(&trials);
         let noise = self.bounds.bounds();
-        let certificates = Certificates::of(config, noise);
+        let certificates = Certificates::new(config, noise);
         // Time is no good price for a promise: what the gains to begin with bound, the tuned ones bound as well.
         let had = certificates.bounds(&tune.sweep.law);
         let certified = |law: &Law<f64>| {
@@ -81,10 +81,11 @@ impl TuneCommand {
             has.is_some_and(|has| had.is_none_or(|had| has.keep(&had)))
         };
 
-        let (clock, watch, bar) = (Instant::now(), Watch::default(), progress::bar(output, "tuning"));
-        let part = || watch.done() as f64 / (tune.rounds + 1) as f64;
-        let work = || tune.run(&certified, &watch);
-        let tuned = progress::attended(&bar, part, || watch.stop(), work)?;
+        let (clock, progress, bar) =
+            (Instant::now(), TuneProgress::default(), progress::bar(output, "tuning"));
+        let part = || progress.completed() as f64 / (tune.rounds + 1) as f64;
+        let work = || tune.run(&certified, &progress);
+        let tuned = progress::attended(&bar, part, || progress.cancel(), work)?;
 
         if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
             write(path, &config.clone().with_preset(TUNED, &values(best)), noise)?;
@@ -120,14 +121,14 @@ impl TuneCommand {
 
     fn tune(&self, trials: &Trials<'_>) -> Tune {
         let sweep = trials.sweep(Starts::Random(self.runs as usize), Precision::F64);
-        let start = Candidate::of(&sweep.law);
+        let start = GainCandidate::from_law(&sweep.law);
         let bound = |far: fn(f64, &Parameter) -> f64| {
             let [k_v, k_alpha, h, k_theta, capture_radius] =
                 values(&start).map(|(parameter, value)| far(value, parameter));
-            Candidate { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius }
+            GainCandidate { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius }
         };
         Tune {
-            fallback: Candidate {
+            fallback: GainCandidate {
                 gains: Gains::for_loop(sweep.period, &trials.config.limits()),
                 capture_radius: Config::default().number(&param::CAPTURE_RADIUS),
             },
@@ -143,7 +144,7 @@ impl TuneCommand {
 }
 
 /// What is tuned, by parameter.
-fn values(candidate: &Candidate) -> [(&'static Parameter, f64); 5] {
+fn values(candidate: &GainCandidate) -> [(&'static Parameter, f64); 5] {
     let Gains { k_v, k_alpha, h, k_theta } = candidate.gains;
     [
         (&param::K_V, k_v),
@@ -156,21 +157,21 @@ fn values(candidate: &Candidate) -> [(&'static Parameter, f64); 5] {
 
 /// Writes what the user gave, what was tuned and the period that it was tuned for. The bench's robot stays out: whoever
 /// drives another one by this file keeps that robot's limits.
-fn write(path: &Path, config: &Config, noise: Noise) -> Result<(), Failure> {
+fn write(path: &Path, config: &Config, noise: NoiseBounds) -> Result<(), CliError> {
     // Gains that are set are taken as they are; these are meant for every robot, as its wheels allow.
     let config = match config.origin(&param::BRAKING) {
-        Origin::Default => &config.clone().with_preset_choice(TUNED, &param::BRAKING, "even"),
+        ValueSource::Default => &config.clone().with_preset_choice(TUNED, &param::BRAKING, "even"),
         _ => config,
     };
     let toml = toml_of_those(config, |setting| match setting.origin {
-        Origin::File { .. } | Origin::CommandLine => true,
-        Origin::Preset(name) => name == TUNED || setting.parameter == &param::PERIOD,
-        Origin::Default => false,
+        ValueSource::File { .. } | ValueSource::CommandLine => true,
+        ValueSource::Preset(name) => name == TUNED || setting.parameter == &param::PERIOD,
+        ValueSource::Default => false,
     });
-    folder::write_file(path, &format!("{HEADER}{toml}"))?;
+    output_dir::write_file(path, &format!("{HEADER}{toml}"))?;
 
     let written = Config::default().with_text(path, toml.as_bytes())?;
-    if Certificates::of(&written, noise).bounds(&written.law()).is_none() {
+    if Certificates::new(&written, noise).bounds(&written.law()).is_none() {
         let found = if interrupt::asked() {
             "it was not seen whether these gains are"
         } else {
@@ -195,8 +196,13 @@ const HEADER: &str = "\
 
 ";
 
-fn json_of(tuned: &Tuned, bounds: [Option<Bounds>; 2], wall: f64, seed: u64) -> Map<String, Json> {
-    let keyed = |candidate: &Candidate| -> Map<String, Json> {
+fn json_of(
+    tuned: &TuneResult,
+    bounds: [Option<CertifiedBounds>; 2],
+    wall: f64,
+    seed: u64,
+) -> Map<String, Json> {
+    let keyed = |candidate: &GainCandidate| -> Map<String, Json> {
         values(candidate)
             .into_iter()
             .map(|(parameter, value)| (parameter.key.to_owned(), json!(value)))
@@ -226,12 +232,12 @@ fn json_of(tuned: &Tuned, bounds: [Option<Bounds>; 2], wall: f64, seed: u64) -> 
 }
 
 /// A bound of a certificate.
-type Bound = fn(Bounds) -> Option<f64>;
+type Bound = fn(CertifiedBounds) -> Option<f64>;
 
 /// A figure of a report.
-type Figure = fn(&SweepReport) -> Option<Spread>;
+type Figure = fn(&SweepReport) -> Option<Quantiles>;
 
-fn shown(tuned: &Tuned, bounds: [Option<Bounds>; 2]) -> comfy_table::Table {
+fn shown(tuned: &TuneResult, bounds: [Option<CertifiedBounds>; 2]) -> comfy_table::Table {
     let mut table = table(&["", "before", "after"]);
     let best = tuned.best.map(|best| values(&best));
     for (k, (parameter, value)) in values(&tuned.start).into_iter().enumerate() {
@@ -268,7 +274,7 @@ fn shown(tuned: &Tuned, bounds: [Option<Bounds>; 2]) -> comfy_table::Table {
         ("final error [°]", |report| report.final_heading_error_deg, 1.0),
     ];
     for (name, figure, factor) in figures {
-        for (quantile, part) in [("p50", (|s| s.p50) as fn(Spread) -> f64), ("p95", |s| s.p95)] {
+        for (quantile, part) in [("p50", (|s| s.p50) as fn(Quantiles) -> f64), ("p95", |s| s.p95)] {
             let [before, after] = of_both(&|report| Some(format!("{:.3}", factor * part(figure(report)?))));
             table.add_row([format!("{name}, {quantile}"), before, after]);
         }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::parse;
 use crate::error::DataError;
-use crate::lines::Lines;
+use crate::lines::LineReader;
 use crate::recording::{Recording, StampedPose};
 
 /// A robot that drives 1 m ahead, is corrected to (5, 5) facing north, and drives 1 m ahead again.
@@ -21,7 +21,7 @@ ODOM 5 6 1.5707963267948966 0 0 0 12 pippo 12
 ";
 
 fn read(text: &[u8]) -> Result<Recording<StampedPose>, DataError> {
-    parse(Lines::from_bytes(Path::new("log"), text))
+    parse(LineReader::from_bytes(Path::new("log"), text))
 }
 
 fn message(text: &str) -> String {
@@ -32,10 +32,13 @@ fn message(text: &str) -> String {
 fn raw_odometry_does_not_see_the_correction() {
     let recording = read(LOG.as_bytes()).unwrap();
     let raw: Vec<_> = recording.odometry.iter().map(|pose| (pose.time, pose.x, pose.y)).collect();
-    let wanted = [(10.5, 1.0, 2.0), (11.0, 2.0, 2.0), (12.0, 3.0, 2.0)];
-    assert_eq!(raw.len(), wanted.len());
-    for (raw, wanted) in raw.iter().zip(wanted) {
-        assert!((raw.0 - wanted.0).abs() + (raw.1 - wanted.1).hypot(raw.2 - wanted.2) < 1e-12, "{raw:?}");
+    let expected = [(10.5, 1.0, 2.0), (11.0, 2.0, 2.0), (12.0, 3.0, 2.0)];
+    assert_eq!(raw.len(), expected.len());
+    for (raw, expected) in raw.iter().zip(expected) {
+        assert!(
+            (raw.0 - expected.0).abs() + (raw.1 - expected.1).hypot(raw.2 - expected.2) < 1e-12,
+            "{raw:?}"
+        );
     }
     assert!(recording.odometry.iter().all(|pose| pose.heading.abs() < 1e-12));
     assert!((recording.duration() - 1.5).abs() < 1e-12);

@@ -5,11 +5,12 @@ use std::f64::consts::PI;
 use surepose::closed_loop::Controller;
 use surepose::param;
 use surepose::{
-    Actuation, Angle, Belief, Body, Braking, Direction, Drive, Ekf, Estimator, Gains, Gate, Goal, HybridLaw,
-    Integration, Laser, Law, Limits, Map, PaperLaw, Pose, Rest, Stamp, Tolerance, Wheels,
+    ActuatorLimits, Angle, Belief, Body, BrakingProfile, Deadband, DelayedEkf, DiffDrive, Direction, Ekf,
+    Gains, Gate, Goal, HybridLaw, Integration, Laser, Law, Limits, Map, Pose, Stamp, Tolerance, Tran2012Law,
+    WheelPair,
 };
 
-use super::{Config, Origin};
+use super::{Config, ValueSource};
 
 /// ε_P of the paper's law \[m]. Its local law takes over on all of ρ < ε_P and turns no wheel for the sideways error, so
 /// that ε_P may be no larger than the tolerance. [Tran2012] does not print it.
@@ -17,7 +18,7 @@ const PAPER_CAPTURE_RADIUS: f64 = 0.01;
 
 /// How the compass is mounted, and what it is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CompassMounting {
+pub struct CompassParameters {
     /// Standard deviation \[rad].
     pub std: f64,
     /// What it reads when the robot faces along the map's x axis.
@@ -28,7 +29,7 @@ pub struct CompassMounting {
 
 /// How the laser is mounted, and what it is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LaserMounting {
+pub struct LaserParameters {
     /// Standard deviation of a range \[m].
     pub range_std: f64,
     /// Standard deviation of a beam's direction \[rad].
@@ -45,7 +46,7 @@ pub struct LaserMounting {
 const FITTED: &str = "fitted";
 const PAPER: &str = "paper";
 
-impl Origin {
+impl ValueSource {
     /// What a value follows that nobody set and that has no default of its own; written down as set, it would no longer.
     pub fn follows(&self) -> Option<&'static str> {
         match self {
@@ -58,10 +59,13 @@ impl Origin {
 
 impl Config {
     /// The wheels' geometry: the mean of their radii and the ratio of the right one to the left one make the two.
-    pub fn drive(&self) -> Drive<f64> {
+    pub fn drive(&self) -> DiffDrive<f64> {
         let ratio = self.number(&param::WHEEL_RADIUS_RATIO);
         let left = 2.0 * self.number(&param::WHEEL_RADIUS) / (1.0 + ratio);
-        Drive { radius: Wheels::new(ratio * left, left), track: self.number(&param::TRACK) }
+        DiffDrive {
+            radius: WheelPair::new(ratio * left, left),
+            wheel_separation: self.number(&param::WHEEL_SEPARATION),
+        }
     }
 
     /// These values, with the gains that nobody set fitted to the law, the period and the wheels, and the capture radius
@@ -69,7 +73,7 @@ impl Config {
     #[must_use]
     pub fn fitted(&self) -> Self {
         let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
-            "paper" => (PAPER, Gains::paper(), Some(PAPER_CAPTURE_RADIUS)),
+            "paper" => (PAPER, Gains::tran2012(), Some(PAPER_CAPTURE_RADIUS)),
             _ => (FITTED, Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
         };
         let values = [
@@ -79,7 +83,7 @@ impl Config {
             (&param::K_THETA, gains.k_theta),
         ];
         let values = values.into_iter().chain(radius.map(|radius| (&param::CAPTURE_RADIUS, radius)));
-        let free = values.filter(|(gain, _)| self.origin(gain) == Origin::Default);
+        let free = values.filter(|(gain, _)| self.origin(gain) == ValueSource::Default);
         self.clone().with_preset(name, &free.collect::<Vec<_>>())
     }
 
@@ -108,26 +112,30 @@ impl Config {
         let (gains, capture_radius) = (self.gains(), self.fitted().number(&param::CAPTURE_RADIUS));
         let (noise, period) = (self.number(&param::POSITION_NOISE), self.number(&param::PERIOD));
         match self.choice(&param::LAW_NAME) {
-            "paper" => Law::Paper(PaperLaw { gains, capture_radius, capture_heading: PI }),
+            "paper" => Law::Tran2012(Tran2012Law { gains, capture_radius, capture_heading: PI }),
             _ => Law::Hybrid(HybridLaw {
                 gains,
                 capture_radius,
                 direction: self.direction(),
-                actuation: Actuation::of(&self.drive(), &self.limits(), period),
-                rest: (noise > 0.0).then(|| Rest::of(noise, period)),
+                actuator_limits: ActuatorLimits::from_limits(&self.drive(), &self.limits(), period),
+                deadband: (noise > 0.0).then(|| Deadband::from_noise(noise, period)),
             }),
         }
     }
 
     /// How these gains shrink for the wheels to follow, unless they are meant as they are.
-    pub fn braking(&self) -> Option<Braking<f64>> {
-        let is_set = |gain| matches!(self.origin(gain), Origin::File { .. } | Origin::CommandLine);
+    pub fn braking(&self) -> Option<BrakingProfile<f64>> {
+        let is_set = |gain| matches!(self.origin(gain), ValueSource::File { .. } | ValueSource::CommandLine);
         let evenly = match self.choice(&param::BRAKING) {
             "even" => true,
             "gains" => false,
             _ => self.choice(&param::LAW_NAME) != "paper" && !is_set(&param::K_V) && !is_set(&param::K_ALPHA),
         };
-        if evenly { Braking::needed(&self.drive(), &self.limits(), &self.gains()) } else { None }
+        if evenly {
+            BrakingProfile::from_limits_if_needed(&self.drive(), &self.limits(), &self.gains())
+        } else {
+            None
+        }
     }
 
     /// What the wheels can do.
@@ -148,8 +156,8 @@ impl Config {
             tolerance: Tolerance {
                 position: self.number(&param::POSITION_TOLERANCE),
                 heading: self.number(&param::HEADING_TOLERANCE),
-                hold: self.number(&param::HOLD),
-                release: self.number(&param::TOLERANCE_RELEASE),
+                dwell: self.number(&param::HOLD),
+                hysteresis: self.number(&param::TOLERANCE_RELEASE),
             },
             period: self.number(&param::PERIOD),
         }
@@ -173,23 +181,23 @@ impl Config {
     }
 
     /// The filter with its memory, starting at `stamp` with `belief`.
-    pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> Estimator<f64, N> {
-        Estimator::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
+    pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> DelayedEkf<f64, N> {
+        DelayedEkf::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
     }
 
     /// The compass.
-    pub fn compass(&self) -> CompassMounting {
-        CompassMounting {
+    pub fn compass(&self) -> CompassParameters {
+        CompassParameters {
             std: self.number(&param::COMPASS_STD),
-            offset: Angle::wrapped(self.number(&param::COMPASS_OFFSET)),
+            offset: Angle::from_radians(self.number(&param::COMPASS_OFFSET)),
             latency: self.number(&param::COMPASS_LATENCY),
         }
     }
 
     /// The laser.
-    pub fn laser(&self) -> LaserMounting {
-        let heading = Angle::wrapped(self.number(&param::LASER_HEADING));
-        LaserMounting {
+    pub fn laser(&self) -> LaserParameters {
+        let heading = Angle::from_radians(self.number(&param::LASER_HEADING));
+        LaserParameters {
             range_std: self.number(&param::LASER_RANGE_STD),
             bearing_std: self.number(&param::LASER_BEARING_STD),
             body_from_laser: Pose::new(self.number(&param::LASER_X), self.number(&param::LASER_Y), heading),
@@ -200,13 +208,13 @@ impl Config {
 
     /// Where the robot starts.
     pub fn start(&self) -> Pose<Map, Body, f64> {
-        let heading = Angle::wrapped(self.number(&param::START_HEADING));
+        let heading = Angle::from_radians(self.number(&param::START_HEADING));
         Pose::new(self.number(&param::START_X), self.number(&param::START_Y), heading)
     }
 
     /// Where it shall come to rest.
     pub fn goal(&self) -> Pose<Map, Goal, f64> {
-        let heading = Angle::wrapped(self.number(&param::GOAL_HEADING));
+        let heading = Angle::from_radians(self.number(&param::GOAL_HEADING));
         Pose::new(self.number(&param::GOAL_X), self.number(&param::GOAL_Y), heading)
     }
 }

@@ -6,13 +6,13 @@ use surepose::param::{self, Kind, Parameter, Range};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::key::{self, Misnomer};
+use super::key::{self, UnknownKey};
 use super::problem::{ConfigError, Problems, line_of};
-use super::{Origin, Setting, Value};
+use super::{Setting, Value, ValueSource};
 use crate::quantity::plain;
 
 /// Longest file that is read \[bytes]: a configuration of every parameter, with comments, is a hundredth of it.
-pub(super) const LONGEST: usize = 1 << 20;
+pub(super) const MAX_BYTES: usize = 1 << 20;
 
 type Span = core::ops::Range<usize>;
 
@@ -27,8 +27,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<Setting>, ConfigError> {
 
 /// The settings of a TOML text.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigError> {
-    if bytes.len() > LONGEST {
-        let what = format!("is longer than {LONGEST} bytes");
+    if bytes.len() > MAX_BYTES {
+        let what = format!("is longer than {MAX_BYTES} bytes");
         return Err(ConfigError::unreadable(path, None, what, "this is not a configuration"));
     }
     let text = std::str::from_utf8(bytes).map_err(|error| {
@@ -111,8 +111,8 @@ impl Reader<'_> {
     }
 
     fn unknown(&mut self, section: &str, key: &str, span: Span, value: &DeValue<'_>) {
-        let (label, help) = match Misnomer::of(section, key) {
-            Misnomer::OtherUnit { parameter, factor } => {
+        let (label, help) = match UnknownKey::from_key(section, key) {
+            UnknownKey::OtherUnit { parameter, factor } => {
                 let mut help = format!("the key is `{}`", parameter.key);
                 if let Some(number) = number(value) {
                     let (text, right) = (plain(number), plain(number * factor));
@@ -120,15 +120,15 @@ impl Reader<'_> {
                 }
                 ("wrong unit", help)
             }
-            Misnomer::NoUnit(parameter) => {
+            UnknownKey::NoUnit(parameter) => {
                 let unit = parameter.unit.symbol();
                 ("no unit", format!("the key is `{}`, its value in {unit}", parameter.key))
             }
-            Misnomer::OtherSection(sections) => {
+            UnknownKey::OtherSection(sections) => {
                 ("another section's", format!("`{key}` belongs under [{}]", sections.join("] or [")))
             }
-            Misnomer::Typo(near) => ("no such key", format!("did you mean `{near}`?")),
-            Misnomer::Unknown => ("no such key", format!("[{section}] has {}", key::keys(section))),
+            UnknownKey::Typo(near) => ("no such key", format!("did you mean `{near}`?")),
+            UnknownKey::Unknown => ("no such key", format!("[{section}] has {}", key::keys(section))),
         };
         self.problems.add(span, format!("unknown key `{key}` in [{section}]"), label, Some(help));
     }
@@ -140,13 +140,13 @@ impl Reader<'_> {
         }
         let checked = match parameter.kind {
             Kind::Number { range, .. } => checked_number(parameter, found.get_ref(), &range),
-            Kind::Whole { range, .. } => checked_whole(parameter, found.get_ref(), &range),
+            Kind::Integer { range, .. } => checked_whole(parameter, found.get_ref(), &range),
             Kind::Choice { options } => checked_choice(parameter, found.get_ref(), options),
         };
         match checked {
             Ok(value) => {
                 let line = line_of(self.text.as_bytes(), span.start);
-                let origin = Origin::File { path: self.path.to_owned(), line };
+                let origin = ValueSource::File { path: self.path.to_owned(), line };
                 self.settings.push(Setting { parameter, value, origin });
             }
             Err(Refused { what, help }) => {
@@ -168,7 +168,7 @@ fn checked_number(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> 
         let what = format!("`{key}` is a number, and this is {}", described(value));
         return Err(Refused { what, help: format!("write a number in {range}{unit}") });
     };
-    if range.admits(number) {
+    if range.contains(number) {
         return Ok(Value::Number(number));
     }
     let shown = plain(number);

@@ -4,7 +4,7 @@ use surepose::param::{self, ALL, Parameter, Unit};
 
 /// What is wrong with a key.
 #[derive(Debug, PartialEq)]
-pub(super) enum Misnomer {
+pub(super) enum UnknownKey {
     /// The right name with the suffix of another unit.
     OtherUnit {
         /// Which parameter was meant.
@@ -24,15 +24,15 @@ pub(super) enum Misnomer {
 
 /// Units that people write, as suffixes, with the SI unit (radians for angles) and the size in it.
 const SUFFIXES: [(&str, Unit, f64); 28] = [
-    ("_um", Unit::Metre, 1e-6),
-    ("_mm", Unit::Metre, 1e-3),
-    ("_cm", Unit::Metre, 1e-2),
-    ("_m", Unit::Metre, 1.0),
-    ("_meters", Unit::Metre, 1.0),
-    ("_metres", Unit::Metre, 1.0),
-    ("_km", Unit::Metre, 1e3),
-    ("_in", Unit::Metre, 0.0254),
-    ("_inch", Unit::Metre, 0.0254),
+    ("_um", Unit::Meter, 1e-6),
+    ("_mm", Unit::Meter, 1e-3),
+    ("_cm", Unit::Meter, 1e-2),
+    ("_m", Unit::Meter, 1.0),
+    ("_meters", Unit::Meter, 1.0),
+    ("_metres", Unit::Meter, 1.0),
+    ("_km", Unit::Meter, 1e3),
+    ("_in", Unit::Meter, 0.0254),
+    ("_inch", Unit::Meter, 0.0254),
     ("_ns", Unit::Second, 1e-9),
     ("_us", Unit::Second, 1e-6),
     ("_ms", Unit::Second, 1e-3),
@@ -43,20 +43,20 @@ const SUFFIXES: [(&str, Unit, f64); 28] = [
     ("_mrad", Unit::Degree, 1e-3),
     ("_deg", Unit::Degree, core::f64::consts::PI / 180.0),
     ("_degrees", Unit::Degree, core::f64::consts::PI / 180.0),
-    ("_mm_s", Unit::MetrePerSecond, 1e-3),
-    ("_cm_s", Unit::MetrePerSecond, 1e-2),
-    ("_m_s", Unit::MetrePerSecond, 1.0),
-    ("_mps", Unit::MetrePerSecond, 1.0),
-    ("_km_h", Unit::MetrePerSecond, 1.0 / 3.6),
-    ("_mm_s2", Unit::MetrePerSecondSquared, 1e-3),
-    ("_cm_s2", Unit::MetrePerSecondSquared, 1e-2),
-    ("_m_s2", Unit::MetrePerSecondSquared, 1.0),
-    ("_mps2", Unit::MetrePerSecondSquared, 1.0),
+    ("_mm_s", Unit::MeterPerSecond, 1e-3),
+    ("_cm_s", Unit::MeterPerSecond, 1e-2),
+    ("_m_s", Unit::MeterPerSecond, 1.0),
+    ("_mps", Unit::MeterPerSecond, 1.0),
+    ("_km_h", Unit::MeterPerSecond, 1.0 / 3.6),
+    ("_mm_s2", Unit::MeterPerSecondSquared, 1e-3),
+    ("_cm_s2", Unit::MeterPerSecondSquared, 1e-2),
+    ("_m_s2", Unit::MeterPerSecondSquared, 1.0),
+    ("_mps2", Unit::MeterPerSecondSquared, 1.0),
 ];
 
-impl Misnomer {
+impl UnknownKey {
     /// What was meant by `key` in `section`, which does not have it.
-    pub(super) fn of(section: &str, key: &str) -> Self {
+    pub(super) fn from_key(section: &str, key: &str) -> Self {
         let here = || ALL.iter().filter(|p| p.section == section);
         if let Some((stem, unit, size)) = split(key)
             && let Some(parameter) = here().find(|p| p.unit == unit && stem_of(p) == stem)

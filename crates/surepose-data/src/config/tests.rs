@@ -2,7 +2,7 @@ use std::path::Path;
 
 use surepose::param;
 
-use super::{Config, ConfigError, Origin};
+use super::{Config, ConfigError, ValueSource};
 
 fn read(text: &str) -> Result<Config, ConfigError> {
     Config::default().with_text(Path::new("robot.toml"), text.as_bytes())
@@ -19,14 +19,14 @@ fn every_value_knows_where_it_came_from() {
     let text =
         "[robot]\ntrack_m = 0.5\n\n[goal]\nheading_tolerance_deg = 2\n[law]\ndirection = \"reverse\"\n";
     let config = read(text).expect("right").with_option("law.k_v=3.5").expect("right");
-    assert!((config.controller().drive.track - 0.5).abs() < 1e-15);
+    assert!((config.controller().drive.wheel_separation - 0.5).abs() < 1e-15);
     assert!((config.controller().tolerance.heading - 2f64.to_radians()).abs() < 1e-15);
     assert_eq!(config.direction(), surepose::Direction::Reverse);
-    let line = |line| Origin::File { path: "robot.toml".into(), line };
-    assert_eq!(config.origin(&param::TRACK), line(2));
+    let line = |line| ValueSource::File { path: "robot.toml".into(), line };
+    assert_eq!(config.origin(&param::WHEEL_SEPARATION), line(2));
     assert_eq!(config.origin(&param::HEADING_TOLERANCE), line(5));
-    assert_eq!(config.origin(&param::K_V), Origin::CommandLine);
-    assert_eq!(config.origin(&param::WHEEL_RADIUS), Origin::Default);
+    assert_eq!(config.origin(&param::K_V), ValueSource::CommandLine);
+    assert_eq!(config.origin(&param::WHEEL_RADIUS), ValueSource::Default);
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn radii_have_the_mean_and_the_ratio_that_were_set() {
     let apart = radius("[robot]\nwheel_radius_m = 0.06\nwheel_radius_ratio = 1.04\n");
     assert!((0.5 * (apart.right + apart.left) - 0.06).abs() < 1e-15, "{apart:?}");
     assert!((apart.right / apart.left - 1.04).abs() < 1e-15, "{apart:?}");
-    assert_eq!(radius("[robot]\nwheel_radius_m = 0.07\n"), surepose::Wheels::new(0.07, 0.07));
+    assert_eq!(radius("[robot]\nwheel_radius_m = 0.07\n"), surepose::WheelPair::new(0.07, 0.07));
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn the_papers_law_has_a_capture_radius_of_its_own_unless_one_is_set() {
             .iter()
             .fold(Config::default(), |config, option| config.with_option(option).expect("valid"));
         let (surepose::Law::Hybrid(surepose::HybridLaw { capture_radius, .. })
-        | surepose::Law::Paper(surepose::PaperLaw { capture_radius, .. })) = config.law();
+        | surepose::Law::Tran2012(surepose::Tran2012Law { capture_radius, .. })) = config.law();
         assert!((config.fitted().number(&param::CAPTURE_RADIUS) - capture_radius).abs() < 1e-15);
         capture_radius
     };
@@ -207,7 +207,7 @@ fn a_number_without_a_digit_at_its_point_is_one_problem_with_its_cure() {
 fn deep_and_huge_text_is_refused() {
     let deep = format!("[law]\nk_v = {}", "[".repeat(100_000));
     assert!(read(&deep).is_err());
-    let huge = vec![b'#'; super::file::LONGEST + 1];
+    let huge = vec![b'#'; super::file::MAX_BYTES + 1];
     assert!(Config::default().with_text(Path::new("x"), &huge).is_err());
 }
 

@@ -1,13 +1,13 @@
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Grid, Origin};
+use super::{Grid, GridOrigin};
 
 fn turned() -> Grid {
     Grid {
         width: 2,
         height: 3,
         resolution: 0.5,
-        origin: Origin { x: 10.0, y: 20.0, heading: FRAC_PI_2 },
+        origin: GridOrigin { x: 10.0, y: 20.0, heading: FRAC_PI_2 },
         cells: vec![None, Some(0.0), Some(0.25), Some(0.5), Some(0.75), Some(1.0)],
     }
 }

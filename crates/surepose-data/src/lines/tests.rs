@@ -4,12 +4,12 @@ use std::path::Path;
 use flate2::{Compression, write::GzEncoder};
 use proptest::prelude::*;
 
-use super::{Clock, LONGEST_LINE, Lines};
+use super::{Clock, LineReader, MAX_LINE_BYTES};
 use crate::error::{DataError, Problem};
 use crate::quantity::{RANGE, TIME};
 
-fn lines(text: &[u8]) -> Lines<'_> {
-    Lines::from_bytes(Path::new("log"), text)
+fn lines(text: &[u8]) -> LineReader<'_> {
+    LineReader::from_bytes(Path::new("log"), text)
 }
 
 fn gzip(text: &[u8]) -> Vec<u8> {
@@ -35,18 +35,18 @@ fn first_column(text: &[u8]) -> Result<f64, DataError> {
 #[test]
 fn plain_and_gzip_give_the_same_lines() {
     let text = b"# head\r\n\r\n 1 \t2 \r\n#tail\n3";
-    let wanted = vec![(3, b"1 \t2".to_vec()), (5, b"3".to_vec())];
-    assert_eq!(all(text).unwrap(), wanted);
-    assert_eq!(all(&gzip(text)).unwrap(), wanted);
+    let expected = vec![(3, b"1 \t2".to_vec()), (5, b"3".to_vec())];
+    assert_eq!(all(text).unwrap(), expected);
+    assert_eq!(all(&gzip(text)).unwrap(), expected);
 }
 
 /// As spreadsheets write it; inside of a text it is damage.
 #[test]
 fn a_byte_order_mark_at_the_start_is_no_part_of_the_text() {
     let marked = "\u{feff}# head\n1\n\u{feff}2".as_bytes();
-    let wanted = vec![(2, b"1".to_vec()), (3, "\u{feff}2".as_bytes().to_vec())];
-    assert_eq!(all(marked).unwrap(), wanted);
-    assert_eq!(all(&gzip(marked)).unwrap(), wanted);
+    let expected = vec![(2, b"1".to_vec()), (3, "\u{feff}2".as_bytes().to_vec())];
+    assert_eq!(all(marked).unwrap(), expected);
+    assert_eq!(all(&gzip(marked)).unwrap(), expected);
     assert!(all("\u{feff}".as_bytes()).unwrap().is_empty());
 }
 
@@ -76,7 +76,7 @@ fn a_flipped_bit_in_a_gzip_stream_is_an_error() {
 
 #[test]
 fn a_gzip_bomb_stops_at_the_limit_of_a_line() {
-    let bomb = gzip(&vec![b'1'; 2 * LONGEST_LINE]);
+    let bomb = gzip(&vec![b'1'; 2 * MAX_LINE_BYTES]);
     let error = all(&bomb).unwrap_err();
     assert!(matches!(error.problem, Problem::LineTooLong { .. }), "{error}");
 }
@@ -94,14 +94,14 @@ fn a_text_beyond_its_limit_is_an_error() {
 
 #[test]
 fn an_absent_file_is_an_error_with_its_name() {
-    let error = Lines::open(Path::new("no such file")).err().unwrap();
+    let error = LineReader::open(Path::new("no such file")).err().unwrap();
     assert!(matches!(error.problem, Problem::Unreadable(_)));
     assert!(error.to_string().starts_with("no such file: cannot be read"), "{error}");
 }
 
 #[test]
 fn a_folder_is_not_a_file() {
-    let error = Lines::open(Path::new(env!("CARGO_MANIFEST_DIR"))).err().unwrap();
+    let error = LineReader::open(Path::new(env!("CARGO_MANIFEST_DIR"))).err().unwrap();
     assert!(matches!(error.problem, Problem::Unreadable(_)), "{error}");
 }
 
@@ -119,8 +119,8 @@ fn wrong_columns_are_counted_and_named() {
 fn numbers_are_finite_and_inside_their_bounds() {
     for text in ["nan", "NaN", "inf", "-inf", "1e400", "-infinity"] {
         let error = first_column(text.as_bytes()).unwrap_err();
-        let wanted = format!("log:1: column 1 (range) is not finite: '{text}'");
-        assert!(error.to_string().starts_with(&wanted), "{error}");
+        let expected = format!("log:1: column 1 (range) is not finite: '{text}'");
+        assert!(error.to_string().starts_with(&expected), "{error}");
     }
     for text in ["", "abc", "1,5", "0x10", "--1", "1e", "\u{fffd}"] {
         let error = first_column(format!("{text}; 1").as_bytes()).unwrap_err();

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::{Description, Mode, parse};
+use super::{MapMetadata, MapMode, parse};
 use crate::pgm::Image;
 
 const YAML: &str = "\
@@ -15,18 +15,18 @@ occupied_thresh: 0.65
 free_thresh: 0.25
 ";
 
-fn description(text: &str) -> Result<Description, String> {
+fn description(text: &str) -> Result<MapMetadata, String> {
     parse(Path::new("map.yaml"), text.as_bytes()).map_err(|error| error.to_string())
 }
 
-fn with(from: &str, to: &str) -> Result<Description, String> {
+fn with(from: &str, to: &str) -> Result<MapMetadata, String> {
     assert!(YAML.contains(from));
     description(&YAML.replacen(from, to, 1))
 }
 
 /// Occupancy of pixels from black to white, read with `mode` and `negate`.
-fn occupancy(mode: Mode, negate: bool) -> Vec<Option<f32>> {
-    let description = Description { negate, mode, ..description(YAML).unwrap() };
+fn occupancy(mode: MapMode, negate: bool) -> Vec<Option<f32>> {
+    let description = MapMetadata { negate, mode, ..description(YAML).unwrap() };
     let pixels = vec![0, 51, 100, 128, 204, 255];
     description.grid(&Image { width: 6, height: 1, white: 255, pixels }).cells
 }
@@ -38,11 +38,11 @@ fn a_description_is_read() {
     let origin = description.origin;
     assert_eq!((origin.x, origin.y, origin.heading), (-10.0, 2.0, 0.5));
     assert_eq!((description.occupied_threshold, description.free_threshold), (0.65, 0.25));
-    assert_eq!((description.negate, description.mode), (false, Mode::Trinary));
+    assert_eq!((description.negate, description.mode), (false, MapMode::Trinary));
     assert!(with("negate: 0", "negate: 1").unwrap().negate);
     assert!(with("negate: 0", "negate: true").unwrap().negate);
-    assert_eq!(with("mode: trinary", "mode: scale").unwrap().mode, Mode::Scale);
-    assert_eq!(with("mode: trinary\n", "").unwrap().mode, Mode::Trinary);
+    assert_eq!(with("mode: trinary", "mode: scale").unwrap().mode, MapMode::Scale);
+    assert_eq!(with("mode: trinary\n", "").unwrap().mode, MapMode::Trinary);
 }
 
 /// YAML has many ways to write the same, and other tools add keys of their own.
@@ -79,13 +79,13 @@ fn the_last_row_of_the_image_is_the_row_at_the_origin() {
 
 #[test]
 fn modes_and_negation_follow_the_map_server() {
-    assert_eq!(occupancy(Mode::Trinary, false), [Some(1.0), Some(1.0), None, None, Some(0.0), Some(0.0)]);
-    assert_eq!(occupancy(Mode::Trinary, true), [Some(0.0), Some(0.0), None, None, Some(1.0), Some(1.0)]);
-    let scale = occupancy(Mode::Scale, false);
+    assert_eq!(occupancy(MapMode::Trinary, false), [Some(1.0), Some(1.0), None, None, Some(0.0), Some(0.0)]);
+    assert_eq!(occupancy(MapMode::Trinary, true), [Some(0.0), Some(0.0), None, None, Some(1.0), Some(1.0)]);
+    let scale = occupancy(MapMode::Scale, false);
     assert_eq!((scale[0], scale[5]), (Some(1.0), Some(0.0)));
     // 1 − 128/255 lies 0.62 of the way from 0.25 to 0.65.
     assert!((scale[3].unwrap() - 0.620_098).abs() < 1e-6);
-    assert_eq!(occupancy(Mode::Raw, false), [Some(0.0), Some(0.51), Some(1.0), None, None, None]);
+    assert_eq!(occupancy(MapMode::Raw, false), [Some(0.0), Some(0.51), Some(1.0), None, None, None]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::{Files, RobotLog, Target, parse, read, robots};
 use crate::error::{DataError, Problem};
-use crate::lines::Lines;
+use crate::lines::LineReader;
 
 /// The texts of a small data set; each test damages one of them.
 #[derive(Clone)]
@@ -27,7 +27,7 @@ const GOOD: Texts<'static> = Texts {
 
 impl<'a> Texts<'a> {
     fn parse(&self) -> Result<RobotLog, DataError> {
-        let lines = |name: &str, text: &'a [u8]| Lines::from_bytes(Path::new(name), text);
+        let lines = |name: &str, text: &'a [u8]| LineReader::from_bytes(Path::new(name), text);
         parse(Files {
             barcodes: lines("barcodes", self.barcodes),
             landmarks: lines("landmarks", self.landmarks),

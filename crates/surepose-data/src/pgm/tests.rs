@@ -14,9 +14,9 @@ fn message(bytes: &[u8]) -> String {
 
 #[test]
 fn binary_and_plain_give_the_same_image() {
-    let wanted = Image { width: 3, height: 2, white: 200, pixels: vec![0, 35, 200, 32, 10, 7] };
-    assert_eq!(image(b"P5\n# made by hand\n3 2\n200\n\x00\x23\xc8\x20\x0a\x07").unwrap(), wanted);
-    assert_eq!(image(b"P2 #c\n3 2 200\n0 35 200 # row\n32\t10 7\n").unwrap(), wanted);
+    let expected = Image { width: 3, height: 2, white: 200, pixels: vec![0, 35, 200, 32, 10, 7] };
+    assert_eq!(image(b"P5\n# made by hand\n3 2\n200\n\x00\x23\xc8\x20\x0a\x07").unwrap(), expected);
+    assert_eq!(image(b"P2 #c\n3 2 200\n0 35 200 # row\n32\t10 7\n").unwrap(), expected);
 }
 
 #[test]

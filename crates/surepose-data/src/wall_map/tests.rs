@@ -2,7 +2,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::{LineCovariance, Wall, WallMap, parse};
+use super::{MapWall, WallCovariance, WallMap, parse};
 use crate::error::DataError;
 
 const MAP: &str = r#"name = "arena"
@@ -31,16 +31,16 @@ fn message(from: &str, to: &str) -> String {
 fn a_map_is_read() {
     let map = map(MAP).unwrap();
     assert_eq!(map.name.as_deref(), Some("arena"));
-    let south = Wall { name: Some("south".into()), from: [0.0; 2], to: [6.0, 0.0], covariance: None };
+    let south = MapWall { name: Some("south".into()), from: [0.0; 2], to: [6.0, 0.0], covariance: None };
     assert_eq!(map.walls[0], south);
-    let covariance = LineCovariance { r_r: 1e-6, r_psi: -1e-8, psi_psi: 1e-8 };
+    let covariance = WallCovariance { r_r: 1e-6, r_psi: -1e-8, psi_psi: 1e-8 };
     assert_eq!(map.walls[1].covariance, Some(covariance));
     assert!((map.walls[1].length() - 4.0).abs() < 1e-15);
 }
 
 #[test]
 fn a_map_is_written_as_people_write_it() {
-    let wall = |name: &str, to| Wall { name: Some(name.into()), from: [0.0; 2], to, covariance: None };
+    let wall = |name: &str, to| MapWall { name: Some(name.into()), from: [0.0; 2], to, covariance: None };
     let map = WallMap { name: None, walls: vec![wall("a \"b\"", [1.0, 0.0])] };
     let text = map.to_toml(Path::new("map.toml")).unwrap();
     assert_eq!(text, "[[wall]]\nname = 'a \"b\"'\nfrom_m = [0.0, 0.0]\nto_m = [1.0, 0.0]\n");
@@ -81,18 +81,18 @@ fn each_damage_names_line_and_remedy() {
 
 #[test]
 fn a_map_that_could_not_be_read_is_not_written() {
-    let point = Wall { name: None, from: [1.0; 2], to: [1.0; 2], covariance: None };
+    let point = MapWall { name: None, from: [1.0; 2], to: [1.0; 2], covariance: None };
     let error = WallMap { name: None, walls: vec![point] }.to_toml(Path::new("out.toml")).unwrap_err();
     assert!(error.to_string().starts_with("out.toml: wall 1: the wall is shorter"), "{error}");
 }
 
-fn any_wall() -> impl Strategy<Value = Wall> {
+fn any_wall() -> impl Strategy<Value = MapWall> {
     let covariance = (0.0..1.0_f64, 0.0..1.0_f64, -0.99..0.99_f64).prop_map(|(r, psi, correlation)| {
-        LineCovariance { r_r: r * r, r_psi: correlation * r * psi, psi_psi: psi * psi }
+        WallCovariance { r_r: r * r, r_psi: correlation * r * psi, psi_psi: psi * psi }
     });
     let name = prop::option::of("\\PC{0,12}");
     let (from, step) = (prop::array::uniform2(-1e4..1e4), prop::array::uniform2(0.01..1e3));
-    (name, from, step, prop::option::of(covariance)).prop_map(|(name, from, step, covariance)| Wall {
+    (name, from, step, prop::option::of(covariance)).prop_map(|(name, from, step, covariance)| MapWall {
         name,
         from,
         to: [from[0] + step[0], from[1] + step[1]],

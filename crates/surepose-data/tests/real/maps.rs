@@ -19,7 +19,7 @@ fn every_map_has_the_cells_that_numpy_counts() {
         assert_eq!((grid.width, grid.height), size, "{name}");
         assert!((grid.resolution - 0.05).abs() < 1e-15, "{name}");
         assert_eq!((grid.origin.x, grid.origin.y, grid.origin.heading), origin, "{name}");
-        let count = |wanted| grid.cells.iter().filter(|&&cell| cell == wanted).count();
+        let count = |expected| grid.cells.iter().filter(|&&cell| cell == expected).count();
         assert_eq!((count(Some(1.0)), count(Some(0.0)), count(None)), cells, "{name}");
     }
 }

@@ -103,6 +103,6 @@ fn every_robot_has_what_numpy_counts() {
 fn a_robot_that_is_not_there_is_named_with_those_that_are() {
     let Some(folder) = recording("mrclam7") else { return };
     let error = mrclam::read(&folder, 6).unwrap_err();
-    assert!(matches!(error.problem, Problem::UnknownRobot { wanted: 6, .. }));
+    assert!(matches!(error.problem, Problem::UnknownRobot { expected: 6, .. }));
     assert!(error.to_string().ends_with("robot 6 is not in this data set; it has robots 1, 2, 3, 4, 5"));
 }

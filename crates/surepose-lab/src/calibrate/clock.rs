@@ -1,14 +1,14 @@
 //! When a scanner really scanned: its mirror turns evenly, however late the host noted the scans.
 
-use surepose_data::recording::Scan;
+use surepose_data::recording::ScanRecord;
 
 /// The scans without those that were noted twice, at even times.
 ///
 /// A scanner paces itself; the stamps of a host that was busy come late by what differs from scan to scan. The even
 /// clock t = a + T·n is fitted to the stamps by least squares, T first taken as the median over ten turns. A scan noted more
 /// than half a period from its turn of the clock cannot be told from its neighbours and is left out.
-pub(super) fn evenly(scans: &[Scan]) -> Vec<Scan> {
-    let mut kept: Vec<&Scan> = Vec::with_capacity(scans.len());
+pub(super) fn regularize_stamps(scans: &[ScanRecord]) -> Vec<ScanRecord> {
+    let mut kept: Vec<&ScanRecord> = Vec::with_capacity(scans.len());
     for scan in scans {
         if kept.last().is_none_or(|last| last.ranges != scan.ranges) {
             kept.push(scan);
@@ -22,7 +22,7 @@ pub(super) fn evenly(scans: &[Scan]) -> Vec<Scan> {
         return scans.to_vec();
     };
     // The clock follows the stamps slowly, so that one late scan does not move it.
-    let mut turns: Vec<(f64, &Scan)> = Vec::with_capacity(kept.len());
+    let mut turns: Vec<(f64, &ScanRecord)> = Vec::with_capacity(kept.len());
     let (mut turn, mut expected) = (0.0, kept.first().map_or(0.0, |scan| scan.time));
     for scan in kept {
         let passed = ((scan.time - expected) / median).round();
@@ -40,7 +40,7 @@ pub(super) fn evenly(scans: &[Scan]) -> Vec<Scan> {
     }
     let even = turns.into_iter().filter_map(|(n, scan)| {
         let time = a + period * n;
-        ((scan.time - time).abs() < 0.5 * period).then(|| Scan { time, ..scan.clone() })
+        ((scan.time - time).abs() < 0.5 * period).then(|| ScanRecord { time, ..scan.clone() })
     });
     even.collect()
 }
@@ -57,16 +57,16 @@ fn line(points: impl Iterator<Item = (f64, f64)> + Clone) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::evenly;
-    use surepose_data::recording::{Mount, Scan};
+    use super::regularize_stamps;
+    use surepose_data::recording::{ScanRecord, SensorPose};
 
-    fn scan(time: f64, range: f64) -> Scan {
-        Scan {
+    fn scan(time: f64, range: f64) -> ScanRecord {
+        ScanRecord {
             time,
             angle_min: 0.0,
             angle_increment: 0.1,
             ranges: vec![range],
-            mount: Mount::default(),
+            mount: SensorPose::default(),
             odometry: None,
             odometry_before: 0,
         }
@@ -76,11 +76,11 @@ mod tests {
     #[test]
     fn late_stamps_are_put_back_on_the_scanners_clock() {
         let late = |n: usize| if n == 50 { 0.09 } else { [0.0, 0.04][n * 7 % 2] };
-        let mut scans: Vec<Scan> =
+        let mut scans: Vec<ScanRecord> =
             (0..100).filter(|n| *n != 30).map(|n| scan(n as f64 * 0.1 + late(n), n as f64)).collect();
-        let again = Scan { time: scans[60].time + 0.01, ..scans[60].clone() };
+        let again = ScanRecord { time: scans[60].time + 0.01, ..scans[60].clone() };
         scans.insert(61, again);
-        let even = evenly(&scans);
+        let even = regularize_stamps(&scans);
         assert_eq!(even.len(), 98, "the one noted twice and the one too late are left out");
         for scan in even {
             let n = scan.ranges[0];
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn scans_without_a_rate_stay_as_they_are() {
         let scans = vec![scan(1.0, 1.0), scan(1.0, 2.0), scan(1.0, 3.0)];
-        assert_eq!(evenly(&scans), scans);
-        assert!(evenly(&[]).is_empty());
+        assert_eq!(regularize_stamps(&scans), scans);
+        assert!(regularize_stamps(&[]).is_empty());
     }
 }

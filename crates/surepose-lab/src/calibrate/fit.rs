@@ -4,12 +4,12 @@ use core::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::association::{Likeness, associate};
-use super::front::Singular;
-use super::parameter::{Geometry, Parameter};
-use super::recording::{Recording, Step};
-use super::sighting::Sighting;
-use super::trajectory::{Evidence, Linear, Reduced, Scatter, Trajectory};
+use super::association::{AssociationThresholds, associate};
+use super::frontal::Singular;
+use super::line_observation::LineObservation;
+use super::parameter::{CalibrationParameter, Geometry};
+use super::recording::{CalibrationRecording, OdometryStep};
+use super::trajectory::{FitData, Linear, NoiseLevels, Reduced, Trajectory};
 use super::{CalibrationError, Options};
 
 /// A step of this many standard errors or less is no step.
@@ -28,20 +28,21 @@ const LATENCY_REACH: f64 = 0.03;
 const TRACK_REACH: f64 = 0.2;
 
 /// The latencies.
-const LATENCIES: [Parameter; 2] = [Parameter::LaserLatency, Parameter::CompassLatency];
+const LATENCIES: [CalibrationParameter; 2] =
+    [CalibrationParameter::LaserLatency, CalibrationParameter::CompassLatency];
 
 /// A fit under way: what is taken to be true, and what it rests on.
 pub(super) struct Fit<'a> {
-    pub(super) evidence: Evidence<'a>,
+    pub(super) data: FitData<'a>,
     pub(super) trajectory: Trajectory,
     pub(super) geometry: Geometry<f64>,
-    pub(super) scatter: Scatter,
+    pub(super) noise: NoiseLevels,
     pub(super) nominal: Geometry<f64>,
 }
 
 /// How −2 log likelihood bends with ln δ and with the logarithm of the walls' scatter.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bend {
+pub(super) struct NoiseCurvature {
     pub(super) slope: [f64; 2],
     pub(super) curvature: [[f64; 2]; 2],
 }
@@ -49,32 +50,33 @@ pub(super) struct Bend {
 impl<'a> Fit<'a> {
     /// By the wheels alone, with everything nominal.
     pub(super) fn begin(
-        recording: &'a Recording,
-        steps: &'a [Step],
-        sightings: &'a [Sighting],
+        recording: &'a CalibrationRecording,
+        steps: &'a [OdometryStep],
+        line_observations: &'a [LineObservation],
         options: &Options,
     ) -> Self {
         let start = options.start_heading.map_or(0.0, |start| start.heading.radians());
         Self {
-            evidence: Evidence {
+            data: FitData {
                 steps,
-                sightings,
+                line_observations,
                 wall_of: Vec::new(),
                 headings: &recording.headings,
                 tick: TAU / recording.ticks_per_turn,
             },
             trajectory: Trajectory::dead_reckoned(steps, &options.nominal, start),
             geometry: options.nominal,
-            scatter: Scatter { delta: options.delta, wall: 1.0, compass: options.compass_std },
+            noise: NoiseLevels { delta: options.delta, wall: 1.0, compass: options.compass_std },
             nominal: options.nominal,
         }
     }
 
-    /// Says anew which sightings are of one wall, from where the robot is now thought to have been.
-    pub(super) fn associate(&mut self, likeness: Likeness) {
-        let (steps, sightings) = (self.evidence.steps, self.evidence.sightings);
-        let (wall_of, walls) = associate(sightings, steps, &self.trajectory, &self.geometry, likeness);
-        self.evidence.wall_of = wall_of;
+    /// Says anew which line observations are of one wall, from where the robot is now thought to have been.
+    pub(super) fn associate(&mut self, thresholds: AssociationThresholds) {
+        let (steps, line_observations) = (self.data.steps, self.data.line_observations);
+        let (wall_of, walls) =
+            associate(line_observations, steps, &self.trajectory, &self.geometry, thresholds);
+        self.data.wall_of = wall_of;
         self.trajectory.walls = walls;
     }
 
@@ -102,8 +104,8 @@ impl<'a> Fit<'a> {
             let farthest = LATENCIES.iter().map(|latency| step[*latency as usize].abs()).fold(0.0, f64::max);
             step *= (LATENCY_REACH / farthest).min(1.0);
             // So is a part of the track: where nothing turned, the fit would go anywhere.
-            let track = Parameter::Track as usize;
-            step *= (TRACK_REACH * self.geometry.0[track] / step[track].abs()).min(1.0);
+            let wheel_separation = CalibrationParameter::WheelSeparation as usize;
+            step *= (TRACK_REACH * self.geometry.0[wheel_separation] / step[wheel_separation].abs()).min(1.0);
             // A step back says that the last one went too far: weights alternate, or a latency bends the likelihood
             // more than the normal matrix knows. A fraction of each step then ends it.
             let back = before.as_ref().is_some_and(|last: &DVector<f64>| last.dot(&(&a * &step)) < 0.0);
@@ -126,7 +128,7 @@ impl<'a> Fit<'a> {
 
     /// The largest change of a parameter in standard errors; one that nothing excites may go on changing.
     fn size(&self, step: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
-        let excited = Parameter::ALL.into_iter().filter_map(|parameter| {
+        let excited = CalibrationParameter::ALL.into_iter().filter_map(|parameter| {
             let i = parameter as usize;
             let std = covariance[(i, i)].sqrt();
             parameter.is_excited(std, &self.nominal).then(|| (step[i] / std).abs())
@@ -139,16 +141,16 @@ impl<'a> Fit<'a> {
         let linear = self.linear(true);
         for _ in 0..8 {
             let whole = 0..linear.len();
-            let Bend { slope: [d, w], curvature: [[dd, dw], [_, ww]] } =
-                self.bend(|scatter| self.likelihood(&linear, scatter, whole.clone()))?;
+            let NoiseCurvature { slope: [d, w], curvature: [[dd, dw], [_, ww]] } =
+                self.bend(|noise| self.likelihood(&linear, noise, whole.clone()))?;
             let determinant = dd * ww - dw * dw;
             let (by_d, by_w) = if dd > 0.0 && determinant > 0.0 {
                 ((dw * w - ww * d) / determinant, (dw * d - dd * w) / determinant)
             } else {
                 (-d.signum(), -w.signum())
             };
-            self.scatter.delta = (self.scatter.delta * by_d.clamp(-1.0, 1.0).exp()).clamp(1e-8, 1.0);
-            self.scatter.wall = (self.scatter.wall * by_w.clamp(-1.0, 1.0).exp()).clamp(1e-4, 1e6);
+            self.noise.delta = (self.noise.delta * by_d.clamp(-1.0, 1.0).exp()).clamp(1e-8, 1.0);
+            self.noise.wall = (self.noise.wall * by_w.clamp(-1.0, 1.0).exp()).clamp(1e-4, 1e6);
             if by_d.abs() < 0.01 && by_w.abs() < 0.01 {
                 break;
             }
@@ -159,18 +161,18 @@ impl<'a> Fit<'a> {
     /// Slope and curvature of `likelihood` by ln δ and the logarithm of the walls' scatter, by differences.
     pub(super) fn bend(
         &self,
-        likelihood: impl Fn(Scatter) -> Result<f64, Singular>,
-    ) -> Result<Bend, Singular> {
+        likelihood: impl Fn(NoiseLevels) -> Result<f64, Singular>,
+    ) -> Result<NoiseCurvature, Singular> {
         const H: f64 = 0.1;
         let at = |d: f64, w: f64| {
-            let Scatter { delta, wall, compass } = self.scatter;
-            likelihood(Scatter { delta: delta * d.exp(), wall: wall * w.exp(), compass })
+            let NoiseLevels { delta, wall, compass } = self.noise;
+            likelihood(NoiseLevels { delta: delta * d.exp(), wall: wall * w.exp(), compass })
         };
         let middle = at(0.0, 0.0)?;
         let (d_up, d_down, w_up, w_down) = (at(H, 0.0)?, at(-H, 0.0)?, at(0.0, H)?, at(0.0, -H)?);
         let both = at(H, H)?;
         let mixed = (both - d_up - w_up + middle) / (H * H);
-        Ok(Bend {
+        Ok(NoiseCurvature {
             slope: [(d_up - d_down) / (2.0 * H), (w_up - w_down) / (2.0 * H)],
             curvature: [
                 [(d_up + d_down - 2.0 * middle) / (H * H), mixed],
@@ -183,10 +185,10 @@ impl<'a> Fit<'a> {
     pub(super) fn likelihood(
         &self,
         linear: &Linear,
-        scatter: Scatter,
+        noise: NoiseLevels,
         range: std::ops::Range<usize>,
     ) -> Result<f64, Singular> {
-        let Reduced { mut a, mut b, misfit, .. } = linear.reduced(range, scatter)?;
+        let Reduced { mut a, mut b, misfit, .. } = linear.reduced(range, noise)?;
         self.add_prior(&mut a, &mut b);
         let factor = a.cholesky().ok_or(Singular)?;
         let spread: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
@@ -195,9 +197,9 @@ impl<'a> Fit<'a> {
 
     /// The problem, linear about where the fit is.
     pub(super) fn linear(&self, robust: bool) -> Linear {
-        let mut linear = self.evidence.linear(&self.trajectory, &self.geometry);
+        let mut linear = self.data.linear(&self.trajectory, &self.geometry);
         if robust {
-            linear.weigh(self.scatter);
+            linear.weigh(self.noise);
         }
         linear
     }
@@ -205,10 +207,10 @@ impl<'a> Fit<'a> {
     /// Normal matrix and right-hand side of the geometry, what is known beforehand included.
     pub(super) fn normal(&self, linear: &Linear) -> Result<(DMatrix<f64>, DVector<f64>, Reduced), Singular> {
         let whole = 0..linear.len();
-        let reduced = linear.reduced(whole.clone(), self.scatter)?;
+        let reduced = linear.reduced(whole.clone(), self.noise)?;
         let (mut a, mut b) = (reduced.a.clone(), reduced.b.clone());
         let slopes =
-            self.evidence.latency_slopes(linear, &self.trajectory, &self.geometry, self.scatter, &[whole])?;
+            self.data.latency_slopes(linear, &self.trajectory, &self.geometry, self.noise, &[whole])?;
         for latency in LATENCIES {
             b[latency as usize] = -slopes.iter().map(|slope| slope[latency as usize]).sum::<f64>();
         }
@@ -218,7 +220,7 @@ impl<'a> Fit<'a> {
 
     /// Adds what is known beforehand.
     pub(super) fn add_prior(&self, a: &mut DMatrix<f64>, b: &mut DVector<f64>) {
-        for parameter in Parameter::ALL {
+        for parameter in CalibrationParameter::ALL {
             let i = parameter as usize;
             let information = 1.0 / parameter.prior_std(&self.nominal).powi(2);
             a[(i, i)] += information;
@@ -228,7 +230,11 @@ impl<'a> Fit<'a> {
 
     /// Whether the geometry is still one that a robot can have.
     fn is_sound(&self) -> bool {
-        let positive = [Parameter::LeftWheelRadius, Parameter::RightWheelRadius, Parameter::Track];
+        let positive = [
+            CalibrationParameter::LeftWheelRadius,
+            CalibrationParameter::RightWheelRadius,
+            CalibrationParameter::WheelSeparation,
+        ];
         positive.iter().all(|parameter| self.geometry.get(*parameter) > 0.0)
             && self.geometry.0.iter().all(|value| value.is_finite())
     }

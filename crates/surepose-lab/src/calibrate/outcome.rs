@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
-use surepose::Wheels;
+use surepose::WheelPair;
 use surepose::param::{self, Kind, Unit};
 
-use super::parameter::{COUNT, Geometry, Parameter};
+use super::parameter::{COUNT, CalibrationParameter, Geometry};
 
 /// One parameter, in the unit of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
+pub struct ParameterEstimate {
     /// The value; absent where the motion did not excite it.
     pub value: Option<f64>,
     /// Its standard error: ± 1.96 of it is an interval of 95 %.
@@ -38,7 +38,7 @@ pub struct Calibration {
     /// How many scans were used.
     pub scans: usize,
     /// How many stretches of wall were seen in them.
-    pub sightings: usize,
+    pub line_observations: usize,
 }
 
 impl Calibration {
@@ -50,7 +50,7 @@ impl Calibration {
         (delta, log_delta_std): (f64, f64),
         knows_heading: bool,
         wall_scatter: f64,
-        (scans, sightings): (usize, usize),
+        (scans, line_observations): (usize, usize),
     ) -> Self {
         Self {
             geometry,
@@ -61,16 +61,16 @@ impl Calibration {
             knows_heading,
             wall_scatter,
             scans,
-            sightings,
+            line_observations,
         }
     }
 
     /// A parameter of the geometry.
-    pub fn estimate(&self, parameter: Parameter) -> Estimate {
+    pub fn estimate(&self, parameter: CalibrationParameter) -> ParameterEstimate {
         let i = parameter as usize;
         let unit = parameter.unit();
         let std = self.covariance[(i, i)].sqrt();
-        let known = parameter != Parameter::CompassOffset || self.knows_heading;
+        let known = parameter != CalibrationParameter::CompassOffset || self.knows_heading;
         if known && parameter.is_excited(std, &self.nominal) {
             estimate(self.geometry.0[i], std, unit)
         } else {
@@ -79,21 +79,21 @@ impl Calibration {
     }
 
     /// The mean radius of the two wheels.
-    pub fn wheel_radius(&self) -> Estimate {
-        let Wheels { right, left } = self.geometry.drive().radius;
-        self.of_radii(0.5 * (right + left), Wheels::new(0.5, 0.5), Unit::Metre)
+    pub fn wheel_radius(&self) -> ParameterEstimate {
+        let WheelPair { right, left } = self.geometry.drive().radius;
+        self.from_radii(0.5 * (right + left), WheelPair::new(0.5, 0.5), Unit::Meter)
     }
 
     /// The radius of the right wheel over that of the left one: off 1, a robot that takes them for equal drives circles.
-    pub fn wheel_radius_ratio(&self) -> Estimate {
-        let Wheels { right, left } = self.geometry.drive().radius;
+    pub fn wheel_radius_ratio(&self) -> ParameterEstimate {
+        let WheelPair { right, left } = self.geometry.drive().radius;
         let ratio = right / left;
-        self.of_radii(ratio, Wheels::new(1.0 / left, -ratio / left), Unit::One)
+        self.from_radii(ratio, WheelPair::new(1.0 / left, -ratio / left), Unit::One)
     }
 
     /// A function of both radii with this `value` and this derivative by each, where both are known.
-    fn of_radii(&self, value: f64, slope: Wheels<f64>, unit: Unit) -> Estimate {
-        let (l, r) = (Parameter::LeftWheelRadius, Parameter::RightWheelRadius);
+    fn from_radii(&self, value: f64, slope: WheelPair<f64>, unit: Unit) -> ParameterEstimate {
+        let (l, r) = (CalibrationParameter::LeftWheelRadius, CalibrationParameter::RightWheelRadius);
         if self.estimate(l).value.is_none() || self.estimate(r).value.is_none() {
             return not_excited(unit, l.excitation());
         }
@@ -105,7 +105,7 @@ impl Calibration {
     }
 
     /// δ of [Tran2012] Eq. (15), for the period of the recording's wheel counters.
-    pub fn delta(&self) -> Estimate {
+    pub fn delta(&self) -> ParameterEstimate {
         if self.log_delta_std <= 1.0 {
             estimate(self.delta, self.delta * self.log_delta_std, Unit::One)
         } else {
@@ -114,8 +114,9 @@ impl Calibration {
     }
 
     /// Every parameter by its name, as the command line's JSON has them.
-    pub fn parameters(&self) -> BTreeMap<&'static str, Estimate> {
-        let geometry = Parameter::ALL.iter().map(|parameter| (parameter.name(), self.estimate(*parameter)));
+    pub fn parameters(&self) -> BTreeMap<&'static str, ParameterEstimate> {
+        let geometry =
+            CalibrationParameter::ALL.iter().map(|parameter| (parameter.name(), self.estimate(*parameter)));
         let more = [
             ("wheel_radius_m", self.wheel_radius()),
             ("wheel_radius_ratio", self.wheel_radius_ratio()),
@@ -131,8 +132,8 @@ impl Calibration {
             (&param::WHEEL_RADIUS_RATIO, self.wheel_radius_ratio()),
             (&param::DELTA, self.delta()),
         ];
-        let keyed = |parameter: &Parameter| Some((parameter.key()?, self.estimate(*parameter)));
-        found.extend(Parameter::ALL.iter().filter_map(keyed));
+        let keyed = |parameter: &CalibrationParameter| Some((parameter.key()?, self.estimate(*parameter)));
+        found.extend(CalibrationParameter::ALL.iter().filter_map(keyed));
         // In the order of the table, so that each section comes once.
         found.sort_by_key(|(key, _)| param::ALL.iter().position(|other| other == *key));
         let mut text = String::new();
@@ -147,7 +148,7 @@ impl Calibration {
                 (estimate.value, estimate.std_error, key.kind)
             {
                 let (value, std) = rounded(value, std);
-                let remark = if range.admits(value) { "" } else { "# out of range: " };
+                let remark = if range.contains(value) { "" } else { "# out of range: " };
                 let _ = writeln!(text, "{remark}{} = {value} # ± {std}", key.key);
             } else {
                 let what = estimate.not_excited.unwrap_or("unknown");
@@ -165,13 +166,18 @@ impl AsRef<[f64; COUNT]> for Calibration {
     }
 }
 
-fn estimate(value: f64, std: f64, unit: Unit) -> Estimate {
+fn estimate(value: f64, std: f64, unit: Unit) -> ParameterEstimate {
     let per = 1.0 / unit.to_si();
-    Estimate { value: Some(value * per), std_error: Some(std * per), unit: unit.symbol(), not_excited: None }
+    ParameterEstimate {
+        value: Some(value * per),
+        std_error: Some(std * per),
+        unit: unit.symbol(),
+        not_excited: None,
+    }
 }
 
-fn not_excited(unit: Unit, excitation: &'static str) -> Estimate {
-    Estimate { value: None, std_error: None, unit: unit.symbol(), not_excited: Some(excitation) }
+fn not_excited(unit: Unit, excitation: &'static str) -> ParameterEstimate {
+    ParameterEstimate { value: None, std_error: None, unit: unit.symbol(), not_excited: Some(excitation) }
 }
 
 /// A value to the second digit of its standard error, and that error.

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use surepose::param;
 use surepose::param::Unit;
-use surepose::{Angle, Body, Drive, Laser, Pose, Scalar, Wheels};
+use surepose::{Angle, Body, DiffDrive, Laser, Pose, Scalar, WheelPair};
 
 /// How many parameters of the geometry there are.
 pub const COUNT: usize = 9;
@@ -14,13 +14,13 @@ const EXCITED: f64 = 0.1;
 
 /// A parameter of the geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parameter {
+pub enum CalibrationParameter {
     /// Radius of the left drive wheel.
     LeftWheelRadius,
     /// Radius of the right drive wheel.
     RightWheelRadius,
     /// Distance between the wheels' contact points.
-    Track,
+    WheelSeparation,
     /// Where the laser sits, ahead of the axle.
     LaserX,
     /// Where the laser sits, to the left of the middle.
@@ -35,12 +35,12 @@ pub enum Parameter {
     CompassLatency,
 }
 
-impl Parameter {
+impl CalibrationParameter {
     /// Every parameter, in the order of [`Geometry`].
     pub const ALL: [Self; COUNT] = [
         Self::LeftWheelRadius,
         Self::RightWheelRadius,
-        Self::Track,
+        Self::WheelSeparation,
         Self::LaserX,
         Self::LaserY,
         Self::LaserHeading,
@@ -54,7 +54,7 @@ impl Parameter {
         match self {
             Self::LeftWheelRadius => "left_wheel_radius_m",
             Self::RightWheelRadius => "right_wheel_radius_m",
-            Self::Track => "track_m",
+            Self::WheelSeparation => "track_m",
             Self::LaserX => "laser_x_m",
             Self::LaserY => "laser_y_m",
             Self::LaserHeading => "laser_heading_deg",
@@ -69,7 +69,7 @@ impl Parameter {
         match self {
             Self::LaserHeading | Self::CompassOffset => Unit::Degree,
             Self::LaserLatency | Self::CompassLatency => Unit::Second,
-            _ => Unit::Metre,
+            _ => Unit::Meter,
         }
     }
 
@@ -77,7 +77,7 @@ impl Parameter {
     pub const fn key(self) -> Option<&'static param::Parameter> {
         match self {
             Self::LeftWheelRadius | Self::RightWheelRadius => None,
-            Self::Track => Some(&param::TRACK),
+            Self::WheelSeparation => Some(&param::WHEEL_SEPARATION),
             Self::LaserX => Some(&param::LASER_X),
             Self::LaserY => Some(&param::LASER_Y),
             Self::LaserHeading => Some(&param::LASER_HEADING),
@@ -93,7 +93,7 @@ impl Parameter {
             Self::LeftWheelRadius | Self::RightWheelRadius | Self::LaserHeading => {
                 "driving in sight of walls that lie across the way"
             }
-            Self::Track => "turning in sight of walls",
+            Self::WheelSeparation => "turning in sight of walls",
             Self::LaserX => "turning in sight of walls on several sides",
             Self::LaserY => "turning both ways in sight of walls",
             Self::LaserLatency => "turning with a changing rate in sight of walls",
@@ -110,7 +110,9 @@ impl Parameter {
     /// Standard deviation of what is known beforehand: nearly nothing.
     pub(super) fn prior_std(self, nominal: &Geometry<f64>) -> f64 {
         match self {
-            Self::LeftWheelRadius | Self::RightWheelRadius | Self::Track => 0.3 * nominal.0[self as usize],
+            Self::LeftWheelRadius | Self::RightWheelRadius | Self::WheelSeparation => {
+                0.3 * nominal.0[self as usize]
+            }
             Self::LaserX | Self::LaserY => 0.3,
             Self::LaserHeading => PI / 6.0,
             Self::LaserLatency | Self::CompassLatency => 0.2,
@@ -119,35 +121,41 @@ impl Parameter {
     }
 }
 
-/// The values of all parameters, in the order of [`Parameter::ALL`], in SI units and radians.
+/// The values of all parameters, in the order of [`CalibrationParameter::ALL`], in SI units and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry<S>(pub [S; COUNT]);
 
 impl<S: Scalar> Geometry<S> {
     /// The value of `parameter`.
-    pub fn get(&self, parameter: Parameter) -> S {
+    pub fn get(&self, parameter: CalibrationParameter) -> S {
         self.0[parameter as usize]
     }
 
     /// The wheels.
-    pub fn drive(&self) -> Drive<S> {
-        let (right, left) = (self.get(Parameter::RightWheelRadius), self.get(Parameter::LeftWheelRadius));
-        Drive { radius: Wheels::new(right, left), track: self.get(Parameter::Track) }
+    pub fn drive(&self) -> DiffDrive<S> {
+        let (right, left) = (
+            self.get(CalibrationParameter::RightWheelRadius),
+            self.get(CalibrationParameter::LeftWheelRadius),
+        );
+        DiffDrive {
+            radius: WheelPair::new(right, left),
+            wheel_separation: self.get(CalibrationParameter::WheelSeparation),
+        }
     }
 
     /// The same robot, with its laser there.
     #[must_use]
     pub fn with_laser(mut self, body_from_laser: Pose<Body, Laser, S>) -> Self {
         let Pose { x, y, heading, .. } = body_from_laser;
-        self.0[Parameter::LaserX as usize] = x;
-        self.0[Parameter::LaserY as usize] = y;
-        self.0[Parameter::LaserHeading as usize] = heading.radians();
+        self.0[CalibrationParameter::LaserX as usize] = x;
+        self.0[CalibrationParameter::LaserY as usize] = y;
+        self.0[CalibrationParameter::LaserHeading as usize] = heading.radians();
         self
     }
 
     /// Where the laser sits.
     pub fn body_from_laser(&self) -> Pose<Body, Laser, S> {
-        let heading = Angle::wrapped(self.get(Parameter::LaserHeading));
-        Pose::new(self.get(Parameter::LaserX), self.get(Parameter::LaserY), heading)
+        let heading = Angle::from_radians(self.get(CalibrationParameter::LaserHeading));
+        Pose::new(self.get(CalibrationParameter::LaserX), self.get(CalibrationParameter::LaserY), heading)
     }
 }

@@ -2,18 +2,18 @@
 
 use core::f64::consts::TAU;
 
-use surepose::{Angle, Wheels};
-use surepose_data::recording::{Scan, StampedTicks};
+use surepose::{Angle, WheelPair};
+use surepose_data::recording::{ScanRecord, StampedTicks};
 
 /// A recording to calibrate from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recording {
+pub struct CalibrationRecording {
     /// Ticks of one turn of a wheel.
     pub ticks_per_turn: f64,
     /// Wheel counters, by time.
     pub ticks: Vec<StampedTicks>,
     /// Laser scans, by time; where their laser sits is not read.
-    pub scans: Vec<Scan>,
+    pub scans: Vec<ScanRecord>,
     /// Compass readings, by time; empty where there is no compass.
     pub headings: Vec<StampedHeading>,
 }
@@ -29,24 +29,24 @@ pub struct StampedHeading {
 
 /// The wheels between two records of their counters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Step {
+pub(super) struct OdometryStep {
     /// When it begins \[s].
     pub(super) begin: f64,
     /// How long it lasts \[s], positive.
     pub(super) duration: f64,
     /// How far each wheel turned \[rad].
-    pub(super) turned: Wheels<f64>,
+    pub(super) turned: WheelPair<f64>,
 }
 
-impl Step {
+impl OdometryStep {
     pub(super) fn end(&self) -> f64 {
         self.begin + self.duration
     }
 }
 
-impl Recording {
+impl CalibrationRecording {
     /// The steps between the counters' records; records of the same time are one.
-    pub(super) fn steps(&self) -> Vec<Step> {
+    pub(super) fn steps(&self) -> Vec<OdometryStep> {
         let radians = TAU / self.ticks_per_turn;
         let mut steps = Vec::with_capacity(self.ticks.len());
         let mut before: Option<&StampedTicks> = None;
@@ -58,8 +58,8 @@ impl Recording {
             let duration = now.time - last.time;
             if duration > 1e-6 {
                 let turned = |now: i64, last: i64| (now - last) as f64 * radians;
-                let turned = Wheels::new(turned(now.right, last.right), turned(now.left, last.left));
-                steps.push(Step { begin: last.time, duration, turned });
+                let turned = WheelPair::new(turned(now.right, last.right), turned(now.left, last.left));
+                steps.push(OdometryStep { begin: last.time, duration, turned });
                 before = Some(now);
             }
         }
@@ -68,7 +68,7 @@ impl Recording {
 }
 
 /// Which step holds `time`, and how far into it the time is; times outside belong to the step nearest.
-pub(super) fn locate(steps: &[Step], time: f64) -> (usize, f64) {
+pub(super) fn locate(steps: &[OdometryStep], time: f64) -> (usize, f64) {
     let index = steps.partition_point(|step| step.end() <= time).min(steps.len().saturating_sub(1));
     let fraction = steps.get(index).map_or(0.0, |step| (time - step.begin) / step.duration);
     (index, fraction)

@@ -6,14 +6,14 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use surepose::{Dual, Integration};
 
-use super::front::{Front, Key, Singular};
+use super::frontal::{FrontalSolver, Key, Singular};
+use super::line_observation::LineObservation;
 use super::model::{
-    FROM, GEOMETRY, LOCAL, Local, Place, TO, WALL, compass_reading, during, fraction, known_pose, motion,
-    odometry, odometry_covariance, seen, unknown_geometry, unknown_pose, unknown_wall,
+    FROM, GEOMETRY, LOCAL, Local, PoseVector, TO, WALL, compass_reading, during, fraction, known_pose,
+    motion, odometry, odometry_covariance, seen, unknown_geometry, unknown_pose, unknown_wall,
 };
-use super::parameter::{COUNT, Geometry, Parameter};
-use super::recording::{StampedHeading, Step, locate};
-use super::sighting::Sighting;
+use super::parameter::{COUNT, CalibrationParameter, Geometry};
+use super::recording::{OdometryStep, StampedHeading, locate};
 
 /// Residuals beyond this many standard deviations count linearly only. [Huber1964]
 const HUBER: f64 = 3.0;
@@ -30,13 +30,13 @@ const FREE: f64 = 1.0;
 /// The poses at the steps' ends, and the walls.
 #[derive(Clone, Debug)]
 pub(super) struct Trajectory {
-    pub(super) places: Vec<Place>,
+    pub(super) poses: Vec<PoseVector>,
     pub(super) walls: Vec<[f64; 2]>,
 }
 
 /// How much the measurements scatter.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scatter {
+pub(super) struct NoiseLevels {
     /// δ of [Tran2012] Eq. (15).
     pub(super) delta: f64,
     /// Variance of walls over what the laser's noise makes of it.
@@ -47,9 +47,9 @@ pub(super) struct Scatter {
 
 /// All that was recorded, and which sighting is of which wall.
 #[derive(Clone, Debug)]
-pub(super) struct Evidence<'a> {
-    pub(super) steps: &'a [Step],
-    pub(super) sightings: &'a [Sighting],
+pub(super) struct FitData<'a> {
+    pub(super) steps: &'a [OdometryStep],
+    pub(super) line_observations: &'a [LineObservation],
     pub(super) wall_of: Vec<usize>,
     pub(super) headings: &'a [StampedHeading],
     /// One tick \[rad].
@@ -81,15 +81,15 @@ pub(super) struct Linear {
 
 impl Trajectory {
     /// By the wheels alone, from the origin.
-    pub(super) fn dead_reckoned(steps: &[Step], geometry: &Geometry<f64>, start: f64) -> Self {
-        let mut places: Vec<Place> = vec![[0.0, 0.0, start]];
+    pub(super) fn dead_reckoned(steps: &[OdometryStep], geometry: &Geometry<f64>, start: f64) -> Self {
+        let mut poses: Vec<PoseVector> = vec![[0.0, 0.0, start]];
         for step in steps {
             let motion = motion(geometry, step.turned);
-            let [x, y, heading] = places.last().copied().unwrap_or_default();
-            let pose = known_pose([x, y, heading]).moved(motion, Integration::Arc);
-            places.push([pose.x, pose.y, heading + motion.turn]);
+            let [x, y, heading] = poses.last().copied().unwrap_or_default();
+            let pose = known_pose([x, y, heading]).integrate(motion, Integration::Arc);
+            poses.push([pose.x, pose.y, heading + motion.turn]);
         }
-        Self { places, walls: Vec::new() }
+        Self { poses, walls: Vec::new() }
     }
 }
 
@@ -103,12 +103,12 @@ fn factor<const M: usize>(record: usize, residual: [Local; M], information: [[f6
     }
 }
 
-impl Evidence<'_> {
+impl FitData<'_> {
     /// The problem, linear about this trajectory and geometry.
     pub(super) fn linear(&self, trajectory: &Trajectory, geometry: &Geometry<f64>) -> Linear {
         let unknown = unknown_geometry(geometry);
         let ends = |step: usize| {
-            let (from, to) = (trajectory.places[step], trajectory.places[step + 1]);
+            let (from, to) = (trajectory.poses[step], trajectory.poses[step + 1]);
             (unknown_pose(from, FROM), unknown_pose(to, TO))
         };
         let odometry = self.steps.iter().enumerate().map(|(k, step)| {
@@ -121,27 +121,33 @@ impl Evidence<'_> {
             walls: vec![Vec::new(); self.steps.len()],
             headings: vec![Vec::new(); self.steps.len()],
         };
-        let latency = geometry.get(Parameter::LaserLatency);
-        for (record, (sighting, wall)) in self.sightings.iter().zip(&self.wall_of).enumerate() {
+        let latency = geometry.get(CalibrationParameter::LaserLatency);
+        for (record, (line_observation, wall)) in self.line_observations.iter().zip(&self.wall_of).enumerate()
+        {
             let Some(known) = trajectory.walls.get(*wall) else { continue };
-            let Some(k) = self.step_at(sighting.stamp - latency) else { continue };
+            let Some(k) = self.step_at(line_observation.stamp - latency) else { continue };
             let (from, to) = ends(k);
-            let part = fraction(&self.steps[k], sighting.stamp, unknown.get(Parameter::LaserLatency));
+            let part = fraction(
+                &self.steps[k],
+                line_observation.stamp,
+                unknown.get(CalibrationParameter::LaserLatency),
+            );
             let line = seen(during(from, to, part), &unknown, unknown_wall(*known));
             let constant = |value: f64| Dual::constant(value);
             let residual = [
-                line.distance - constant(sighting.line.distance),
-                line.direction.turned(constant(-sighting.line.direction.radians())).radians(),
+                line.distance - constant(line_observation.line.distance),
+                line.direction.rotated_by(constant(-line_observation.line.direction.radians())).radians(),
             ];
-            linear.walls[k].push((*wall, factor(record, residual, sighting.information)));
+            linear.walls[k].push((*wall, factor(record, residual, line_observation.information)));
         }
-        let latency = geometry.get(Parameter::CompassLatency);
+        let latency = geometry.get(CalibrationParameter::CompassLatency);
         for (record, reading) in self.headings.iter().enumerate() {
             let Some(k) = self.step_at(reading.time - latency) else { continue };
             let (from, to) = ends(k);
-            let part = fraction(&self.steps[k], reading.time, unknown.get(Parameter::CompassLatency));
+            let part =
+                fraction(&self.steps[k], reading.time, unknown.get(CalibrationParameter::CompassLatency));
             let expected = compass_reading(during(from, to, part), &unknown);
-            let residual = [expected.turned(Dual::constant(-reading.heading.radians())).radians()];
+            let residual = [expected.rotated_by(Dual::constant(-reading.heading.radians())).radians()];
             linear.headings[k].push(factor(record, residual, [[1.0]]));
         }
         linear
@@ -158,13 +164,13 @@ impl Evidence<'_> {
         linear: &Linear,
         trajectory: &Trajectory,
         geometry: &Geometry<f64>,
-        scatter: Scatter,
+        noise: NoiseLevels,
         ranges: &[Range<usize>],
     ) -> Result<Vec<[f64; COUNT]>, Singular> {
         let mut slopes = vec![[0.0; COUNT]; ranges.len()];
         let latencies = [
-            (Parameter::LaserLatency, self.sightings.is_empty()),
-            (Parameter::CompassLatency, self.headings.is_empty()),
+            (CalibrationParameter::LaserLatency, self.line_observations.is_empty()),
+            (CalibrationParameter::CompassLatency, self.headings.is_empty()),
         ];
         for (latency, _) in latencies.into_iter().filter(|(_, absent)| !absent) {
             let moved = |by: f64| {
@@ -177,8 +183,8 @@ impl Evidence<'_> {
             let (mut before, mut after) = (moved(-LATENCY_STEP), moved(LATENCY_STEP));
             before.keep_common(&mut after, ranges);
             for (range, slopes) in ranges.iter().zip(&mut slopes) {
-                let rise = after.reduced(range.clone(), scatter)?.misfit
-                    - before.reduced(range.clone(), scatter)?.misfit;
+                let rise = after.reduced(range.clone(), noise)?.misfit
+                    - before.reduced(range.clone(), noise)?.misfit;
                 slopes[latency as usize] = 0.5 * rise / (2.0 * LATENCY_STEP);
             }
         }
@@ -201,19 +207,19 @@ pub(super) struct Reduced {
     pub(super) b: DVector<f64>,
     /// −2 log likelihood, but for a constant and for what is left of the geometry.
     pub(super) misfit: f64,
-    front: Front,
+    solver: FrontalSolver,
 }
 
 impl Linear {
     /// What the steps in `range` say of the geometry, with their poses and walls at their best for each geometry.
-    pub(super) fn reduced(&self, range: Range<usize>, scatter: Scatter) -> Result<Reduced, Singular> {
-        let mut front = Front::new();
-        let geometry = front.enter(Key::Geometry, COUNT);
-        let first = front.enter(Key::Pose(range.start), 3);
+    pub(super) fn reduced(&self, range: Range<usize>, noise: NoiseLevels) -> Result<Reduced, Singular> {
+        let mut solver = FrontalSolver::new();
+        let geometry = solver.add_variable(Key::Geometry, COUNT);
+        let first = solver.add_variable(Key::Pose(range.start), 3);
         // The map begins with the recording; where a later stretch begins is the map's business, its heading the compass'.
         let free = range.start > 0;
         for (i, std) in [ANCHOR, ANCHOR, if free { FREE } else { ANCHOR }].into_iter().enumerate() {
-            front.add(&[0.0], &[[1.0]], &[first + i], &[[1.0 / (std * std)]]);
+            solver.add_factor(&[0.0], &[[1.0]], &[first + i], &[[1.0 / (std * std)]]);
         }
         let mut last_seen = HashMap::new();
         for k in range.clone() {
@@ -227,53 +233,53 @@ impl Linear {
             columns[GEOMETRY + i] = geometry + i;
         }
         for k in range.clone() {
-            let to = front.enter(Key::Pose(k + 1), 3);
-            let from = front.enter(Key::Pose(k), 3);
+            let to = solver.add_variable(Key::Pose(k + 1), 3);
+            let from = solver.add_variable(Key::Pose(k), 3);
             for i in 0..3 {
                 columns[FROM + i] = from + i;
                 columns[TO + i] = to + i;
             }
             let (step, [by_slip, constant]) = &self.odometry[k];
-            let covariance = Matrix3::from_fn(|i, j| scatter.delta * by_slip[i][j] + constant[i][j]);
+            let covariance = Matrix3::from_fn(|i, j| noise.delta * by_slip[i][j] + constant[i][j]);
             let factor = covariance.cholesky().ok_or(Singular)?;
             misfit += 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
             let information = factor.inverse();
             let information = core::array::from_fn(|i| core::array::from_fn(|j| information[(i, j)]));
-            add(&mut front, step, &information, &columns, false);
+            add(&mut solver, step, &information, &columns, false);
             for heading in &self.headings[k] {
-                let scaled = heading.scaled(scatter.compass * scatter.compass);
-                add(&mut front, heading, &scaled, &columns, false);
-                misfit += 2.0 * scatter.compass.ln();
+                let scaled = heading.scaled(noise.compass * noise.compass);
+                add(&mut solver, heading, &scaled, &columns, false);
+                misfit += 2.0 * noise.compass.ln();
             }
-            for (wall, sighting) in &self.walls[k] {
-                let at = front.enter(Key::Wall(*wall), 2);
+            for (wall, line_observation) in &self.walls[k] {
+                let at = solver.add_variable(Key::Wall(*wall), 2);
                 columns[WALL] = at;
                 columns[WALL + 1] = at + 1;
-                let scaled = sighting.scaled(scatter.wall);
-                add(&mut front, sighting, &scaled, &columns, true);
-                misfit += 2.0 * scatter.wall.ln();
+                let scaled = line_observation.scaled(noise.wall);
+                add(&mut solver, line_observation, &scaled, &columns, true);
+                misfit += 2.0 * noise.wall.ln();
             }
-            front.leave(Key::Pose(k))?;
+            solver.eliminate(Key::Pose(k))?;
             for (wall, _) in &self.walls[k] {
                 if last_seen.get(wall) == Some(&k) {
-                    front.leave(Key::Wall(*wall))?;
+                    solver.eliminate(Key::Wall(*wall))?;
                 }
             }
         }
-        front.leave(Key::Pose(range.end))?;
-        let (a, b) = front.left();
+        solver.eliminate(Key::Pose(range.end))?;
+        let (a, b) = solver.remaining();
         let (a, b) = (a.clone(), b.clone());
-        let misfit = misfit + front.chi_squared + front.log_determinant;
-        Ok(Reduced { a, b, misfit, front })
+        let misfit = misfit + solver.chi_squared + solver.log_determinant;
+        Ok(Reduced { a, b, misfit, solver })
     }
 
     /// Lets residuals that are far out count less, by this scatter.
-    pub(super) fn weigh(&mut self, scatter: Scatter) {
+    pub(super) fn weigh(&mut self, noise: NoiseLevels) {
         for (_, factor) in self.walls.iter_mut().flatten() {
-            factor.weigh(scatter.wall);
+            factor.weigh(noise.wall);
         }
         for factor in self.headings.iter_mut().flatten() {
-            factor.weigh(scatter.compass * scatter.compass);
+            factor.weigh(noise.compass * noise.compass);
         }
     }
 
@@ -303,13 +309,13 @@ impl Linear {
             let all = linear.headings.iter().enumerate();
             all.flat_map(|(k, here)| here.iter().map(move |f| (f.record, range_of(k)))).collect()
         };
-        let places = [(walls(self), headings(self)), (walls(other), headings(other))];
+        let poses = [(walls(self), headings(self)), (walls(other), headings(other))];
         for linear in [self, other] {
             for here in &mut linear.walls {
-                here.retain(|(_, f)| places[0].0.get(&f.record) == places[1].0.get(&f.record));
+                here.retain(|(_, f)| poses[0].0.get(&f.record) == poses[1].0.get(&f.record));
             }
             for here in &mut linear.headings {
-                here.retain(|f| places[0].1.get(&f.record) == places[1].1.get(&f.record));
+                here.retain(|f| poses[0].1.get(&f.record) == poses[1].1.get(&f.record));
             }
         }
     }
@@ -343,28 +349,28 @@ const SHORT: usize = LOCAL + WALL - GEOMETRY;
 
 /// Adds a factor to the front; one without a wall has no columns for it.
 fn add<const M: usize>(
-    front: &mut Front,
+    solver: &mut FrontalSolver,
     factor: &Factor<M>,
     information: &[[f64; M]; M],
     columns: &[usize; LOCAL],
     with_wall: bool,
 ) {
     if with_wall {
-        return front.add(&factor.residual, &factor.jacobian, columns, information);
+        return solver.add_factor(&factor.residual, &factor.jacobian, columns, information);
     }
     let at = |i: usize| if i < WALL { i } else { i + GEOMETRY - WALL };
     let jacobian: [[f64; M]; SHORT] = core::array::from_fn(|i| factor.jacobian[at(i)]);
     let columns: [usize; SHORT] = core::array::from_fn(|i| columns[at(i)]);
-    front.add(&factor.residual, &jacobian, &columns, information);
+    solver.add_factor(&factor.residual, &jacobian, &columns, information);
 }
 
 impl Reduced {
     /// The trajectory at its best once the geometry changes by `step`.
     pub(super) fn moved(&self, trajectory: &Trajectory, step: &DVector<f64>) -> Trajectory {
         let mut moved = trajectory.clone();
-        self.front.back(step, |key, change| match key {
+        self.solver.back_substitute(step, |key, change| match key {
             Key::Pose(k) => {
-                for (value, change) in moved.places[k].iter_mut().zip(change.iter()) {
+                for (value, change) in moved.poses[k].iter_mut().zip(change.iter()) {
                     *value += change;
                 }
             }

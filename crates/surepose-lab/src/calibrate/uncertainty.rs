@@ -5,9 +5,9 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::CalibrationError;
-use super::fit::{Bend, Fit};
-use super::front::Singular;
-use super::parameter::{COUNT, Parameter};
+use super::fit::{Fit, NoiseCurvature};
+use super::frontal::Singular;
+use super::parameter::{COUNT, CalibrationParameter};
 
 /// How many stretches the recording is cut into.
 const STRETCHES: usize = 12;
@@ -52,14 +52,14 @@ pub(super) fn uncertainty(fit: &Fit<'_>) -> Result<Uncertainty, CalibrationError
             covariance[(i, j)] *= factor(i) * factor(j);
         }
     }
-    for place in [Parameter::LaserX, Parameter::LaserY] {
+    for place in [CalibrationParameter::LaserX, CalibrationParameter::LaserY] {
         covariance[(place as usize, place as usize)] += LINE_BIAS * LINE_BIAS;
     }
 
-    let whole = fit.bend(|scatter| fit.likelihood(&linear, scatter, 0..n))?;
+    let whole = fit.bend(|noise| fit.likelihood(&linear, noise, 0..n))?;
     let parts = ranges
         .iter()
-        .map(|range| fit.bend(|scatter| fit.likelihood(&linear, scatter, range.clone())))
+        .map(|range| fit.bend(|noise| fit.likelihood(&linear, noise, range.clone())))
         .collect::<Result<Vec<_>, _>>()?;
     Ok(Uncertainty { covariance, log_delta_std: log_delta_std(&whole, &parts) })
 }
@@ -67,11 +67,11 @@ pub(super) fn uncertainty(fit: &Fit<'_>) -> Result<Uncertainty, CalibrationError
 /// By how much the variance of each parameter is larger than the model says.
 fn inflation(fit: &Fit<'_>, ranges: &[Range<usize>]) -> Result<[f64; COUNT], Singular> {
     let linear = fit.linear(true);
-    let slopes = fit.evidence.latency_slopes(&linear, &fit.trajectory, &fit.geometry, fit.scatter, ranges)?;
+    let slopes = fit.data.latency_slopes(&linear, &fit.trajectory, &fit.geometry, fit.noise, ranges)?;
     let mut parts = Vec::with_capacity(ranges.len());
     for (range, slopes) in ranges.iter().zip(slopes) {
-        let mut part = linear.reduced(range.clone(), fit.scatter)?;
-        for latency in [Parameter::LaserLatency, Parameter::CompassLatency] {
+        let mut part = linear.reduced(range.clone(), fit.noise)?;
+        for latency in [CalibrationParameter::LaserLatency, CalibrationParameter::CompassLatency] {
             part.b[latency as usize] = -slopes[latency as usize];
         }
         parts.push((part.a, part.b));
@@ -95,12 +95,16 @@ fn inflation(fit: &Fit<'_>, ranges: &[Range<usize>]) -> Result<[f64; COUNT], Sin
     Ok(core::array::from_fn(|i| {
         // Each stretch begins at the heading that the whole recording gives it, so what the stretches say of the compass'
         // offset is not independent, and the model's own variance stands.
-        if i == Parameter::CompassOffset as usize { 1.0 } else { sandwich[(i, i)] / inverse[(i, i)] }
+        if i == CalibrationParameter::CompassOffset as usize {
+            1.0
+        } else {
+            sandwich[(i, i)] / inverse[(i, i)]
+        }
     }))
 }
 
 /// The standard error of ln δ, from the curvature of −2 log likelihood and from the slopes of the stretches.
-fn log_delta_std(whole: &Bend, parts: &[Bend]) -> f64 {
+fn log_delta_std(whole: &NoiseCurvature, parts: &[NoiseCurvature]) -> f64 {
     // A = ½ of the curvature is the information, g = −½ of the slope the score.
     let inverse = |curvature: [[f64; 2]; 2]| {
         let [[dd, dw], [_, ww]] = curvature.map(|row| row.map(|entry| 0.5 * entry));

@@ -4,9 +4,9 @@ use surepose::Point;
 use surepose_data::grid::Grid;
 use surepose_data::wall_map::WallMap;
 
-use super::cloud::{Cloud, SurfacePoint};
-use super::grow::{Rules, walls};
-use super::{MapReport, Mapped};
+use super::fit_walls::{WallFitSettings, fit_walls};
+use super::point_cloud::{PointCloud, SurfacePoint};
+use super::{MapReport, MappingResult};
 
 /// A cell is solid above this probability, and free below one minus this.
 const SOLID: f32 = 0.65;
@@ -14,7 +14,8 @@ const SOLID: f32 = 0.65;
 /// What makes cells a wall, in cells.
 ///
 /// The middles of the cells of a straight wall lie within half a diagonal of its line, 0.71, wherever it runs.
-const RULES: Rules = Rules { tolerance: 0.9, gap: 3.5, shortest: 2.0, fewest: 3, alignment: 0.7 };
+const RULES: WallFitSettings =
+    WallFitSettings { tolerance: 0.9, gap: 3.5, shortest: 2.0, fewest: 3, alignment: 0.7 };
 
 /// Side of the boxes in which cells are looked for, and the reach of their normals, in cells.
 const REACH: f64 = 3.0;
@@ -24,7 +25,7 @@ const REACH: f64 = 3.0;
 /// Scans mark the cell that a wall's surface lies in, so its middle is where the surface is, on average over a wall that
 /// does not run along the grid. A wall of two cells or more has a face towards each free side; a thinner one is one
 /// wall, seen from both. What no free cell borders, nobody sees: it is no wall.
-pub fn walls_of(grid: &Grid) -> Mapped {
+pub fn extract_walls(grid: &Grid) -> MappingResult {
     let mut points = Vec::new();
     let mut free_side = Vec::new();
     for row in 0..grid.height {
@@ -43,22 +44,22 @@ pub fn walls_of(grid: &Grid) -> Mapped {
             }
         }
     }
-    let mut cloud = Cloud::new(points, REACH);
-    cloud.find_normals(&free_side, REACH, 2);
-    let grown = walls(&cloud, &RULES);
-    let written = grown.iter().map(|wall| {
+    let mut cloud = PointCloud::new(points, REACH);
+    cloud.estimate_normals(&free_side, REACH, 2);
+    let grown = fit_walls(&cloud, &RULES);
+    let to_map_wall = grown.iter().map(|wall| {
         // The first and the last cell reach half a side beyond their middles.
         let extent = (wall.extent.0 - 0.5, wall.extent.1 + 0.5);
         // The surface lies somewhere in its cells, and at either end of the wall somewhere else.
         let of_cell = grid.resolution * grid.resolution / 12.0;
         let half = 0.5 * (extent.1 - extent.0) * grid.resolution;
-        let doubt = [0.5 * of_cell, 0.0, 0.5 * of_cell / (half * half)];
-        wall.written(extent, |[x, y]| place(grid, x, y), doubt)
+        let line_covariance = [0.5 * of_cell, 0.0, 0.5 * of_cell / (half * half)];
+        wall.to_map_wall(extent, |[x, y]| place(grid, x, y), line_covariance)
     });
-    let map = WallMap { name: None, walls: written.collect() };
-    let mut report = MapReport::of_grown(&map, &grown, cloud.points().len());
+    let map = WallMap { name: None, walls: to_map_wall.collect() };
+    let mut report = MapReport::from_fit(&map, &grown, cloud.points().len());
     report.residual_rms_m = report.residual_rms_m.map(|cells| cells * grid.resolution);
-    Mapped { map, report }
+    MappingResult { map, report }
 }
 
 /// Whether a cell of this occupancy stops a beam.

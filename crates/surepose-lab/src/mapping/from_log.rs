@@ -3,21 +3,21 @@
 use std::collections::BTreeMap;
 
 use surepose::{Body, Frame, Map, Point, Pose};
-use surepose_data::recording::Scan;
+use surepose_data::recording::ScanRecord;
 use surepose_data::wall_map::WallMap;
 
-use super::cloud::{Cloud, SurfacePoint};
-use super::grow::{Grown, Rules, walls};
-use super::{MapReport, Mapped};
-use crate::replay::mounted;
+use super::fit_walls::{FittedWall, WallFitSettings, fit_walls};
+use super::point_cloud::{PointCloud, SurfacePoint};
+use super::{MapReport, MappingResult};
+use crate::replay::laser_extrinsics;
 
 /// How walls are made of scans.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct LogMappingSettings {
     /// What makes points a wall.
-    pub rules: Rules,
+    pub rules: WallFitSettings,
     /// Returns from farther away are left out \[m]: their points lie too far apart to show what they are on.
-    pub farthest: f64,
+    pub range_max: f64,
     /// Normals come from the points within this distance \[m].
     pub normal_reach: f64,
     /// Standard deviation of a point across its wall \[m].
@@ -28,11 +28,11 @@ pub struct Settings {
     pub heading_std: f64,
 }
 
-impl Default for Settings {
+impl Default for LogMappingSettings {
     fn default() -> Self {
         Self {
-            rules: Rules { tolerance: 0.06, gap: 0.35, shortest: 0.2, fewest: 8, alignment: 0.7 },
-            farthest: 20.0,
+            rules: WallFitSettings { tolerance: 0.06, gap: 0.35, shortest: 0.2, fewest: 8, alignment: 0.7 },
+            range_max: 20.0,
             normal_reach: 0.15,
             point_std: 0.02,
             position_std: 0.02,
@@ -45,14 +45,14 @@ impl Default for Settings {
 const CELL: f64 = 0.25;
 
 /// The walls that scans at their poses show.
-pub fn walls_of<'a>(
-    views: impl IntoIterator<Item = (&'a Scan, Pose<Map, Body, f64>)>,
-    settings: &Settings,
-) -> Mapped {
+pub fn extract_walls<'a>(
+    views: impl IntoIterator<Item = (&'a ScanRecord, Pose<Map, Body, f64>)>,
+    settings: &LogMappingSettings,
+) -> MappingResult {
     let mut points = Vec::new();
     let mut seen_from = Vec::new();
     for (view, (scan, map_from_body)) in (0_u32..).zip(views) {
-        let map_from_laser = map_from_body * mounted(scan.mount);
+        let map_from_laser = map_from_body * laser_extrinsics(scan.mount);
         seen_from.push((map_from_laser.x, map_from_laser.y));
         for end in ends(scan, map_from_laser, settings) {
             let normal = (0.0, 0.0);
@@ -60,37 +60,39 @@ pub fn walls_of<'a>(
             points.push(SurfacePoint { x: end.x, y: end.y, normal, both_sides: false, roughness, view });
         }
     }
-    let mut cloud = Cloud::new(points, CELL);
-    cloud.find_normals(&seen_from, settings.normal_reach.min(CELL), 4);
-    let grown = walls(&cloud, &settings.rules);
-    let written = grown.iter().map(|wall| {
-        let doubt = doubt(wall, &cloud, &seen_from, settings);
-        wall.written(wall.extent, |at| at, doubt)
+    let mut cloud = PointCloud::new(points, CELL);
+    cloud.estimate_normals(&seen_from, settings.normal_reach.min(CELL), 4);
+    let grown = fit_walls(&cloud, &settings.rules);
+    let to_map_wall = grown.iter().map(|wall| {
+        let line_covariance = line_covariance(wall, &cloud, &seen_from, settings);
+        wall.to_map_wall(wall.extent, |at| at, line_covariance)
     });
-    let map = WallMap { name: None, walls: written.collect() };
-    let report = MapReport::of_grown(&map, &grown, cloud.points().len());
-    Mapped { map, report }
+    let map = WallMap { name: None, walls: to_map_wall.collect() };
+    let report = MapReport::from_fit(&map, &grown, cloud.points().len());
+    MappingResult { map, report }
 }
 
 /// Where the beams that walls are made of ended \[m].
-pub fn ends_of<'a>(
-    views: impl IntoIterator<Item = (&'a Scan, Pose<Map, Body, f64>)>,
-    settings: &Settings,
+pub fn beam_endpoints<'a>(
+    views: impl IntoIterator<Item = (&'a ScanRecord, Pose<Map, Body, f64>)>,
+    settings: &LogMappingSettings,
 ) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     for (scan, map_from_body) in views {
-        found.extend(ends(scan, map_from_body * mounted(scan.mount), settings).map(|end| (end.x, end.y)));
+        found.extend(
+            ends(scan, map_from_body * laser_extrinsics(scan.mount), settings).map(|end| (end.x, end.y)),
+        );
     }
     found
 }
 
 /// Where the beams of a scan ended, but for those that end too far away.
 fn ends<F: Frame>(
-    scan: &Scan,
+    scan: &ScanRecord,
     map_from_laser: Pose<Map, F, f64>,
-    settings: &Settings,
+    settings: &LogMappingSettings,
 ) -> impl Iterator<Item = Point<Map, f64>> {
-    let near = scan.ranges.iter().enumerate().filter(|(_, range)| **range <= settings.farthest);
+    let near = scan.ranges.iter().enumerate().filter(|(_, range)| **range <= settings.range_max);
     near.map(move |(beam, &range)| {
         let bearing = scan.angle(beam);
         map_from_laser * Point::new(range * libm::cos(bearing), range * libm::sin(bearing))
@@ -103,7 +105,12 @@ fn ends<F: Frame>(
 /// noise of the point, and the error of the scan's pose that all its points share, a shift δ across the wall and a turn ϑ
 /// about the laser, whose foot on the line is at a₀: e = δ + (aᵢ − a₀)ϑ. So Cov(o, s) = B·M·B with M = σ²B⁻¹ + Σ_scans (σ_δ²ddᵀ +
 /// σ_ϑ²ttᵀ), d = Σ(1, aᵢ)ᵀ, t = Σ(1, aᵢ)ᵀ(aᵢ − a₀).
-fn doubt(wall: &Grown, cloud: &Cloud, seen_from: &[(f64, f64)], settings: &Settings) -> [f64; 3] {
+fn line_covariance(
+    wall: &FittedWall,
+    cloud: &PointCloud,
+    seen_from: &[(f64, f64)],
+    settings: &LogMappingSettings,
+) -> [f64; 3] {
     // For each view: how many points, Σa, Σa².
     let mut views: BTreeMap<u32, [f64; 3]> = BTreeMap::new();
     for point in wall.members.iter().filter_map(|&number| cloud.points().get(number as usize)) {

@@ -3,10 +3,10 @@
 use core::f64::consts::TAU;
 
 use surepose::param;
-use surepose_plot::{Cell, Chart, Color, Map, Mark, Panel, Picture, Stroke, beside, beside_column};
+use surepose_plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, Subplot, XyPlot, hstack, hstack_column};
 
-use crate::drive::{Mode, Sample};
-use crate::rig::Scenario;
+use crate::robot::Scenario;
+use crate::simulation::{ControlMode, Sample};
 
 /// Time between two ellipses \[s].
 const ELLIPSE_EVERY: f64 = 1.0;
@@ -17,12 +17,12 @@ const WINDOW: f64 = 0.03;
 
 /// The way with the walls, start and goal; and the last centimetres, with the tolerance.
 pub fn trajectory(scenario: &Scenario, samples: &[Sample]) -> Picture {
-    beside(vec![from_above(scenario, samples).cell(), at_the_goal(scenario, samples)])
+    hstack(vec![from_above(scenario, samples).cell(), at_the_goal(scenario, samples)])
 }
 
 /// v and ω, asked and true.
 pub fn velocities(samples: &[Sample]) -> Picture {
-    Chart::over("time [s]")
+    XyPlot::over("time [s]")
         .panel(speeds(Panel::new("Speed", "v [m/s]"), samples, ["asked", "true"]))
         .panel(turn_rate(samples))
         .picture()
@@ -30,35 +30,35 @@ pub fn velocities(samples: &[Sample]) -> Picture {
 
 /// Heading error and distance from the goal.
 pub fn heading_error(scenario: &Scenario, samples: &[Sample]) -> Picture {
-    Chart::over("time [s]").panel(heading(scenario, samples)).panel(distance(scenario, samples)).picture()
+    XyPlot::over("time [s]").panel(heading(scenario, samples)).panel(distance(scenario, samples)).picture()
 }
 
 /// V of the law in charge, with the changes of law.
 pub fn lyapunov(samples: &[Sample]) -> Picture {
     let title = "V_g of the global law; shaded: V_l of the local law; dashed: hand-over, arrival";
-    Chart::over("time [s]").panel(descent(title, samples)).picture()
+    XyPlot::over("time [s]").panel(descent(title, samples)).picture()
 }
 
 /// The drive at one glance, small enough for a column of text; titles say what is what, so that legends take no room.
 pub fn overview(scenario: &Scenario, samples: &[Sample]) -> Picture {
-    let chart = Chart::over("time [s]")
+    let chart = XyPlot::over("time [s]")
         .compact()
         .panel(speeds(Panel::new("Speed: true (blue), asked (grey)", "v [m/s]"), samples, ["", ""]))
         .panel(heading(scenario, samples))
         .panel(descent("V; shaded: local law; dashed: hand-over, arrival", samples));
-    beside_column(from_above(scenario, samples).compact().cell(), chart.cells())
+    hstack_column(from_above(scenario, samples).compact().cell(), chart.cells())
 }
 
 /// How many times ellipses are enlarged on a map of the whole way: a laser knows the place to millimetres, and on a map of
 /// metres that is nothing to see.
 pub(super) fn enlargement(samples: &[Sample]) -> f64 {
-    let mut spreads: Vec<f64> = every(samples, ELLIPSE_EVERY).into_iter().map(spread).collect();
-    spreads.sort_by(f64::total_cmp);
-    let typical = spreads.get(spreads.len() / 2).copied().unwrap_or(VISIBLE);
+    let mut quantile_plots: Vec<f64> = every(samples, ELLIPSE_EVERY).into_iter().map(spread).collect();
+    quantile_plots.sort_by(f64::total_cmp);
+    let typical = quantile_plots.get(quantile_plots.len() / 2).copied().unwrap_or(VISIBLE);
     [1.0, 10.0, 30.0].into_iter().find(|factor| typical * factor >= VISIBLE).unwrap_or(30.0)
 }
 
-fn from_above(scenario: &Scenario, samples: &[Sample]) -> Map {
+fn from_above(scenario: &Scenario, samples: &[Sample]) -> MapPlot {
     let (start, goal) = (scenario.start(), scenario.goal());
     let shown = every(samples, ELLIPSE_EVERY);
     let factor = enlargement(samples);
@@ -66,7 +66,7 @@ fn from_above(scenario: &Scenario, samples: &[Sample]) -> Map {
         if factor > 1.0 { format!("3σ × {factor}, each second") } else { "3σ, each second".to_owned() };
     let here = |sample: &Sample| (sample.estimated_x_m, sample.estimated_y_m);
     let ellipses = shown.into_iter().map(|sample| ellipse(sample, here(sample), 3.0 * factor)).collect();
-    Map::new("From start to goal")
+    MapPlot::new("From start to goal")
         .walls(walls(scenario))
         .trace("true way", true_way(samples), Stroke::wide(Color::Silver))
         .trace("estimated way", estimated_way(samples), Stroke::thin(Color::Vermilion))
@@ -76,13 +76,13 @@ fn from_above(scenario: &Scenario, samples: &[Sample]) -> Map {
 }
 
 /// The neighbourhood of the goal, seen from it.
-fn at_the_goal(scenario: &Scenario, samples: &[Sample]) -> Cell {
+fn at_the_goal(scenario: &Scenario, samples: &[Sample]) -> Subplot {
     let goal = scenario.goal();
     let from_goal =
         |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x - goal.x, y - goal.y)).collect();
     let tolerance = scenario.config.number(&param::POSITION_TOLERANCE);
     let circle = turn().map(|(cos, sin)| (tolerance * cos, tolerance * sin)).collect();
-    let mut map = Map::new("The last centimetres")
+    let mut map = MapPlot::new("The last centimetres")
         .outlines("tolerance", vec![circle], Stroke::solid(Color::Purple))
         .trace("true way", from_goal(true_way(samples)), Stroke::wide(Color::Silver))
         .trace("estimated way", from_goal(estimated_way(samples)), Stroke::thin(Color::Vermilion));
@@ -130,13 +130,13 @@ fn distance(scenario: &Scenario, samples: &[Sample]) -> Panel {
 }
 
 /// When V is V_l. It goes on falling while the robot holds: it is the law that counts, not the mode.
-fn of_local_law(samples: &[Sample]) -> Vec<(f64, f64)> {
+fn local_law_intervals(samples: &[Sample]) -> Vec<(f64, f64)> {
     stretches(samples, |sample| sample.local)
 }
 
 fn descent(title: &str, samples: &[Sample]) -> Panel {
-    let local = of_local_law(samples);
-    let holding = stretches(samples, |sample| sample.mode == Mode::Holding);
+    let local = local_law_intervals(samples);
+    let holding = stretches(samples, |sample| sample.mode == ControlMode::Holding);
     // What the marks are is said in the title: beside them, near the end of the drive, there is no room for it.
     let marks =
         [local.first(), holding.first()].map(|found| found.map(|(at, _)| Mark::At(*at, String::new())));
@@ -164,11 +164,11 @@ pub(super) fn unwrapped(mut series: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 }
 
 /// From when to when the samples were such.
-fn stretches(samples: &[Sample], wanted: impl Fn(&Sample) -> bool) -> Vec<(f64, f64)> {
+fn stretches(samples: &[Sample], condition: impl Fn(&Sample) -> bool) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut inside = false;
     for sample in samples {
-        let now = wanted(sample);
+        let now = condition(sample);
         match found.last_mut() {
             Some(last) if inside => last.1 = sample.time_s,
             _ if now => found.push((sample.time_s, sample.time_s)),
@@ -224,16 +224,16 @@ fn estimated_way(samples: &[Sample]) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{of_local_law, overview, stretches};
-    use crate::drive::{Mode, drive};
-    use crate::rig::Scenario;
+    use super::{local_law_intervals, overview, stretches};
+    use crate::robot::Scenario;
+    use crate::simulation::{ControlMode, simulate};
 
     /// The V that is drawn is V_l from the switch to the end of the drive, which the robot spends holding.
     #[test]
     fn shading_covers_all_of_the_local_law() {
-        let (samples, _) = drive(&Scenario::default(), 1);
-        let local = of_local_law(&samples);
-        let holding = stretches(&samples, |sample| sample.mode == Mode::Holding);
+        let (samples, _) = simulate(&Scenario::default(), 1);
+        let local = local_law_intervals(&samples);
+        let holding = stretches(&samples, |sample| sample.mode == ControlMode::Holding);
         let (Some(last), Some(end), Some(held)) = (local.last(), samples.last(), holding.last()) else {
             panic!("{local:?}, {holding:?}");
         };
@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn overview_is_no_wider_than_can_be_read_in_a_column() {
         let scenario = Scenario::default();
-        let svg = overview(&scenario, &drive(&scenario, 1).0).svg();
+        let svg = overview(&scenario, &simulate(&scenario, 1).0).svg();
         let width = svg.split("width=\"").nth(1).and_then(|rest| rest.split('"').next());
         let width: f64 = width.and_then(|width| width.parse().ok()).expect("a width");
         assert!(width <= 830.0 / 0.8, "{width}");

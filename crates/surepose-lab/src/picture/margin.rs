@@ -2,20 +2,22 @@
 
 use core::f64::consts::PI;
 
-use surepose::{Angle, Body, Goal, Map as MapFrame, Navigation, Pose};
-use surepose_cert::{MarginMap, Margins, Situation};
-use surepose_plot::{Chart, Color, DotPaint, Map, Panel, Picture, Scale, Stroke, Tile, Tiles, beside};
+use surepose::{Angle, Body, Goal, Map as MapFrame, NavigationVariables, Pose};
+use surepose_cert::{DisturbedState, MarginMap, Margins};
+use surepose_plot::{
+    Color, DotPaint, Heatmap, HeatmapCell, MapPlot, Panel, Picture, Scale, Stroke, XyPlot, hstack,
+};
 
-use crate::sweep::Spread;
+use crate::sweep::Quantiles;
 
 const NOT_SHOWN: Color = Color::Vermilion;
 
-/// The margin over (α, φ), at the capture radius and at its least over all distances; and a situation in which W rises,
+/// The margin over (α, φ), at the capture radius and at its least over all distances; and a state in which W rises,
 /// if one is known. Where the fall is not shown everywhere, the first is that of the farthest distances with a gap.
-pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
+pub fn margin(margins: &Margins, rises: Option<&DisturbedState>) -> Picture {
     let least = margins.least();
     // One scale for both, so that they can be compared, and on it the small margins, which are those that count.
-    let shown = |of: &MarginMap| Spread::of(of.fall.iter().copied().filter(|fall| *fall > 0.0));
+    let shown = |of: &MarginMap| Quantiles::from_values(of.fall.iter().copied().filter(|fall| *fall > 0.0));
     let most = shown(&least).or(shown(&margins.nearest)).map_or(1.0, |spread| spread.p95);
     let scale = Scale::new(format!("least fall of W shown [1/s]; darkest: {most:.2} or more"), 0.0, most);
     let map = |title: String, of: &MarginMap| {
@@ -23,13 +25,13 @@ pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
         let cell = |k: usize| {
             // The map has α̂ by α̂; a picture has row by row, which are those of φ̂.
             let fall = of.fall.get((k % side) * side + k / side).copied().unwrap_or(f64::NAN);
-            if fall > 0.0 { Tile::Value(fall) } else { Tile::Plain(NOT_SHOWN) }
+            if fall > 0.0 { HeatmapCell::Value(fall) } else { HeatmapCell::Plain(NOT_SHOWN) }
         };
-        let cells: Vec<Tile> = (0..of.fall.len()).map(cell).collect();
-        let gaps = cells.contains(&Tile::Plain(NOT_SHOWN));
-        let tiles = Tiles { low: (-PI, -PI), side: 2.0 * PI / side as f64, columns: side, cells };
-        let map = Map::new(title)
-            .tiles(tiles, gaps.then(|| ("not shown".to_owned(), NOT_SHOWN)))
+        let cells: Vec<HeatmapCell> = (0..of.fall.len()).map(cell).collect();
+        let gaps = cells.contains(&HeatmapCell::Plain(NOT_SHOWN));
+        let heatmap = Heatmap { low: (-PI, -PI), side: 2.0 * PI / side as f64, columns: side, cells };
+        let map = MapPlot::new(title)
+            .heatmap(heatmap, gaps.then(|| ("not shown".to_owned(), NOT_SHOWN)))
             .scale(scale.clone())
             .axes(
                 1f64.to_degrees(),
@@ -38,7 +40,7 @@ pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
             )
             .numbered_every(45.0);
         // On the map of its own distance only.
-        let inside = |at: &&Situation| {
+        let inside = |at: &&DisturbedState| {
             let rho = at.x.hypot(at.y);
             of.rho.0 <= rho && rho <= of.rho.1
         };
@@ -55,7 +57,7 @@ pub fn margin(margins: &Margins, rises: Option<&Situation>) -> Picture {
             map(format!("Margin at the capture radius, {}", distances(&margins.nearest)), &margins.nearest)
         }
     };
-    beside(vec![first, map(format!("Least margin from {}", distances(&least)), &least)])
+    hstack(vec![first, map(format!("Least margin from {}", distances(&least)), &least)])
 }
 
 /// The least margin over the distance.
@@ -84,15 +86,15 @@ pub fn margin_over_distance(margins: &Margins) -> Picture {
         .into_iter()
         .filter(|run| !run.is_empty())
         .fold(panel, |panel, run| panel.series("", run, Stroke::solid(Color::Blue)));
-    Chart::over("true distance from the goal ρ [m]").logarithmic().panel(panel).picture()
+    XyPlot::over("true distance from the goal ρ [m]").logarithmic().panel(panel).picture()
 }
 
-/// How the goal is seen in a situation: bearing and direction of approach \[rad].
-fn seen(at: &Situation) -> (f64, f64) {
-    let heading = Angle::wrapped(at.heading + at.noise_heading);
+/// How the goal is seen in a state: bearing and direction of approach \[rad].
+fn seen(at: &DisturbedState) -> (f64, f64) {
+    let heading = Angle::from_radians(at.heading + at.noise_heading);
     let estimate: Pose<MapFrame, Body, f64> = Pose::new(at.x + at.noise_x, at.y + at.noise_y, heading);
     let goal: Pose<MapFrame, Goal, f64> = Pose::identity();
-    let seen = Navigation::of(estimate, goal);
+    let seen = NavigationVariables::from_poses(estimate, goal);
     (seen.alpha.radians(), seen.phi.radians())
 }
 

@@ -2,12 +2,13 @@
 
 use core::f64::consts::{PI, TAU};
 
-use surepose::{Angle, Body, Goal, Map as MapFrame, Navigation, Pose};
+use surepose::{Angle, Body, Goal, Map as MapFrame, NavigationVariables, Pose};
 use surepose_plot::{
-    Cell, Chart, Color, DotPaint, Map, Panel, Picture, Scale, Stroke, Tile, Tiles, beside, stacked,
+    Color, DotPaint, Heatmap, HeatmapCell, MapPlot, Panel, Picture, Scale, Stroke, Subplot, XyPlot, hstack,
+    vstack,
 };
 
-use crate::sweep::{HEADING_TOLERANCE, POSITION_TOLERANCE, Spread, Trial};
+use crate::sweep::{HEADING_TOLERANCE, POSITION_TOLERANCE, Quantiles, Trial};
 
 /// With fewer trials than this each one is a dot; with more, they are counted in cells.
 const CROWD: usize = 400;
@@ -40,28 +41,28 @@ pub fn start_map(trials: &[Trial]) -> Picture {
     // One scale for both, so that they can be compared.
     let medians: Vec<f64> = by_place.values().into_iter().chain(by_direction.values()).collect();
     let (ratio, most) = ratio_scale(medians, trials.len() >= CROWD);
-    let timed = Map::new(format!("Time over the least possible; darkest: {} or more", short(most)));
+    let timed = MapPlot::new(format!("Time over the least possible; darkest: {} or more", short(most)));
     let failed = |at: &[(f64, f64)]| -> Vec<_> {
         at.iter().zip(trials).filter(|(_, trial)| !trial.success).map(|(at, _)| *at).collect()
     };
     let ran = trials.iter().filter(|trial| trial.success).count();
     let title = format!("Success over the start: {ran} of {}", counted(trials.len()));
-    let directed = Map::new("The same over the directions at the start")
+    let directed = MapPlot::new("The same over the directions at the start")
         .axes(1f64.to_degrees(), "bearing of the goal α [°]", "direction of approach φ [°]")
         .numbered_every(45.0);
-    beside(vec![
-        success.drawn(Map::new(title), rate, failed(&places)),
+    hstack(vec![
+        success.drawn(MapPlot::new(title), rate, failed(&places)),
         by_place.drawn(timed, ratio.clone(), failed(&places)),
         by_direction.drawn(directed, ratio, failed(&directions)),
     ])
 }
 
 /// How time and final errors are spread over the trials.
-pub fn spreads(trials: &[Trial]) -> Picture {
+pub fn quantile_plots(trials: &[Trial]) -> Picture {
     let all = |value: fn(&Trial) -> Option<f64>| trials.iter().filter_map(value).collect::<Vec<_>>();
     let tolerances = |tolerance: f64| TOLERANCES_SHOWN * tolerance;
     let (position, heading) = (1e3 * POSITION_TOLERANCE, HEADING_TOLERANCE.to_degrees());
-    stacked(vec![
+    vstack(vec![
         histogram(
             "Time over the least possible",
             ("time / least possible", ""),
@@ -91,7 +92,7 @@ fn directions(trial: &Trial) -> (f64, f64) {
     let heading = Angle::from_degrees(trial.start_heading_deg);
     let start: Pose<MapFrame, Body, f64> = Pose::new(trial.start_x_m, trial.start_y_m, heading);
     let goal: Pose<MapFrame, Goal, f64> = Pose::identity();
-    let seen = Navigation::of(start, goal);
+    let seen = NavigationVariables::from_poses(start, goal);
     (seen.alpha.radians(), seen.phi.radians())
 }
 
@@ -105,7 +106,7 @@ struct Square {
 /// Values over a square.
 enum Shown {
     /// A summary of each cell's.
-    Cells(Tiles),
+    Cells(Heatmap),
     /// Each one in its place.
     Dots(Square, Vec<(f64, f64)>, Vec<f64>),
 }
@@ -132,10 +133,10 @@ impl Shown {
             at(y, low.1) * columns + at(x, low.0)
         };
         let mut lists = vec![Vec::new(); columns * columns];
-        let mut cells = vec![Tile::Nothing; columns * columns];
+        let mut cells = vec![HeatmapCell::Nothing; columns * columns];
         for place in places {
             if let Some(tile) = cells.get_mut(cell_of(*place)) {
-                *tile = Tile::Plain(FAILED);
+                *tile = HeatmapCell::Plain(FAILED);
             }
         }
         for (place, value) in known {
@@ -144,28 +145,30 @@ impl Shown {
             }
         }
         for (tile, list) in cells.iter_mut().zip(&mut lists).filter(|(_, list)| !list.is_empty()) {
-            *tile = Tile::Value(summary(list));
+            *tile = HeatmapCell::Value(summary(list));
         }
-        Self::Cells(Tiles { low, side: cell, columns, cells })
+        Self::Cells(Heatmap { low, side: cell, columns, cells })
     }
 
     fn values(&self) -> Vec<f64> {
         match self {
             Self::Dots(_, _, values) => values.clone(),
-            Self::Cells(tiles) => {
-                let value = |tile: &Tile| if let Tile::Value(value) = tile { Some(*value) } else { None };
-                tiles.cells.iter().filter_map(value).collect()
+            Self::Cells(heatmap) => {
+                let value = |tile: &HeatmapCell| {
+                    if let HeatmapCell::Value(value) = tile { Some(*value) } else { None }
+                };
+                heatmap.cells.iter().filter_map(value).collect()
             }
         }
     }
 
     /// On `map`, with those that `failed` as long as they can be told apart.
-    fn drawn(self, map: Map, scale: Scale, failed: Vec<(f64, f64)>) -> Cell {
+    fn drawn(self, map: MapPlot, scale: Scale, failed: Vec<(f64, f64)>) -> Subplot {
         let map = map.scale(scale);
         let map = match self {
-            Self::Cells(tiles) => {
-                let none = tiles.cells.contains(&Tile::Plain(FAILED));
-                map.tiles(tiles, none.then(|| ("no success here".to_owned(), FAILED)))
+            Self::Cells(heatmap) => {
+                let none = heatmap.cells.contains(&HeatmapCell::Plain(FAILED));
+                map.heatmap(heatmap, none.then(|| ("no success here".to_owned(), FAILED)))
             }
             Self::Dots(Square { low, side }, places, values) => {
                 let high = (low.0 + side, low.1 + side);
@@ -183,7 +186,7 @@ impl Shown {
 fn ratio_scale(mut shown: Vec<f64>, of_cells: bool) -> (Scale, f64) {
     shown.sort_by(f64::total_cmp);
     let least = shown.first().copied().unwrap_or(1.0);
-    let most = Spread::of(shown).map_or(1.1, |spread| spread.p95);
+    let most = Quantiles::from_values(shown).map_or(1.1, |spread| spread.p95);
     let what = if of_cells { "time / least possible, median of a cell" } else { "time / least possible" };
     let most = most.max(least + 0.02);
     (Scale::new(what, least, most), most)
@@ -194,7 +197,7 @@ fn mean(values: &mut [f64]) -> f64 {
 }
 
 fn median(values: &mut [f64]) -> f64 {
-    Spread::of(values.iter().copied()).map_or(f64::NAN, |spread| spread.p50)
+    Quantiles::from_values(values.iter().copied()).map_or(f64::NAN, |spread| spread.p50)
 }
 
 /// A square around all places.
@@ -219,7 +222,7 @@ fn histogram(
     values: &[f64],
     least: f64,
     tolerance: Option<(f64, f64)>,
-) -> Vec<Cell> {
+) -> Vec<Subplot> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let quantile = |q: f64| sorted.get((q * sorted.len() as f64) as usize).or(sorted.last()).copied();
@@ -241,7 +244,7 @@ fn histogram(
     let top = 1.08 * counts.iter().fold(1.0, |most: f64, count| most.max(*count));
     let mut beyond = if beyond > 0 { vec![counted(beyond)] } else { Vec::new() };
     let trials = counted(sorted.len());
-    let spread = Spread::of(sorted);
+    let spread = Quantiles::from_values(sorted);
     let marks = [
         ("median", spread.map(|spread| spread.p50), Color::Black),
         ("95 % below", spread.map(|spread| spread.p95), Color::Blue),
@@ -263,7 +266,7 @@ fn histogram(
         if beyond.is_empty() { String::new() } else { format!("; beyond the axis: {}", beyond.join(", ")) };
     let title = format!("{title}: {trials}{rest}");
     let panel = panel.titled(title, "trials").range(0.0, top).bars(edges, counts, Color::Sky);
-    Chart::over(label).panel(panel).cells()
+    XyPlot::over(label).panel(panel).cells()
 }
 
 /// So many trials.
@@ -283,7 +286,7 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::histogram;
-    use surepose_plot::stacked;
+    use surepose_plot::vstack;
 
     /// A legend's line is on the axes; what lies beyond them is told in the title.
     #[test]
@@ -312,6 +315,6 @@ mod tests {
     }
 
     fn drawn(values: &[f64], tolerance: Option<(f64, f64)>) -> String {
-        stacked(vec![histogram("Errors", ("error [mm]", " mm"), values, 0.0, tolerance)]).svg()
+        vstack(vec![histogram("Errors", ("error [mm]", " mm"), values, 0.0, tolerance)]).svg()
     }
 }

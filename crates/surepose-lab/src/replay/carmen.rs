@@ -7,21 +7,21 @@ use std::time::Instant;
 
 use surepose::{Body, Map, Pose, Stamp};
 use surepose_data::Config;
-use surepose_data::recording::{Recording, Scan, StampedPose};
+use surepose_data::recording::{Recording, ScanRecord, StampedPose};
 use surepose_data::wall_map::WallMap;
 
-use super::follower::{Follower, FollowerSettings, walls_of};
+use super::errors::ErrorAccumulator;
+use super::laser_replay::{LaserReplay, LaserReplaySettings, walls_from_map};
 use super::odometry::{motion_between, pose_after, pose_of};
 use super::report::{ReplayError, ReplayReport};
-use super::score::Score;
-use crate::Watch;
-use crate::mapping::{Mapped, from_log};
+use crate::CancelToken;
+use crate::mapping::{MappingResult, from_log};
 
 /// What the replay assumes: one set for all logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct CarmenSettings {
     /// Odometry and laser.
-    pub follower: FollowerSettings,
+    pub replay: LaserReplaySettings,
     /// How many odometry records before its own place in the log a scan was taken.
     ///
     /// The loggers stamped a scan with the odometry that they had last received. Where the robot turns, the corrected
@@ -29,39 +29,43 @@ pub struct Settings {
     /// difference of turns over the turn rate, which falls from 2.2° to 0.7° and from 4.4° to 2.4°).
     pub lag_records: f64,
     /// How the map is made where none is given.
-    pub mapping: from_log::Settings,
+    pub mapping: from_log::LogMappingSettings,
 }
 
-impl Settings {
+impl CarmenSettings {
     /// The configuration that fits the format better than the defaults, before the user's own values.
     pub fn preset() -> Config {
-        FollowerSettings::preset("carmen")
+        LaserReplaySettings::preset("carmen")
     }
 
     /// The settings of a configuration.
-    pub fn of(config: &Config) -> Self {
-        let mapping = from_log::Settings::default();
-        Self { follower: FollowerSettings::of(config), lag_records: 0.55, mapping }
+    pub fn from_config(config: &Config) -> Self {
+        let mapping = from_log::LogMappingSettings::default();
+        Self { replay: LaserReplaySettings::from_config(config), lag_records: 0.55, mapping }
     }
 }
 
-impl Default for Settings {
+impl Default for CarmenSettings {
     fn default() -> Self {
-        Self::of(&Self::preset())
+        Self::from_config(&Self::preset())
     }
 }
 
 /// The walls that the scans of a log show at their reference poses: all of them, or every second one, the first included.
-pub fn map_of(log: &Recording<StampedPose>, every: usize, settings: &from_log::Settings) -> Mapped {
-    from_log::walls_of(views(log).step_by(every.max(1)), settings)
+pub fn map_from_log(
+    log: &Recording<StampedPose>,
+    every: usize,
+    settings: &from_log::LogMappingSettings,
+) -> MappingResult {
+    from_log::extract_walls(views(log).step_by(every.max(1)), settings)
 }
 
 /// The scans of a log at their reference poses.
-pub fn views(log: &Recording<StampedPose>) -> impl Iterator<Item = (&Scan, Pose<Map, Body, f64>)> {
+pub fn views(log: &Recording<StampedPose>) -> impl Iterator<Item = (&ScanRecord, Pose<Map, Body, f64>)> {
     log.scans.iter().zip(log.reference.iter().map(pose_of))
 }
 
-/// Replays a log, from the reference pose of its first scan on; on `map`, or on a map of its own. `watch` counts its scans, and may
+/// Replays a log, from the reference pose of its first scan on; on `map`, or on a map of its own. `cancel` counts its scans, and may
 /// end it early.
 ///
 /// # Errors
@@ -69,14 +73,14 @@ pub fn views(log: &Recording<StampedPose>) -> impl Iterator<Item = (&Scan, Pose<
 pub fn replay_log(
     log: &Recording<StampedPose>,
     map: Option<&WallMap>,
-    settings: &Settings,
-    watch: &Watch,
+    settings: &CarmenSettings,
+    cancel: &CancelToken,
 ) -> Result<ReplayReport, ReplayError> {
     let begun = Instant::now();
     // The map's own scans would only say again what the reference says.
     let (walls, every) = match map {
-        Some(map) => (walls_of(map), 1),
-        None => (walls_of(&map_of(log, 2, &settings.mapping).map), 2),
+        Some(map) => (walls_from_map(map), 1),
+        None => (walls_from_map(&map_from_log(log, 2, &settings.mapping).map), 2),
     };
     let taken = |before: usize| (before as f64 - settings.lag_records).max(0.0);
     let (Some(first), Some(start)) = (log.scans.first(), log.reference.first().map(pose_of)) else {
@@ -88,17 +92,17 @@ pub fn replay_log(
         return Err(ReplayError::NoStart);
     };
     let mut raw = raw_start;
-    let mut follower = Follower::new(walls, settings.follower, Stamp::from_seconds(rolled), start);
+    let mut replay = LaserReplay::new(walls, settings.replay, Stamp::from_seconds(rolled), start);
     let mut report = ReplayReport::default();
-    let (mut score, mut dead_reckoning) = (Score::default(), Score::default());
+    let (mut score, mut dead_reckoning) = (ErrorAccumulator::default(), ErrorAccumulator::default());
     let mut before = start;
     let judged = log.scans.iter().zip(log.reference.iter().map(pose_of)).enumerate().skip(1);
-    for (number, (scan, truth)) in watch.over(judged) {
+    for (number, (scan, truth)) in cancel.take_until_cancelled(judged) {
         let until = scan.odometry_before as f64;
         while rolled < until {
             rolled = (libm::floor(rolled) + 1.0).min(until);
             if let Some(next) = pose_after(&log.odometry, rolled) {
-                follower.roll(Stamp::from_seconds(rolled), motion_between(raw, next));
+                replay.predict(Stamp::from_seconds(rolled), motion_between(raw, next));
                 raw = next;
             }
             report.steps += 1;
@@ -110,9 +114,9 @@ pub fn replay_log(
         }
         let at = taken(scan.odometry_before);
         let stamp = Stamp::from_seconds(at);
-        let seen = follower.see(stamp, scan);
-        report.skip(seen.skipped_as());
-        if let Some(belief) = follower.localiser.estimator.belief_at(stamp) {
+        let seen = replay.correct(stamp, scan);
+        report.skip(seen.skip_reason());
+        if let Some(belief) = replay.localizer.estimator.belief_at(stamp) {
             score.add(belief.error(truth));
             score.add_nees(belief.nees(truth));
         }
@@ -123,9 +127,9 @@ pub fn replay_log(
         }
     }
     report.duration_s = log.duration();
-    report.judge(score.summary());
-    report.judge_dead_reckoning(dead_reckoning.summary());
-    report.count(follower.localiser.estimator.tally());
+    report.set_filter_errors(score.summary());
+    report.set_odometry_errors(dead_reckoning.summary());
+    report.count(replay.localizer.estimator.measurement_stats());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }

@@ -7,28 +7,28 @@ mod settings;
 use std::path::Path;
 use std::time::Instant;
 
-use surepose::closed_loop::{Localiser, Sensed, Signal};
+use surepose::closed_loop::{Localizer, SensorInput, SensorReading};
 use surepose::{
-    Belief, Drive, Ekf, Estimator, Eye, Gate, Integration, Measurement, Motion, Point, Stamp, Stamped,
-    Travel, Twist, Wheels,
+    Belief, DelayedEkf, DiffDrive, Ekf, Gate, Integration, Measurement, Motion, Point, ScanProcessor, Stamp,
+    Stamped, Twist, WheelOdometry, WheelPair,
 };
-use surepose_data::mrclam::{self as data, RobotLog, Sighting, Target};
+use surepose_data::mrclam::{self as data, LandmarkObservation, RobotLog, Target};
 use surepose_data::recording::StampedTwist;
 
+use super::errors::ErrorAccumulator;
 use super::reference::Reference;
 use super::report::{ReplayError, ReplayReport};
-use super::score::Score;
 
 pub use camera::Camera;
 pub use response::Response;
 
 /// What the replay assumes of robot and camera: one set for all robots of a data set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct MrclamSettings {
     /// How the base follows its commands.
     pub response: Response,
     /// Distance between the wheels \[m].
-    pub track: f64,
+    pub wheel_separation: f64,
     /// Variance of a rim's travel for each metre driven \[m²/m]: 1° of heading in a second of straight way.
     pub rim_variance_per_metre: f64,
     /// Variance of a rim's travel for each radian turned \[m²/rad].
@@ -46,11 +46,11 @@ pub struct Settings {
     pub start_std: [f64; 3],
 }
 
-impl Default for Settings {
+impl Default for MrclamSettings {
     fn default() -> Self {
         Self {
             response: Response::default(),
-            track: 0.26,
+            wheel_separation: 0.26,
             rim_variance_per_metre: 1.5e-4,
             rim_variance_per_radian: 7e-4,
             camera: Camera::default(),
@@ -65,7 +65,7 @@ impl Default for Settings {
 ///
 /// # Errors
 /// A data set that cannot be read, or whose reference says nothing about the start.
-pub fn replay(folder: &Path, robot: u32, settings: &Settings) -> Result<ReplayReport, ReplayError> {
+pub fn replay(folder: &Path, robot: u32, settings: &MrclamSettings) -> Result<ReplayReport, ReplayError> {
     let begun = Instant::now();
     let log = data::read(folder, robot)?;
     let mut report = replay_log(&log, settings)?;
@@ -79,7 +79,7 @@ pub fn replay(folder: &Path, robot: u32, settings: &Settings) -> Result<ReplayRe
 ///
 /// # Errors
 /// [`ReplayError::NoStart`].
-pub fn replay_log(log: &RobotLog, settings: &Settings) -> Result<ReplayReport, ReplayError> {
+pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayReport, ReplayError> {
     let begun = Instant::now();
     let reference = Reference::new(&log.reference);
     let dead_time = settings.response.dead_time;
@@ -91,32 +91,32 @@ pub fn replay_log(log: &RobotLog, settings: &Settings) -> Result<ReplayReport, R
     };
 
     let mut replay = Replay::start(log, settings, &reference, begin).ok_or(ReplayError::NoStart)?;
-    let mut score = Score::default();
+    let mut score = ErrorAccumulator::default();
     let mut sightings = log.sightings.iter().peekable();
     for command in commands {
         let effective = command.time + dead_time;
         while let Some(sighting) = sightings.next_if(|sighting| sighting.time <= effective) {
-            replay.see(sighting);
+            replay.correct(sighting);
         }
         replay.advance(effective);
         replay.command = twist(command);
         if let Some(truth) = reference.at(effective) {
-            let belief = replay.localiser.estimator.belief();
+            let belief = replay.localizer.estimator.belief();
             score.add(belief.error(truth));
             score.add_nees(belief.nees(truth));
         }
     }
     for sighting in sightings {
-        replay.see(sighting);
+        replay.correct(sighting);
     }
 
     let mut report = replay.report;
     report.steps = commands.len() as u64;
     report.duration_s = end.time - begin.time;
     report.distance_m = reference.distance(begin.time, end.time);
-    report.judge(score.summary());
-    report.judge_dead_reckoning(dead_reckoning(commands, &reference).summary());
-    report.count(replay.localiser.estimator.tally());
+    report.set_filter_errors(score.summary());
+    report.set_odometry_errors(dead_reckoning(commands, &reference).summary());
+    report.count(replay.localizer.estimator.measurement_stats());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }
@@ -124,10 +124,10 @@ pub fn replay_log(log: &RobotLog, settings: &Settings) -> Result<ReplayReport, R
 /// A replay under way.
 struct Replay<'a> {
     log: &'a RobotLog,
-    settings: &'a Settings,
+    settings: &'a MrclamSettings,
     /// The command in effect.
     command: Twist<f64>,
-    localiser: Localiser<f64, 64, 0>,
+    localizer: Localizer<f64, 64, 0>,
     report: ReplayReport,
 }
 
@@ -135,23 +135,23 @@ impl<'a> Replay<'a> {
     /// At the reference pose when `begin` takes effect; `None` where there is none.
     fn start(
         log: &'a RobotLog,
-        settings: &'a Settings,
+        settings: &'a MrclamSettings,
         reference: &Reference<'_>,
         begin: &StampedTwist,
     ) -> Option<Self> {
         let time = begin.time + settings.response.dead_time;
         let belief = Belief::new(reference.at(time)?, settings.start_std);
         // The travel of the rims is derived from commands, so neither the radius of the wheels nor δ plays a part.
-        let drive = Drive::new(1.0, settings.track);
+        let drive = DiffDrive::new(1.0, settings.wheel_separation);
         let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };
         let gate = Gate::new(settings.gate_probability);
         Some(Self {
             log,
             settings,
             command: twist(begin),
-            localiser: Localiser {
-                estimator: Estimator::new(ekf, gate, settings.history, Stamp::from_seconds(time), belief),
-                eye: Eye::blind(),
+            localizer: Localizer {
+                estimator: DelayedEkf::new(ekf, gate, settings.history, Stamp::from_seconds(time), belief),
+                scan_processor: ScanProcessor::disabled(),
             },
             report: ReplayReport::default(),
         })
@@ -160,25 +160,30 @@ impl<'a> Replay<'a> {
     /// Predicts up to `time` \[s] under the command that holds; the past stays as it is.
     fn advance(&mut self, time: f64) {
         let stamp = Stamp::from_seconds(time);
-        let period = stamp.since(self.localiser.estimator.stamp());
+        let period = stamp.since(self.localizer.estimator.stamp());
         if period > 0.0 {
-            let travel = self.travel(self.settings.response.twist(self.command).over(period));
-            // A refusal is in the estimator's tally, and so in the report.
-            self.localiser.sense(&Sensed { stamp, travel, signals: &[] }, travel, &[], &mut ());
+            let travel =
+                self.wheel_odometry(self.settings.response.twist(self.command).integrate_for(period));
+            // A refusal is in the estimator's measurement statistics, and so in the report.
+            self.localizer.update(&SensorInput { stamp, travel, readings: &[] }, travel, &[], &mut ());
         }
     }
 
     /// The rims' travel that makes `motion`, and how well it is known.
-    fn travel(&self, motion: Motion<f64>) -> Travel<f64> {
-        let rims =
-            self.localiser.estimator.ekf().drive.rims_from_twist(Twist::new(motion.length, motion.turn));
+    fn wheel_odometry(&self, motion: Motion<f64>) -> WheelOdometry<f64> {
+        let rims = self
+            .localizer
+            .estimator
+            .ekf()
+            .drive
+            .wheel_speeds_from_twist(Twist::new(motion.length, motion.turn));
         let variance = self.settings.rim_variance_per_metre * motion.length.abs()
             + self.settings.rim_variance_per_radian * motion.turn.abs();
-        Travel { rims, variance: Wheels::new(variance, variance) }
+        WheelOdometry { travel: rims, variance: WheelPair::new(variance, variance) }
     }
 
     /// Corrects by what the camera saw, if it was a landmark of the map.
-    fn see(&mut self, sighting: &Sighting) {
+    fn correct(&mut self, sighting: &LandmarkObservation) {
         self.advance(sighting.time);
         let landmark = match sighting.target {
             Target::Landmark(subject) => self.log.landmark(subject),
@@ -190,8 +195,8 @@ impl<'a> Replay<'a> {
         let at = Point::new(landmark.x, landmark.y);
         let seen = camera.sighting(at, sighting.range, sighting.bearing);
         let stamp = Stamp::from_seconds(sighting.time - camera.latency);
-        let signal = Stamped::new(stamp, Signal::Measurement(Measurement::Landmark(seen)));
-        self.localiser.hear(&signal, &[], &mut ());
+        let signal = Stamped::new(stamp, SensorReading::Measurement(Measurement::RangeBearing(seen)));
+        self.localizer.process(&signal, &[], &mut ());
     }
 
     fn skip(&mut self, kind: &'static str) {
@@ -200,12 +205,12 @@ impl<'a> Replay<'a> {
 }
 
 /// The score of the commands as recorded, each held until the next, from the reference pose of the first on.
-fn dead_reckoning(commands: &[StampedTwist], reference: &Reference<'_>) -> Score {
-    let mut score = Score::default();
+fn dead_reckoning(commands: &[StampedTwist], reference: &Reference<'_>) -> ErrorAccumulator {
+    let mut score = ErrorAccumulator::default();
     let Some(begin) = commands.first() else { return score };
     let Some(mut pose) = reference.at(begin.time) else { return score };
     for pair in commands.windows(2) {
-        pose = pose.moved(twist(&pair[0]).over(pair[1].time - pair[0].time), Integration::Arc);
+        pose = pose.integrate(twist(&pair[0]).integrate_for(pair[1].time - pair[0].time), Integration::Arc);
         if let Some(truth) = reference.at(pair[1].time) {
             let heading = (pose.heading - truth.heading).radians();
             score.add([pose.x - truth.x, pose.y - truth.y, heading]);

@@ -5,17 +5,17 @@ use surepose_data::recording::StampedPose;
 
 /// A recorded pose in the core's form.
 pub(crate) fn pose_of(at: &StampedPose) -> Pose<Map, Body, f64> {
-    Pose::new(at.x, at.y, Angle::wrapped(at.heading))
+    Pose::new(at.x, at.y, Angle::from_radians(at.heading))
 }
 
-/// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::moved`].
+/// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::integrate`].
 ///
 /// What the second pose lies beside that arc is no motion of wheels, and is left out.
 pub fn motion_between<In: Frame>(from: Pose<In, Body, f64>, to: Pose<In, Body, f64>) -> Motion<f64> {
     let turn = (to.heading - from.heading).radians();
-    let (sin, cos) = from.heading.turned(0.5 * turn).sin_cos();
+    let (sin, cos) = from.heading.rotated_by(0.5 * turn).sin_cos();
     let chord = (to.x - from.x) * cos + (to.y - from.y) * sin;
-    let unit = Pose::<In, Body, f64>::identity().moved(Motion { length: 1.0, turn }, Integration::Arc);
+    let unit = Pose::<In, Body, f64>::identity().integrate(Motion { length: 1.0, turn }, Integration::Arc);
     Motion { length: chord / unit.origin().distance(Point::new(0.0, 0.0)), turn }
 }
 
@@ -27,7 +27,7 @@ pub(super) fn pose_after(records: &[StampedPose], count: f64) -> Option<Pose<Map
     let (before, after) = (record(whole)?, record(whole + 1.0)?);
     let motion = motion_between(before, after);
     let part = Motion { length: motion.length * (count - whole), turn: motion.turn * (count - whole) };
-    Some(before.moved(part, Integration::Arc))
+    Some(before.integrate(part, Integration::Arc))
 }
 
 #[cfg(test)]
@@ -39,7 +39,7 @@ mod tests {
         let from: Pose<Map, Body, f64> = Pose::new(1.0, -2.0, Angle::from_degrees(170.0));
         for motion in [(0.3, 0.5), (-0.2, -3.0), (0.4, 0.0), (0.0, 1.0)] {
             let motion = Motion { length: motion.0, turn: motion.1 };
-            let to = from.moved(motion, Integration::Arc);
+            let to = from.integrate(motion, Integration::Arc);
             let found = motion_between(from, to);
             assert!((found.length - motion.length).abs() < 1e-12 && (found.turn - motion.turn).abs() < 1e-12);
         }

@@ -4,7 +4,7 @@ use surepose::{Angle, Body, Map, Pose};
 use surepose_data::recording::StampedPose;
 
 /// Between samples farther apart than this \[s] the truth is not known well enough to judge by.
-const LONGEST_GAP: f64 = 0.1;
+const MAX_GAP: f64 = 0.1;
 
 /// Reference poses, interpolated between neighbours.
 #[derive(Clone, Copy, Debug)]
@@ -22,21 +22,21 @@ impl<'a> Reference<'a> {
     pub fn at(&self, time: f64) -> Option<Pose<Map, Body, f64>> {
         let after = self.poses.partition_point(|pose| pose.time <= time);
         let before = self.poses.get(after.checked_sub(1)?)?;
-        let heading = Angle::wrapped(before.heading);
+        let heading = Angle::from_radians(before.heading);
         let Some(next) = self.poses.get(after) else {
             // On the very last sample there is nothing to interpolate towards, and no need to.
             return (before.time >= time).then(|| Pose::new(before.x, before.y, heading));
         };
         let span = next.time - before.time;
-        if span > LONGEST_GAP {
+        if span > MAX_GAP {
             return None;
         }
         let share = (time - before.time) / span;
-        let turn = (Angle::wrapped(next.heading) - heading).radians();
+        let turn = (Angle::from_radians(next.heading) - heading).radians();
         Some(Pose::new(
             before.x + share * (next.x - before.x),
             before.y + share * (next.y - before.y),
-            heading.turned(share * turn),
+            heading.rotated_by(share * turn),
         ))
     }
 
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn knows_nothing_outside_the_record_or_in_a_gap() {
+    fn reference_is_none_outside_the_record_and_in_gaps() {
         let poses = [pose(0.0, 0.0, 0.0), pose(0.05, 1.0, 0.0), pose(0.2, 2.0, 0.0)];
         let reference = Reference::new(&poses);
         assert!(reference.at(-0.01).is_none() && reference.at(0.1).is_none() && reference.at(0.21).is_none());

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use surepose::{Body, Map, Pose, Refusal, Tally};
+use surepose::{Body, Map, MeasurementStats, Pose, RejectReason};
 use surepose_data::DataError;
 
-use super::score::Summary;
-use super::seeker::Account;
+use super::errors::ErrorSummary;
+use super::grid_localizer::ConsistencyShares;
 
 /// The figures of one replay; those that need a reference are absent where the recording has none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -88,7 +88,7 @@ fn is_unknown(duration: &f64) -> bool {
 
 impl ReplayReport {
     /// Fills in the figures of the filter.
-    pub fn judge(&mut self, filter: Option<Summary>) {
+    pub fn set_filter_errors(&mut self, filter: Option<ErrorSummary>) {
         self.position_rmse_m = filter.map(|summary| summary.position_rmse);
         self.heading_rmse_deg = filter.map(|summary| summary.heading_rmse.to_degrees());
         self.position_median_m = filter.map(|summary| summary.position_median);
@@ -97,7 +97,7 @@ impl ReplayReport {
     }
 
     /// Fills in the figures of the odometry alone.
-    pub fn judge_dead_reckoning(&mut self, odometry: Option<Summary>) {
+    pub fn set_odometry_errors(&mut self, odometry: Option<ErrorSummary>) {
         self.dead_reckoning_position_rmse_m = odometry.map(|summary| summary.position_rmse);
         self.dead_reckoning_heading_rmse_deg = odometry.map(|summary| summary.heading_rmse.to_degrees());
     }
@@ -116,10 +116,10 @@ impl ReplayReport {
     }
 
     /// Fills in what a place explains.
-    pub(super) fn account(&mut self, account: Option<Account>) {
-        self.explained = account.map(|account| account.explained);
-        self.before_walls = account.map(|account| account.before);
-        self.beyond_walls = account.map(|account| account.beyond);
+    pub(super) fn set_consistency(&mut self, consistency: Option<ConsistencyShares>) {
+        self.explained = consistency.map(|consistency| consistency.hits);
+        self.before_walls = consistency.map(|consistency| consistency.short);
+        self.beyond_walls = consistency.map(|consistency| consistency.behind_wall);
     }
 
     /// Counts a record that the filter never saw, if there is a name for why.
@@ -130,9 +130,10 @@ impl ReplayReport {
     }
 
     /// Fills in what became of the measurements; every reason is named, also those that never occurred.
-    pub fn count(&mut self, tally: &Tally) {
-        self.accepted = tally.accepted;
-        self.rejected = Refusal::ALL.iter().map(|reason| (reason.name(), tally.refused(*reason))).collect();
+    pub fn count(&mut self, stats: &MeasurementStats) {
+        self.accepted = stats.accepted;
+        self.rejected =
+            RejectReason::ALL.iter().map(|reason| (reason.name(), stats.rejected(*reason))).collect();
     }
 }
 
@@ -166,15 +167,15 @@ mod tests {
         let without_stamps = keys(&ReplayReport::default());
         assert!(!without_stamps.iter().any(|key| key == "duration_s"), "{without_stamps:?}");
 
-        let summary = Summary {
+        let summary = ErrorSummary {
             position_rmse: 1.0,
             position_median: 1.0,
             heading_rmse: core::f64::consts::PI,
             nees_mean: Some(3.0),
             nees_median: Some(2.4),
         };
-        report.judge(Some(summary));
-        report.judge_dead_reckoning(Some(summary));
+        report.set_filter_errors(Some(summary));
+        report.set_odometry_errors(Some(summary));
         let with_reference = keys(&report);
         for key in [
             "position_rmse_m",

@@ -2,16 +2,16 @@
 
 use std::ops::Range;
 
-use surepose::closed_loop::{Sight, Witness};
+use surepose::closed_loop::{LoopObserver, ScanEvent};
 use surepose::{
-    Body, Estimator, Fate, Laser, Map, Measurement, Outcome, Pose, Refusal, SeenLine, Stamp, Stamped, Travel,
-    Wall, Wheels,
+    Association, Body, DelayedEkf, ExtractedLine, Laser, Map, Measurement, MeasurementOutcome, Pose,
+    RejectReason, Stamp, Stamped, Wall, WheelOdometry, WheelPair,
 };
 use surepose_sim::Seed;
 
-use crate::Watch;
+use crate::CancelToken;
 
-use super::loop_world::{LoopWorld, Tick};
+use super::loop_world::{LoopTick, LoopWorld};
 use super::seeds::for_each;
 
 /// A visible wall has at least so many beams aimed at it, all in a row …
@@ -73,10 +73,10 @@ fn share(part: f64, of: u64) -> Option<f64> {
     (of > 0).then(|| part / of as f64)
 }
 
-/// Judges every scan of the runs with `seeds`, until `watch` is stopped, as the filter with encoders, compass and laser
+/// Judges every scan of the runs with `seeds`, until `cancel` is stopped, as the filter with encoders, compass and laser
 /// sees it; `None` without a run.
-pub fn extraction(world: &LoopWorld, seeds: Range<u64>, watch: &Watch) -> Option<Extraction> {
-    for_each(seeds, watch, |seed| judged(world, seed)).into_iter().reduce(Extraction::and)
+pub fn extraction(world: &LoopWorld, seeds: Range<u64>, cancel: &CancelToken) -> Option<Extraction> {
+    for_each(seeds, cancel, |seed| judged(world, seed)).into_iter().reduce(Extraction::and)
 }
 
 /// The same of one run.
@@ -84,7 +84,7 @@ pub(super) fn judged(world: &LoopWorld, seed: Seed) -> Extraction {
     let mut run = world.run(seed);
     let mut robot = run.robot();
     let mut sum = Extraction::default();
-    while let Some(Tick { truth, sensed }) = run.next() {
+    while let Some(LoopTick { truth, sensed }) = run.next() {
         let aims = sensed.scans.iter().flat_map(|scan| world.seen_walls(truth, &scan.value)).collect();
         run.sense(&mut robot, &sensed, &mut Judge { truth, aims, sum: &mut sum });
     }
@@ -99,38 +99,46 @@ struct Judge<'a> {
     sum: &'a mut Extraction,
 }
 
-impl<const N: usize> Witness<f64, N> for Judge<'_> {
-    fn rolled(&mut self, _: Stamp, _: Wheels<f64>, _: Travel<f64>, _: Result<(), Refusal>) {}
+impl<const N: usize> LoopObserver<f64, N> for Judge<'_> {
+    fn on_odometry(
+        &mut self,
+        _: Stamp,
+        _: WheelPair<f64>,
+        _: WheelOdometry<f64>,
+        _: Result<(), RejectReason>,
+    ) {
+    }
 
-    fn measured(&mut self, _: &Stamped<Measurement<f64>>, _: Outcome) {}
+    fn on_measurement(&mut self, _: &Stamped<Measurement<f64>>, _: MeasurementOutcome) {}
 
-    fn looked(&mut self, _: &mut Estimator<f64, N>, sight: &Sight<'_, f64>) {
-        let (seen, walls, sum) = (sight.seen, sight.walls, &mut self.sum);
-        let lines = seen.extracted.lines;
+    fn on_scan(&mut self, _: &mut DelayedEkf<f64, N>, event: &ScanEvent<'_, f64>) {
+        let (observation, walls, sum) = (event.observation, event.walls, &mut self.sum);
+        let lines = observation.extracted.lines;
         let mut votes = vec![vec![0_usize; walls.len()]; lines.len()];
-        for (beam, line) in seen.extracted.beams() {
+        for (beam, line) in observation.extracted.beams() {
             if let Some(wall) = self.aims[beam] {
                 votes[line][wall] += 1;
             }
         }
         let mut found = vec![false; walls.len()];
-        for ((line, votes), fate) in lines.iter().zip(&votes).zip(seen.matched.fates()) {
+        for ((line, votes), association) in lines.iter().zip(&votes).zip(observation.associations.as_slice())
+        {
             let most = votes.iter().enumerate().max_by_key(|(_, n)| **n);
             let Some((wall, _)) = most.filter(|(_, n)| 2 * **n > usize::from(line.beams)) else {
                 sum.spurious += 1;
                 continue;
             };
-            let nees = line_nees(line, &walls[wall], self.truth * sight.laser.body_from_laser);
+            let nees = line_nees(line, &walls[wall], self.truth * event.laser.body_from_laser);
             sum.lines += 1;
             sum.line_nees_sum += nees;
             found[wall] |= nees < FOUND;
-            if let Fate::Wall { number, .. } = fate {
+            if let Association::Wall { number, .. } = association {
                 sum.matched += 1;
                 sum.wrong += u64::from(*number != wall);
             }
         }
         for (wall, found) in found.iter().enumerate() {
-            if is_visible(&self.aims, wall, sight.scan.ranges, sight.scan.bearing_step) {
+            if is_visible(&self.aims, wall, event.scan.ranges, event.scan.angle_increment) {
                 sum.visible += 1;
                 sum.found += u64::from(*found);
             }
@@ -139,7 +147,7 @@ impl<const N: usize> Witness<f64, N> for Judge<'_> {
 }
 
 /// The normalised error squared of a line, χ² with 2 degrees of freedom.
-fn line_nees(line: &SeenLine<f64>, wall: &Wall<f64>, map_from_laser: Pose<Map, Laser, f64>) -> f64 {
+fn line_nees(line: &ExtractedLine<f64>, wall: &Wall<f64>, map_from_laser: Pose<Map, Laser, f64>) -> f64 {
     let right = map_from_laser.inverse() * *wall.line();
     let side = if right.distance < 0.0 { -1.0 } else { 1.0 };
     let turned = line.line.direction - right.direction;

@@ -1,12 +1,14 @@
 //! Fig. 6 of the paper: predefined paths, with the filter and without it.
 
 use serde::Serialize;
-use surepose::closed_loop::{Followed as Progress, Follower};
-use surepose::{Angle, FollowLaw, Map, NotAPath, Offset, Path, Point, Pose, Target, Wheels, param};
+use surepose::closed_loop::{PathController, PathProgress};
+use surepose::{
+    Angle, InvalidPath, Map, Path, PathError, PathFollowingLaw, Point, Pose, Target, WheelPair, param,
+};
 use surepose_data::Config;
 use surepose_sim::{Arena, loop_course};
 
-use crate::rig::{Rig, Scenario, Sensors};
+use crate::robot::{Scenario, Sensors, SimulatedRobot};
 
 /// Rounds of each path.
 const ROUNDS: f64 = 2.0;
@@ -30,21 +32,21 @@ pub struct PathFigures {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ShapeFigures {
     /// Steered by the filter with laser and compass.
-    pub with_ekf: Followed,
+    pub with_ekf: PathAccuracy,
     /// Steered by odometry alone.
-    pub without_ekf: Followed,
+    pub without_ekf: PathAccuracy,
 }
 
 /// How well a path was followed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Followed {
+pub struct PathAccuracy {
     /// Root mean square of the true distance from the path, over all runs.
     pub path_rmse_m: f64,
 }
 
 /// One path, for the figure: what was to be driven and what was.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
+pub struct PathRuns {
     /// The path itself, densely sampled.
     pub path: Vec<Point<Map, f64>>,
     /// Where the robot truly was in the first run, with the filter.
@@ -55,20 +57,20 @@ pub struct Shape {
 
 /// The whole experiment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Following {
+pub struct PathFollowing {
     /// The numbers.
     pub figures: PathFigures,
     /// The rounded rectangle.
-    pub rounded_rectangle: Shape,
+    pub rounded_rectangle: PathRuns,
     /// The rounded triangle.
-    pub rounded_triangle: Shape,
+    pub rounded_triangle: PathRuns,
 }
 
 /// Both paths in the loop world, driven twice round in the `runs` runs with the seeds `first_seed` and up.
 ///
 /// # Errors
 /// Never: the measures of both paths are constants that make one.
-pub fn following(config: &Config, first_seed: u64, runs: u64) -> Result<Following, NotAPath> {
+pub fn following(config: &Config, first_seed: u64, runs: u64) -> Result<PathFollowing, InvalidPath> {
     // The triangle lies around the same plate as the rectangle, 0.44 m from it at its nearest.
     let corner = 3.0_f64.sqrt() * 0.5;
     let base = Pose::new(1.3 + corner, 0.8, Angle::zero());
@@ -76,7 +78,7 @@ pub fn following(config: &Config, first_seed: u64, runs: u64) -> Result<Followin
     let (rectangle_figures, rounded_rectangle) = shape(config, &loop_course()?, first_seed, runs);
     let (triangle_figures, rounded_triangle) = shape(config, &triangle, first_seed, runs);
     let figures = PathFigures { rounded_rectangle: rectangle_figures, rounded_triangle: triangle_figures };
-    Ok(Following { figures, rounded_rectangle, rounded_triangle })
+    Ok(PathFollowing { figures, rounded_rectangle, rounded_triangle })
 }
 
 /// One path, with the filter and without it.
@@ -85,18 +87,18 @@ fn shape<const N: usize>(
     path: &Path<f64, N>,
     first_seed: u64,
     runs: u64,
-) -> (ShapeFigures, Shape) {
-    let outline = Outline::of(path);
+) -> (ShapeFigures, PathRuns) {
+    let outline = Outline::from_path(path);
     let seeds = first_seed..first_seed + runs.max(1);
     let drive = |sensors| {
         let tracks: Vec<_> = seeds.clone().map(|seed| follow(config, path, sensors, seed)).collect();
-        let figures = Followed { path_rmse_m: outline.rmse(tracks.iter().flatten()) };
+        let figures = PathAccuracy { path_rmse_m: outline.rmse(tracks.iter().flatten()) };
         (figures, tracks.into_iter().next().unwrap_or_default())
     };
     let (with_ekf, with_track) = drive(Sensors::ALL);
     let (without_ekf, without_track) = drive(Sensors::NONE);
     let path = outline.places.iter().map(|place| place.origin()).collect();
-    let shape = Shape { path, with_ekf: with_track, without_ekf: without_track };
+    let shape = PathRuns { path, with_ekf: with_track, without_ekf: without_track };
     (ShapeFigures { with_ekf, without_ekf }, shape)
 }
 
@@ -115,7 +117,7 @@ fn follow<const N: usize>(
     ];
     let config = config.clone().with_preset("fig6", &values);
     let controller = config.controller();
-    let follower = Follower {
+    let controller = PathController {
         drive: controller.drive,
         path: *path,
         law: law(controller.period),
@@ -123,23 +125,23 @@ fn follow<const N: usize>(
         period: controller.period,
     };
     let scenario = Scenario { sensors, ..Scenario::in_arena(Arena::loop_world(), config) };
-    let mut rig = Rig::new(&scenario, seed);
-    let (mut progress, mut wheels) = (Progress::fresh(), Wheels::new(0.0, 0.0));
+    let mut simulated_robot = SimulatedRobot::new(&scenario, seed);
+    let (mut progress, mut wheels) = (PathProgress::new(), WheelPair::new(0.0, 0.0));
     let mut track = Vec::new();
     // Twice the time that the rounds take at half the speed: a robot that is stuck must end, too.
-    let most = (4.0 * ROUNDS * path.length() / (SPEED * follower.period)) as usize;
-    while progress.rounds < ROUNDS && track.len() < most {
-        let belief = rig.step(wheels, follower.period);
-        (wheels, progress) = follower.step(progress, belief.pose);
-        track.push(rig.world().pose().origin());
+    let most = (4.0 * ROUNDS * path.length() / (SPEED * controller.period)) as usize;
+    while progress.laps < ROUNDS && track.len() < most {
+        let belief = simulated_robot.step(wheels, controller.period);
+        (wheels, progress) = controller.step(progress, belief.pose);
+        track.push(simulated_robot.world().pose().origin());
     }
     track
 }
 
 /// Gains for which the sideways error is critically damped and takes 1 s, or ten periods where that is longer.
-fn law(period: f64) -> FollowLaw<f64> {
+fn law(period: f64) -> PathFollowingLaw<f64> {
     let rate = 1.0 / (10.0 * period).max(1.0);
-    FollowLaw {
+    PathFollowingLaw {
         speed: SPEED,
         k_along: rate,
         k_across: (rate / SPEED) * (rate / SPEED),
@@ -153,7 +155,7 @@ struct Outline {
 }
 
 impl Outline {
-    fn of<const N: usize>(path: &Path<f64, N>) -> Self {
+    fn from_path<const N: usize>(path: &Path<f64, N>) -> Self {
         let count = (path.length() / SEARCH_STEP).ceil() as usize;
         let place = |k: usize| path.at(path.length() * k as f64 / count as f64).map_from_target;
         Self { places: (0..=count).map(place).collect() }
@@ -165,7 +167,7 @@ impl Outline {
             a.origin().distance(point).total_cmp(&b.origin().distance(point))
         };
         self.places.iter().min_by(nearest).map_or(f64::INFINITY, |place| {
-            Offset::of(Pose::new(point.x, point.y, place.heading), *place).across.abs()
+            PathError::from_poses(Pose::new(point.x, point.y, place.heading), *place).cross_track.abs()
         })
     }
 
@@ -197,7 +199,7 @@ mod tests {
 
     #[test]
     fn distance_from_the_path_is_across_it() {
-        let outline = Outline::of(&loop_course().unwrap());
+        let outline = Outline::from_path(&loop_course().unwrap());
         let diagonal = 0.5_f64.sqrt() * 0.6;
         for (x, y, distance) in [(3.003, 1.02, 0.02), (3.0, 0.9, 0.1), (4.0 + diagonal, 1.5 - diagonal, 0.1)]
         {

@@ -1,14 +1,16 @@
 //! The loop world: a known course between known walls, odometry with 5 % wheel noise, a compass and a laser.
 
-use surepose::closed_loop::Witness;
+use surepose::closed_loop::LoopObserver;
 use surepose::{
-    Angle, Belief, Body, Integration, Map, Motion, NotAPath, Path, Pose, Stamp, Stamped, Travel, Twist, Wall,
-    Wheels,
+    Angle, Belief, Body, Integration, InvalidPath, Map, Motion, Path, Pose, Stamp, Stamped, Twist, Wall,
+    WheelOdometry, WheelPair,
 };
 use surepose_data::Config;
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
 
-use crate::rig::{HISTORY, Localisation, Reading, localisation, translated, walls_between};
+use crate::robot::{
+    HISTORY, ScanMethod, SimLocalizer, new_localizer, walls_from_segments, with_sensor_input,
+};
 
 /// One tick's time \[s].
 const PERIOD: f64 = 0.1;
@@ -35,11 +37,11 @@ impl LoopWorld {
     ///
     /// # Errors
     /// Never in truth: the world's measures are constants that make a path.
-    pub fn new(config: &Config, clutter: Clutter) -> Result<Self, NotAPath> {
+    pub fn new(config: &Config, clutter: Clutter) -> Result<Self, InvalidPath> {
         let (arena, laser) = (Arena::loop_world(), config.laser());
         Ok(Self {
             course: loop_course()?,
-            walls: walls_between(arena.walls()),
+            walls: walls_from_segments(arena.walls()),
             arena,
             laser: LaserModel {
                 body_from_laser: laser.body_from_laser,
@@ -73,7 +75,7 @@ impl LoopWorld {
     pub(super) fn seen_walls(
         &self,
         truth: Pose<Map, Body, f64>,
-        scan: &surepose_sim::Scan,
+        scan: &surepose_sim::SimulatedScan,
     ) -> Vec<Option<usize>> {
         let exact =
             LaserModel { range_std: 0.0, bearing_std: 0.0, clutter: Clutter::default(), ..self.laser };
@@ -83,7 +85,7 @@ impl LoopWorld {
             let aimed = exact.scan(std::slice::from_ref(wall), truth, &mut unused);
             for (i, (aim, range)) in aims.iter_mut().zip(&aimed.ranges).enumerate() {
                 if *range < aim.0 {
-                    let slope = slope(&aimed.ranges, i, aimed.bearing_step);
+                    let slope = slope(&aimed.ranges, i, aimed.angle_increment);
                     let std = (self.laser.range_std).hypot(self.laser.bearing_std * slope);
                     *aim = (*range, ((scan.ranges[i] - range).abs() < 6.0 * std).then_some(number));
                 }
@@ -110,46 +112,46 @@ pub(super) struct Run<'a> {
 }
 
 /// What a tick brings.
-pub(super) struct Tick {
+pub(super) struct LoopTick {
     /// Where the robot is.
     pub truth: Pose<Map, Body, f64>,
     /// What its sensors say: one heading and one scan, measured now.
-    pub sensed: surepose_sim::Sensed,
+    pub sensed: surepose_sim::SensorOutput,
 }
 
 impl Run<'_> {
     /// The robot, told where it starts with the error that it is told to expect.
-    pub(super) fn robot(&mut self) -> Box<Localisation> {
+    pub(super) fn robot(&mut self) -> Box<SimLocalizer> {
         let [x, y, heading] = START_STD.map(|std| std * self.start.normal());
         let truth = self.truth;
-        let told = Pose::new(truth.x + x, truth.y + y, truth.heading.turned(heading));
-        localisation(&self.world.robot, Reading::Lines, Belief::new(told, START_STD))
+        let initial = Pose::new(truth.x + x, truth.y + y, truth.heading.rotated_by(heading));
+        new_localizer(&self.world.robot, ScanMethod::Lines, Belief::new(initial, START_STD))
     }
 
-    /// Where `robot` believes to be after a tick, at which `witness` hears of everything.
+    /// Where `robot` believes to be after a tick, at which `observer` hears of everything.
     pub(super) fn sense(
         &self,
-        robot: &mut Localisation,
-        sensed: &surepose_sim::Sensed,
-        witness: &mut impl Witness<f64, HISTORY>,
+        robot: &mut SimLocalizer,
+        sensed: &surepose_sim::SensorOutput,
+        observer: &mut impl LoopObserver<f64, HISTORY>,
     ) -> Belief<f64> {
-        let travel = robot.estimator.travel(sensed.stamp, sensed.rims);
+        let travel = robot.estimator.wheel_odometry(sensed.stamp, sensed.rims);
         // Nobody tells the wheels anything here, and their encoders are never refused.
-        let told = Travel::guessed(Wheels::rest());
-        translated(sensed, travel, &self.world.robot.compass(), |sensed| {
-            robot.sense(sensed, told, &self.world.walls, witness)
+        let commanded = WheelOdometry::from_command(WheelPair::zero());
+        with_sensor_input(sensed, travel, &self.world.robot.compass(), |sensed| {
+            robot.update(sensed, commanded, &self.world.walls, observer)
         })
     }
 }
 
 impl Iterator for Run<'_> {
-    type Item = Tick;
+    type Item = LoopTick;
 
     /// Holds, for one period, the twist that turns the robot as the course turns there.
     ///
     /// The robot drives what it would be commanded, arcs that begin and end with a period, and so cuts the joints
     /// of the course's legs by less than a millimetre.
-    fn next(&mut self) -> Option<Tick> {
+    fn next(&mut self) -> Option<LoopTick> {
         if f64::from(self.tick) * PERIOD >= DURATION - PERIOD / 2.0 {
             return None;
         }
@@ -157,12 +159,12 @@ impl Iterator for Run<'_> {
         let world = self.world;
         let turn: Angle<f64> = world.at(self.tick).heading - self.truth.heading;
         let motion = Motion { length: LOOP_SPEED * PERIOD, turn: turn.radians() };
-        self.truth = self.truth.moved(motion, Integration::Arc);
-        let travel = world.robot.drive().rims_from_twist(Twist::new(motion.length, motion.turn));
+        self.truth = self.truth.integrate(motion, Integration::Arc);
+        let travel = world.robot.drive().wheel_speeds_from_twist(Twist::new(motion.length, motion.turn));
         let stamp = Stamp::from_seconds(f64::from(self.tick) * PERIOD);
-        Some(Tick {
+        Some(LoopTick {
             truth: self.truth,
-            sensed: surepose_sim::Sensed {
+            sensed: surepose_sim::SensorOutput {
                 stamp,
                 rims: Slip { delta: world.robot.ekf().delta }.apply(travel, &mut self.slip),
                 headings: vec![Stamped::new(

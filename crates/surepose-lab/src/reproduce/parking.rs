@@ -4,8 +4,8 @@ use serde::Serialize;
 use surepose::param;
 use surepose_data::Config;
 
-use crate::drive::{Drive, Outcome, Sample};
-use crate::rig::Scenario;
+use crate::robot::Scenario;
+use crate::simulation::{Sample, Simulation, SimulationOutcome};
 
 /// The goals of [Tran2012] Sec. 5, (x \[m], y \[m], heading \[°]); the start is (0, 0, 0).
 pub const PAPER_GOALS: [[f64; 3]; 3] = [[2.0, 2.0, 30.0], [2.0, 2.0, 60.0], [2.0, 2.0, 90.0]];
@@ -56,13 +56,13 @@ fn park(config: &Config, goal: [f64; 3], seed: u64) -> Parked {
     ];
     let config = config.clone().with_preset("fig7", &values);
     let period = config.number(&param::PERIOD);
-    let mut drive = Drive::new(&Scenario { config, ..Scenario::default() }, seed);
-    let mut samples: Vec<Sample> = drive.by_ref().collect();
-    let reached = drive.summary().outcome == Outcome::Reached;
+    let mut simulation = Simulation::new(&Scenario { config, ..Scenario::default() }, seed);
+    let mut samples: Vec<Sample> = simulation.by_ref().collect();
+    let reached = simulation.summary().outcome == SimulationOutcome::Reached;
 
-    let watched: Vec<Sample> = (0..(WATCHED / period).ceil() as usize).map(|_| drive.tick()).collect();
+    let watched: Vec<Sample> = (0..(WATCHED / period).ceil() as usize).map(|_| simulation.tick()).collect();
     let largest = |value: fn(&Sample) -> f64| watched.iter().map(|s| value(s).abs()).fold(0.0, f64::max);
-    let end = drive.summary();
+    let end = simulation.summary();
     let figures = GoalFigures {
         goal,
         reached,

@@ -6,14 +6,14 @@ use std::thread;
 
 use surepose_sim::Seed;
 
-use crate::Watch;
+use crate::CancelToken;
 
-/// What `experiment` gives for each of `seeds`, in their order, or for those that were done when `watch` was stopped.
+/// What `experiment` gives for each of `seeds`, in their order, or for those that were done when `cancel` was stopped.
 ///
 /// The order is that of the seeds, whatever the processors did: sums over it have the same bits every time.
 pub(super) fn for_each<T: Send>(
     seeds: Range<u64>,
-    watch: &Watch,
+    cancel: &CancelToken,
     experiment: impl Fn(Seed) -> T + Sync,
 ) -> Vec<T> {
     let workers = thread::available_parallelism().map_or(1, NonZero::get) as u64;
@@ -25,11 +25,11 @@ pub(super) fn for_each<T: Send>(
             let first = seeds.start + worker as u64 * share;
             scope.spawn(move || {
                 for (seed, slot) in (first..).zip(slots) {
-                    if watch.stopped() {
+                    if cancel.is_cancelled() {
                         break;
                     }
                     *slot = Some(experiment(Seed(seed)));
-                    watch.count();
+                    cancel.count();
                 }
             });
         }
@@ -39,24 +39,24 @@ pub(super) fn for_each<T: Send>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Watch, for_each};
+    use super::{CancelToken, for_each};
 
     #[test]
     fn every_seed_is_tried_once_and_in_order() {
         for count in [0, 1, 2, 7, 64] {
-            let watch = Watch::default();
-            let seeds: Vec<u64> = for_each(5..5 + count, &watch, |seed| seed.0);
+            let cancel = CancelToken::default();
+            let seeds: Vec<u64> = for_each(5..5 + count, &cancel, |seed| seed.0);
             assert_eq!(seeds, (5..5 + count).collect::<Vec<_>>());
-            assert_eq!(watch.done() as u64, count);
+            assert_eq!(cancel.completed() as u64, count);
         }
     }
 
     #[test]
     fn what_is_done_is_kept() {
-        let watch = Watch::default();
-        let seeds: Vec<u64> = for_each(1..1001, &watch, |seed| {
+        let cancel = CancelToken::default();
+        let seeds: Vec<u64> = for_each(1..1001, &cancel, |seed| {
             if seed.0 == 3 {
-                watch.stop();
+                cancel.cancel();
             }
             seed.0
         });

@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Direction, Drive, HybridLaw, Law, Limits, Rest};
+use surepose::{Angle, Deadband, DiffDrive, Direction, HybridLaw, Law, Limits};
 use surepose_lanes::uniform;
 
 use super::Start;
 
 /// The robot's geometry.
-pub const DRIVE: Drive<f64> = Drive::new(0.05, 0.6);
+pub const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
 
 /// Largest speed of a wheel's rim \[m/s].
 const WHEEL_SPEED: f64 = 0.3;
@@ -20,7 +20,7 @@ pub(super) const NEAR: f64 = 1.0 / 15.0;
 
 /// What is wrong with what the law sees and with what the wheels do.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Noise {
+pub struct SweepNoise {
     /// Standard deviation of the estimated x and y \[m], white.
     pub position: f64,
     /// Standard deviation of the estimated heading \[rad], white.
@@ -29,7 +29,7 @@ pub struct Noise {
     pub wheels: f64,
 }
 
-impl Noise {
+impl SweepNoise {
     /// None at all.
     pub const NONE: Self = Self { position: 0.0, heading: 0.0, wheels: 0.0 };
     /// The bench's.
@@ -52,10 +52,10 @@ pub fn limits() -> Limits<f64> {
 }
 
 /// The default law for the bench's robot, told how far off its estimate is.
-pub fn fitted_law(period: f64, direction: Direction, noise: Noise) -> Law<f64> {
+pub fn fitted_law(period: f64, direction: Direction, noise: SweepNoise) -> Law<f64> {
     let law = HybridLaw::fitted(&DRIVE, &limits(), period, direction);
-    let rest = (noise.position > 0.0).then(|| Rest::of(noise.position, period));
-    Law::Hybrid(HybridLaw { rest, ..law })
+    let deadband = (noise.position > 0.0).then(|| Deadband::from_noise(noise.position, period));
+    Law::Hybrid(HybridLaw { deadband, ..law })
 }
 
 /// How far from the goal counts as there \[m].
@@ -77,5 +77,5 @@ pub(super) fn is_inside(start: &Start) -> bool {
 /// The start pose of random trial `number`.
 pub(super) fn random_start(seed: u64, number: usize) -> Start {
     let draw = |which: u64, reach: f64| (2.0 * uniform(seed, 3 * number as u64 + which) - 1.0) * reach;
-    Start::new(draw(0, REACH), draw(1, REACH), Angle::wrapped(draw(2, PI)))
+    Start::new(draw(0, REACH), draw(1, REACH), Angle::from_radians(draw(2, PI)))
 }

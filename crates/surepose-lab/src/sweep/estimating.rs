@@ -5,51 +5,52 @@
 //! filter is the core's, in lanes: its gate is a mask.
 
 use surepose::{
-    Angle, Belief, Body, Compass, Covariance, Innovation, Line, Map, Pose, Scalar, Twist, WallSighting,
+    Angle, Belief, Body, Covariance, HeadingMeasurement, Innovation, Line, LineMeasurement, Map, Pose,
+    Scalar, Twist,
 };
-use surepose_lanes::{Element, Work, on_widest};
+use surepose_lanes::{Element, Kernel, dispatch_simd};
 
-use super::believing::{Beliefs, OF_COMPASS, OF_WALLS};
-use super::bench::{DRIVE, Noise, limits};
+use super::belief_batch::{BeliefBatch, OF_COMPASS, OF_WALLS};
+use super::bench::{DRIVE, SweepNoise, limits};
 use super::filter::{Filter, walls};
-use super::fleet::{Fleet, Numbers, Robot};
 use super::phases;
+use super::trial_batch::{BatchArray, LaneScalar, TrialBatch};
 
 /// Carries every trial one `period` \[s] forward.
 pub(super) fn step<T: Element>(
-    fleet: &mut Fleet<T>,
-    beliefs: &mut Beliefs<T>,
+    batch: &mut TrialBatch<T>,
+    beliefs: &mut BeliefBatch<T>,
     law: &surepose::Law<f64>,
-    noise: &Noise,
+    noise: &SweepNoise,
     period: f64,
 ) {
-    on_widest(Draw(fleet, beliefs));
+    dispatch_simd(Draw(batch, beliefs));
     // Without noise the sensors are exact, and the filter takes them to be what they always are.
-    let real = (*noise != Noise::NONE).then_some(Filter::BENCH);
-    on_widest(Correct(fleet, beliefs, OfCompass { real }));
+    let real = (*noise != SweepNoise::NONE).then_some(Filter::BENCH);
+    dispatch_simd(Correct(batch, beliefs, OfCompass { real }));
     for (wall, deviates) in walls().into_iter().zip(OF_WALLS) {
-        on_widest(Correct(fleet, beliefs, OfWall { real, wall, deviates }));
+        dispatch_simd(Correct(batch, beliefs, OfWall { real, wall, deviates }));
     }
-    on_widest(Judge(fleet, beliefs));
-    on_widest(Look(fleet, beliefs));
-    phases::decide(fleet, law);
-    phases::drive(fleet, Some(noise), period);
-    on_widest(Predict(fleet, beliefs, period));
-    phases::judge(fleet);
+    dispatch_simd(Judge(batch, beliefs));
+    dispatch_simd(Look(batch, beliefs));
+    phases::decide(batch, law);
+    phases::drive(batch, Some(noise), period);
+    dispatch_simd(Predict(batch, beliefs, period));
+    phases::judge(batch);
 }
 
 /// Draws this period's noise: of the sensors, and of the wheels.
-struct Draw<'a, T: Element>(&'a mut Fleet<T>, &'a mut Beliefs<T>);
+struct Draw<'a, T: Element>(&'a mut TrialBatch<T>, &'a mut BeliefBatch<T>);
 
-impl<T: Element> Work for Draw<'_, T> {
+impl<T: Element> Kernel for Draw<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self(fleet, beliefs) = self;
-        fleet.streams.normals(&mut beliefs.deviates);
+        let Self(batch, beliefs) = self;
+        batch.streams.normals(&mut beliefs.deviates);
         let [.., right, left] = beliefs.deviates;
-        let [.., of_right, of_left] = &mut fleet.deviates;
+        let [.., of_right, of_left] = &mut batch.deviates;
         (*of_right, *of_left) = (right, left);
     }
 }
@@ -57,8 +58,8 @@ impl<T: Element> Work for Draw<'_, T> {
 /// Where a robot is, where it believes to be, and how it weighs what it measures.
 struct Whereabouts<T: Element> {
     filter: Filter,
-    truth: Pose<Map, Body, Robot<T>>,
-    belief: Belief<Robot<T>>,
+    truth: Pose<Map, Body, LaneScalar<T>>,
+    belief: Belief<LaneScalar<T>>,
 }
 
 /// A sensor, which `M` numbers come from.
@@ -67,8 +68,8 @@ trait Sensor<T: Element, const M: usize> {
     fn innovation(
         &self,
         there: &Whereabouts<T>,
-        deviate: impl Fn(usize) -> Robot<T>,
-    ) -> Innovation<Robot<T>, M>;
+        deviate: impl Fn(usize) -> LaneScalar<T>,
+    ) -> Innovation<LaneScalar<T>, M>;
 }
 
 struct OfCompass {
@@ -80,18 +81,18 @@ impl<T: Element> Sensor<T, 1> for OfCompass {
     fn innovation(
         &self,
         there: &Whereabouts<T>,
-        deviate: impl Fn(usize) -> Robot<T>,
-    ) -> Innovation<Robot<T>, 1> {
+        deviate: impl Fn(usize) -> LaneScalar<T>,
+    ) -> Innovation<LaneScalar<T>, 1> {
         let Whereabouts { filter, truth, belief } = there;
-        let std = Robot::of(self.real.map_or(0.0, |real| real.compass_std));
-        let heading = truth.heading + Angle::from_wrapped(deviate(OF_COMPASS) * std);
-        Compass { heading, std: Robot::of(filter.compass_std) }.innovation(belief)
+        let std = LaneScalar::from_f64(self.real.map_or(0.0, |real| real.compass_std));
+        let heading = truth.heading + Angle::from_radians_unchecked(deviate(OF_COMPASS) * std);
+        HeadingMeasurement { heading, std: LaneScalar::from_f64(filter.compass_std) }.innovation(belief)
     }
 }
 
 struct OfWall<T: Element> {
     real: Option<Filter>,
-    wall: Line<Map, Robot<T>>,
+    wall: Line<Map, LaneScalar<T>>,
     deviates: [usize; 2],
 }
 
@@ -100,28 +101,28 @@ impl<T: Element> Sensor<T, 2> for OfWall<T> {
     fn innovation(
         &self,
         there: &Whereabouts<T>,
-        deviate: impl Fn(usize) -> Robot<T>,
-    ) -> Innovation<Robot<T>, 2> {
+        deviate: impl Fn(usize) -> LaneScalar<T>,
+    ) -> Innovation<LaneScalar<T>, 2> {
         let Whereabouts { filter, truth, belief } = there;
-        let std = |of: fn(&Filter) -> f64| Robot::<T>::of(self.real.as_ref().map_or(0.0, of));
+        let std = |of: fn(&Filter) -> f64| LaneScalar::<T>::from_f64(self.real.as_ref().map_or(0.0, of));
         let distance = deviate(self.deviates[0]) * std(|real| real.wall_distance_std);
         let direction = deviate(self.deviates[1]) * std(|real| real.wall_direction_std);
-        let sighting = WallSighting {
+        let sighting = LineMeasurement {
             wall: self.wall,
             seen: Line::new(
                 self.wall.distance_from(truth.origin()) + distance,
-                (self.wall.direction - truth.heading) + Angle::from_wrapped(direction),
+                (self.wall.direction - truth.heading) + Angle::from_radians_unchecked(direction),
             ),
-            distance_variance: Robot::of(filter.wall_distance_std).squared(),
-            direction_variance: Robot::of(filter.wall_direction_std).squared(),
-            covariance: Robot::of(0.0),
+            distance_variance: LaneScalar::from_f64(filter.wall_distance_std).squared(),
+            direction_variance: LaneScalar::from_f64(filter.wall_direction_std).squared(),
+            covariance: LaneScalar::from_f64(0.0),
         };
         sighting.innovation(belief)
     }
 }
 
 /// Measures, and corrects the belief where the gate lets the measurement in.
-struct Correct<'a, T: Element, S>(&'a Fleet<T>, &'a mut Beliefs<T>, S);
+struct Correct<'a, T: Element, S>(&'a TrialBatch<T>, &'a mut BeliefBatch<T>, S);
 
 impl<T: Element, S> Correct<'_, T, S> {
     #[inline(always)]
@@ -129,23 +130,23 @@ impl<T: Element, S> Correct<'_, T, S> {
     where
         S: Sensor<T, M>,
     {
-        let Self(fleet, beliefs, sensor) = self;
+        let Self(batch, beliefs, sensor) = self;
         let filter = beliefs.filter;
         let ekf = filter.ekf();
-        let threshold = Robot::<T>::of(beliefs.gate.threshold(M));
-        let (zero, one) = (Robot::<T>::of(0.0), Robot::<T>::of(1.0));
-        for k in Numbers::<T>::rows::<1>() {
-            let there = Whereabouts { filter, truth: pose_of(fleet, k), belief: beliefs.get(k) };
+        let threshold = LaneScalar::<T>::from_f64(beliefs.gate.threshold(M));
+        let (zero, one) = (LaneScalar::<T>::from_f64(0.0), LaneScalar::<T>::from_f64(1.0));
+        for k in BatchArray::<T>::rows::<1>() {
+            let there = Whereabouts { filter, truth: pose_of(batch, k), belief: beliefs.get(k) };
             let innovation = sensor.innovation(&there, |of| beliefs.deviates[of].get_as(k));
             let correction = ekf.correct(there.belief, &innovation, threshold);
             beliefs.set(k, correction.belief);
-            let refused = beliefs.score.refused.get(k) + Robot::select(correction.accepted, zero, one);
+            let refused = beliefs.score.refused.get(k) + LaneScalar::select(correction.accepted, zero, one);
             beliefs.score.refused.set(k, refused);
         }
     }
 }
 
-impl<T: Element> Work for Correct<'_, T, OfCompass> {
+impl<T: Element> Kernel for Correct<'_, T, OfCompass> {
     type Output = ();
 
     #[inline(always)]
@@ -154,7 +155,7 @@ impl<T: Element> Work for Correct<'_, T, OfCompass> {
     }
 }
 
-impl<T: Element> Work for Correct<'_, T, OfWall<T>> {
+impl<T: Element> Kernel for Correct<'_, T, OfWall<T>> {
     type Output = ();
 
     #[inline(always)]
@@ -164,16 +165,16 @@ impl<T: Element> Work for Correct<'_, T, OfWall<T>> {
 }
 
 /// Notes how wrong every belief is, and how wrong it says it may be.
-struct Judge<'a, T: Element>(&'a Fleet<T>, &'a mut Beliefs<T>);
+struct Judge<'a, T: Element>(&'a TrialBatch<T>, &'a mut BeliefBatch<T>);
 
-impl<T: Element> Work for Judge<'_, T> {
+impl<T: Element> Kernel for Judge<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self(fleet, beliefs) = self;
-        for k in Numbers::<T>::rows::<1>() {
-            let (belief, truth) = (beliefs.get(k), pose_of(fleet, k));
+        let Self(batch, beliefs) = self;
+        for k in BatchArray::<T>::rows::<1>() {
+            let (belief, truth) = (beliefs.get(k), pose_of(batch, k));
             let [x, y, heading] = belief.error(truth);
             let score = &mut beliefs.score;
             score.nees.set(k, score.nees.get(k) + belief.nees(truth));
@@ -184,56 +185,56 @@ impl<T: Element> Work for Judge<'_, T> {
 }
 
 /// Sees the goal from where the robot believes to be.
-struct Look<'a, T: Element>(&'a mut Fleet<T>, &'a Beliefs<T>);
+struct Look<'a, T: Element>(&'a mut TrialBatch<T>, &'a BeliefBatch<T>);
 
-impl<T: Element> Work for Look<'_, T> {
+impl<T: Element> Kernel for Look<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self(fleet, beliefs) = self;
-        for k in Numbers::<T>::rows::<1>() {
+        let Self(batch, beliefs) = self;
+        for k in BatchArray::<T>::rows::<1>() {
             // The map's origin is the goal.
             let Pose { x, y, heading, .. } = beliefs.pose(k);
-            fleet.see(k, Pose::new(x, y, heading));
+            batch.see(k, Pose::new(x, y, heading));
         }
     }
 }
 
 /// Carries every belief on by what the encoders read.
-struct Predict<'a, T: Element>(&'a Fleet<T>, &'a mut Beliefs<T>, f64);
+struct Predict<'a, T: Element>(&'a TrialBatch<T>, &'a mut BeliefBatch<T>, f64);
 
-impl<T: Element> Work for Predict<'_, T> {
+impl<T: Element> Kernel for Predict<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self(fleet, beliefs, period) = self;
-        let (drive, limits, period) = (DRIVE.cast(), limits().cast(), Robot::<T>::of(period));
+        let Self(batch, beliefs, period) = self;
+        let (drive, limits, period) = (DRIVE.cast(), limits().cast(), LaneScalar::<T>::from_f64(period));
         let ekf = beliefs.filter.ekf();
-        for k in Numbers::<T>::rows::<1>() {
-            let wanted = Twist::new(fleet.v.get(k), fleet.omega.get(k));
-            let rims = drive.rims_from_twist(limits.within_speed(&drive, wanted));
-            let belief = ekf.predict(beliefs.get(k), ekf.travel(rims.scaled(period)));
+        for k in BatchArray::<T>::rows::<1>() {
+            let desired = Twist::new(batch.v.get(k), batch.omega.get(k));
+            let rims = drive.wheel_speeds_from_twist(limits.limit_speed(&drive, desired));
+            let belief = ekf.predict(beliefs.get(k), ekf.wheel_odometry(rims.scaled(period)));
             beliefs.set(k, belief);
         }
     }
 }
 
 #[inline(always)]
-fn pose_of<T: Element>(fleet: &Fleet<T>, k: usize) -> Pose<Map, Body, Robot<T>> {
-    Pose::new(fleet.x.get(k), fleet.y.get(k), Angle::from_wrapped(fleet.heading.get(k)))
+fn pose_of<T: Element>(batch: &TrialBatch<T>, k: usize) -> Pose<Map, Body, LaneScalar<T>> {
+    Pose::new(batch.x.get(k), batch.y.get(k), Angle::from_radians_unchecked(batch.heading.get(k)))
 }
 
-impl<T: Element> Beliefs<T> {
+impl<T: Element> BeliefBatch<T> {
     #[inline(always)]
-    fn pose(&self, k: usize) -> Pose<Map, Body, Robot<T>> {
-        Pose::new(self.x.get(k), self.y.get(k), Angle::from_wrapped(self.heading.get(k)))
+    fn pose(&self, k: usize) -> Pose<Map, Body, LaneScalar<T>> {
+        Pose::new(self.x.get(k), self.y.get(k), Angle::from_radians_unchecked(self.heading.get(k)))
     }
 
     #[inline(always)]
-    fn get(&self, k: usize) -> Belief<Robot<T>> {
-        let zero = Robot::<T>::of(0.0);
+    fn get(&self, k: usize) -> Belief<LaneScalar<T>> {
+        let zero = LaneScalar::<T>::from_f64(0.0);
         let upper = [
             [zero, self.upper[0].get(k), self.upper[1].get(k)],
             [zero, zero, self.upper[2].get(k)],
@@ -244,7 +245,7 @@ impl<T: Element> Beliefs<T> {
     }
 
     #[inline(always)]
-    fn set(&mut self, k: usize, belief: Belief<Robot<T>>) {
+    fn set(&mut self, k: usize, belief: Belief<LaneScalar<T>>) {
         self.x.set(k, belief.pose.x);
         self.y.set(k, belief.pose.y);
         self.heading.set(k, belief.pose.heading.radians());

@@ -2,22 +2,22 @@
 
 use surepose::Direction;
 
-use crate::Watch;
+use crate::CancelToken;
 
-use super::{Estimate, Filter, Noise, Precision, Starts, Sweep, SweepReport, fitted_law};
+use super::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise, SweepReport, fitted_law};
 
 fn run(runs: usize, filter: Filter, change: impl FnOnce(Sweep) -> Sweep) -> SweepReport {
     let sweep = Sweep {
         starts: Starts::Random(runs),
-        law: fitted_law(0.1, Direction::Auto, Noise::NONE),
+        law: fitted_law(0.1, Direction::Auto, SweepNoise::NONE),
         period: 0.1,
-        noise: Noise::BENCH,
-        estimate: Estimate::Filtered(filter),
+        noise: SweepNoise::BENCH,
+        estimate: PoseSource::Filtered(filter),
         precision: Precision::F64,
         threads: 2,
         seed: 1,
     };
-    change(sweep).run(&Watch::default())
+    change(sweep).run(&CancelToken::default())
 }
 
 /// Mean NEES over the trials, each of which counts once, and the standard error of that mean: trials are independent,
@@ -36,7 +36,7 @@ fn nees(report: &SweepReport) -> (f64, f64) {
 fn the_filter_is_consistent_in_both_formats_and_at_both_periods() {
     for precision in [Precision::F32, Precision::F64] {
         for period in [0.02, 0.1] {
-            let law = fitted_law(period, Direction::Auto, Noise::NONE);
+            let law = fitted_law(period, Direction::Auto, SweepNoise::NONE);
             let report = run(4000, Filter::BENCH, |sweep| Sweep { law, period, precision, ..sweep });
             let (mean, error) = nees(&report);
             assert!((mean - 3.0).abs() < 0.03 + 4.0 * error, "{precision:?}, {period} s: {mean} ± {error}");
@@ -58,7 +58,7 @@ fn a_filter_that_is_wrong_about_its_sensors_shows_it() {
 
 #[test]
 fn exact_sensors_leave_only_the_wheels() {
-    let exact = run(200, Filter::BENCH, |sweep| Sweep { noise: Noise::NONE, ..sweep });
+    let exact = run(200, Filter::BENCH, |sweep| Sweep { noise: SweepNoise::NONE, ..sweep });
     let noisy = run(200, Filter::BENCH, |sweep| sweep);
     assert!(exact.position_rmse_m < noisy.position_rmse_m, "{exact:?}");
     // No measurement is off by more than the belief's first error.

@@ -8,7 +8,7 @@ use super::bench::DRIVE;
 
 /// Where the pose comes from that the law sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Estimate {
+pub enum PoseSource {
     /// The true pose, with white noise: the bench trial.
     #[default]
     Given,
@@ -43,7 +43,7 @@ impl Filter {
     };
 
     pub(super) fn ekf<S: Scalar>(&self) -> Ekf<S> {
-        Ekf { drive: DRIVE.cast(), delta: S::of(self.delta), integration: Integration::Arc }
+        Ekf { drive: DRIVE.cast(), delta: S::from_f64(self.delta), integration: Integration::Arc }
     }
 
     pub(super) fn gate(&self) -> Gate<f64> {
@@ -56,5 +56,5 @@ pub(super) const START_STD: [f64; 3] = [0.01, 0.01, 0.5 * PI / 180.0];
 
 /// The two walls that the laser sees wherever the robot is: ahead of the goal and to its left, beyond all starts.
 pub(super) fn walls<S: Scalar>() -> [Line<Map, S>; 2] {
-    [0.0, 0.5 * PI].map(|direction| Line::new(S::of(5.0), Angle::wrapped(S::of(direction))))
+    [0.0, 0.5 * PI].map(|direction| Line::new(S::from_f64(5.0), Angle::from_radians(S::from_f64(direction))))
 }

@@ -6,7 +6,7 @@ use super::trial::Trial;
 
 /// Median, 95 % quantile and largest of a number over the trials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
+pub struct Quantiles {
     /// Half of the trials have at most this.
     pub p50: f64,
     /// 95 % of the trials have at most this.
@@ -15,9 +15,9 @@ pub struct Spread {
     pub max: f64,
 }
 
-impl Spread {
+impl Quantiles {
     /// The spread of `values`; none of nothing.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+    pub fn from_values(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
         let max = *sorted.last()?;
@@ -47,15 +47,15 @@ pub struct SweepReport {
     /// Periods per second of wall time.
     pub steps_per_s: f64,
     /// Time to the goal \[s].
-    pub time_s: Option<Spread>,
+    pub time_s: Option<Quantiles>,
     /// That time over the least possible.
-    pub time_ratio: Option<Spread>,
+    pub time_ratio: Option<Quantiles>,
     /// The way over the distance.
-    pub path_ratio: Option<Spread>,
+    pub path_ratio: Option<Quantiles>,
     /// Distance from the goal in the end \[m].
-    pub final_position_error_m: Option<Spread>,
+    pub final_position_error_m: Option<Quantiles>,
     /// Heading error in the end \[°].
-    pub final_heading_error_deg: Option<Spread>,
+    pub final_heading_error_deg: Option<Quantiles>,
     /// Changes of the speed's sign, in the mean.
     pub cusps_mean: Option<f64>,
     /// The normalised estimation error squared in the mean over all periods, 3 where the filter is consistent; none
@@ -79,9 +79,10 @@ pub struct SweepReport {
 }
 
 impl SweepReport {
-    pub(super) fn of(trials: Vec<Trial>, wall_s: f64, seed: u64) -> Self {
+    pub(super) fn from_trials(trials: Vec<Trial>, wall_s: f64, seed: u64) -> Self {
         let steps = trials.iter().map(|trial| trial.steps).sum::<u64>();
-        let spread = |value: fn(&Trial) -> Option<f64>| Spread::of(trials.iter().filter_map(value));
+        let spread =
+            |value: fn(&Trial) -> Option<f64>| Quantiles::from_values(trials.iter().filter_map(value));
         let mean =
             |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
         // A trial weighs as much as it has periods.

@@ -4,16 +4,16 @@ use serde::Serialize;
 use surepose::Angle;
 
 use super::Sweep;
-use super::believing::Consistency;
+use super::belief_batch::Consistency;
 use super::bench::{DRIVE, limits};
-use super::crew::Ends;
+use super::lane_scheduler::Termination;
 use crate::optimal;
 
 /// A trial that ended, in few numbers: what can be worked out from them waits until all have ended.
 #[derive(Clone, Debug)]
-pub(super) struct Ended {
+pub(super) struct TrialResult {
     /// Its place among the starts.
-    pub(super) way: usize,
+    pub(super) start_index: usize,
     /// Periods that were driven.
     pub(super) steps: u64,
     /// Whether the goal was held.
@@ -66,8 +66,8 @@ pub struct Trial {
 
 impl Trial {
     /// What came of a trial of `sweep`, with the least time that it could have taken; none where it has no start.
-    pub(super) fn of(ended: &Ended, sweep: &Sweep, ends: Ends) -> Option<Self> {
-        let start = sweep.starts.nth(sweep.seed, ended.way)?;
+    pub(super) fn from_result(ended: &TrialResult, sweep: &Sweep, termination: Termination) -> Option<Self> {
+        let start = sweep.starts.nth(sweep.seed, ended.start_index)?;
         let belief = ended.belief.as_deref();
         Some(Self {
             start_x_m: start.x,
@@ -75,12 +75,12 @@ impl Trial {
             start_heading_deg: start.heading.degrees(),
             success: ended.success,
             steps: ended.steps,
-            time_s: ended.success.then_some((ended.steps as f64 - (ends.held - 1.0)) * sweep.period),
+            time_s: ended.success.then_some((ended.steps as f64 - (termination.held - 1.0)) * sweep.period),
             optimal_time_s: optimal::fastest(start, &DRIVE, limits().wheel_speed).time,
             path_m: ended.success.then_some(ended.path),
             cusps: ended.success.then_some(ended.cusps),
             final_position_error_m: ended.x.hypot(ended.y),
-            final_heading_error_deg: Angle::wrapped(ended.heading).degrees().abs(),
+            final_heading_error_deg: Angle::from_radians(ended.heading).degrees().abs(),
             nees_mean: belief.map(|belief| belief.nees_mean),
             position_rmse_m: belief.map(|belief| belief.position_rmse),
             heading_rmse_deg: belief.map(|belief| belief.heading_rmse.to_degrees()),

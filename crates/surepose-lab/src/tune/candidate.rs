@@ -1,10 +1,10 @@
 //! What is tuned, as numbers of one kind: all are positive, and matter by their ratio.
 
-use surepose::{Gains, HybridLaw, Law, PaperLaw};
+use surepose::{Gains, HybridLaw, Law, Tran2012Law};
 
 /// Gains, with the capture radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
+pub struct GainCandidate {
     /// The gains of both laws.
     pub gains: Gains<f64>,
     /// ε_P \[m].
@@ -14,12 +14,12 @@ pub struct Candidate {
 /// How many numbers that is.
 pub(super) const NUMBERS: usize = 5;
 
-impl Candidate {
+impl GainCandidate {
     /// What a law has.
-    pub fn of(law: &Law<f64>) -> Self {
+    pub fn from_law(law: &Law<f64>) -> Self {
         let (gains, capture_radius) = match law {
             Law::Hybrid(HybridLaw { gains, capture_radius, .. })
-            | Law::Paper(PaperLaw { gains, capture_radius, .. }) => (*gains, *capture_radius),
+            | Law::Tran2012(Tran2012Law { gains, capture_radius, .. }) => (*gains, *capture_radius),
         };
         Self { gains, capture_radius }
     }
@@ -30,7 +30,7 @@ impl Candidate {
         let Self { gains, capture_radius } = *self;
         match *law {
             Law::Hybrid(law) => Law::Hybrid(HybridLaw { gains, capture_radius, ..law }),
-            Law::Paper(law) => Law::Paper(PaperLaw { gains, capture_radius, ..law }),
+            Law::Tran2012(law) => Law::Tran2012(Tran2012Law { gains, capture_radius, ..law }),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Where the candidates of a round lie.
 
-use surepose_lanes::{Column, Streams};
+use surepose_lanes::{LaneArray, Streams};
 
 use super::candidate::NUMBERS;
 
@@ -8,7 +8,7 @@ use super::candidate::NUMBERS;
 pub(super) fn deviates(seed: u64, round: usize, number: usize) -> [f64; NUMBERS] {
     let mut streams = Streams::<1>::default();
     streams.start(0, seed ^ STREAM, (round as u64) << 32 | number as u64);
-    let mut drawn = [Column([0.0_f32]); NUMBERS];
+    let mut drawn = [LaneArray([0.0_f32]); NUMBERS];
     streams.normals(&mut drawn);
     drawn.map(|deviate| f64::from(deviate.0[0]))
 }

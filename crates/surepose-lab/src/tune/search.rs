@@ -2,10 +2,10 @@
 
 use surepose::Law;
 
-use super::candidate::{Candidate, NUMBERS};
+use super::candidate::{GainCandidate, NUMBERS};
 use super::draw::{deviates, seed_of_round};
 use super::{Tune, slowest, stressed};
-use crate::Watch;
+use crate::CancelToken;
 use crate::sweep::{Starts, Sweep, SweepReport};
 
 /// Candidates that a round draws.
@@ -22,11 +22,11 @@ const STEP: (f64, f64) = (0.35, 0.05);
 pub(super) struct Search<'a> {
     tune: &'a Tune,
     accepts: &'a dyn Fn(&Law<f64>) -> bool,
-    watch: &'a Watch,
+    cancel: &'a CancelToken,
     /// Round what the next candidates are drawn.
-    centre: Candidate,
+    centre: GainCandidate,
     /// Every best one so far, all of them certified; the last is the best.
-    certified: Vec<Candidate>,
+    certified: Vec<GainCandidate>,
     candidates: usize,
     certificates: usize,
 }
@@ -34,7 +34,7 @@ pub(super) struct Search<'a> {
 /// A candidate, and what it takes.
 #[derive(Clone, Copy)]
 struct Rated {
-    candidate: Candidate,
+    candidate: GainCandidate,
     /// Less is better.
     cost: f64,
     /// The time of the slowest trial \[s].
@@ -42,13 +42,17 @@ struct Rated {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(tune: &'a Tune, accepts: &'a dyn Fn(&Law<f64>) -> bool, watch: &'a Watch) -> Self {
-        let centre = Candidate::of(&tune.sweep.law);
-        Self { tune, accepts, watch, centre, certified: Vec::new(), candidates: 0, certificates: 0 }
+    pub(super) fn new(
+        tune: &'a Tune,
+        accepts: &'a dyn Fn(&Law<f64>) -> bool,
+        cancel: &'a CancelToken,
+    ) -> Self {
+        let centre = GainCandidate::from_law(&tune.sweep.law);
+        Self { tune, accepts, cancel, centre, certified: Vec::new(), candidates: 0, certificates: 0 }
     }
 
     /// Every best one so far; the last is the best.
-    pub(super) fn certified(&self) -> impl DoubleEndedIterator<Item = &Candidate> {
+    pub(super) fn certified(&self) -> impl DoubleEndedIterator<Item = &GainCandidate> {
         self.certified.iter()
     }
 
@@ -81,7 +85,7 @@ impl<'a> Search<'a> {
         let drawn = (0..DRAWN).map(|number| self.drawn(round, number)).collect();
         let mut few = self.rated(drawn, starts / 4, seed);
         few.truncate(FINALISTS);
-        let mut finalists: Vec<Candidate> = few.iter().map(|rated| rated.candidate).collect();
+        let mut finalists: Vec<GainCandidate> = few.iter().map(|rated| rated.candidate).collect();
         finalists.extend(mean(&finalists).map(|mean| self.inside(mean)));
         finalists.extend(self.certified.last().copied());
         let rated = self.rated(finalists, starts, seed);
@@ -91,14 +95,14 @@ impl<'a> Search<'a> {
         let better = better(&rated, incumbent).into_iter().take(ASKED);
         let found = better
             .map(|it| it.candidate)
-            .find(|candidate| !self.watch.stopped() && self.is_certified(candidate));
+            .find(|candidate| !self.cancel.is_cancelled() && self.is_certified(candidate));
         if let Some(candidate) = found {
             self.certified.push(candidate);
             self.centre = candidate;
         }
     }
 
-    fn drawn(&self, round: usize, number: usize) -> Candidate {
+    fn drawn(&self, round: usize, number: usize) -> GainCandidate {
         let deviates = deviates(self.tune.sweep.seed, round, number);
         let centre = self.centre.logarithms();
         // From the first step to the last in equal ratios.
@@ -108,21 +112,21 @@ impl<'a> Search<'a> {
     }
 
     /// The candidate of these logarithms, brought inside the bounds.
-    fn inside(&self, logarithms: [f64; NUMBERS]) -> Candidate {
+    fn inside(&self, logarithms: [f64; NUMBERS]) -> GainCandidate {
         let (least, most) = (self.tune.least.logarithms(), self.tune.most.logarithms());
-        Candidate::from_logarithms(core::array::from_fn(|k| logarithms[k].max(least[k]).min(most[k])))
+        GainCandidate::from_logarithms(core::array::from_fn(|k| logarithms[k].max(least[k]).min(most[k])))
     }
 
     /// Drives every candidate from the same starts with the same noise; the best first. A search that was stopped rates
     /// nothing.
-    fn rated(&mut self, candidates: Vec<Candidate>, starts: usize, seed: u64) -> Vec<Rated> {
+    fn rated(&mut self, candidates: Vec<GainCandidate>, starts: usize, seed: u64) -> Vec<Rated> {
         let mut rated = Vec::with_capacity(candidates.len());
         for candidate in candidates {
             let law = candidate.with(&self.tune.sweep.law);
             let sweep = Sweep { law, seed, starts: Starts::Random(starts), ..self.tune.sweep.clone() };
-            let report = sweep.run(self.watch);
-            let cost = cost(&report) + LOST * losses(&stressed(&sweep).run(self.watch));
-            if self.watch.stopped() {
+            let report = sweep.run(self.cancel);
+            let cost = cost(&report) + LOST * losses(&stressed(&sweep).run(self.cancel));
+            if self.cancel.is_cancelled() {
                 return Vec::new();
             }
             self.candidates += 1;
@@ -132,7 +136,7 @@ impl<'a> Search<'a> {
         rated
     }
 
-    fn is_certified(&mut self, candidate: &Candidate) -> bool {
+    fn is_certified(&mut self, candidate: &GainCandidate) -> bool {
         self.certificates += 1;
         (self.accepts)(&candidate.with(&self.tune.sweep.law))
     }
@@ -141,7 +145,7 @@ impl<'a> Search<'a> {
 /// Those of `rated`, which the best begins, that may take the place of the incumbent, the best first.
 ///
 /// The quantiles do not see the slowest trial, but the judgement in the end does: it is not to get slower on the way.
-fn better(rated: &[Rated], incumbent: Option<Candidate>) -> Vec<Rated> {
+fn better(rated: &[Rated], incumbent: Option<GainCandidate>) -> Vec<Rated> {
     let before = rated.iter().find(|it| Some(it.candidate) == incumbent);
     let quicker = rated.iter().take_while(|it| Some(it.candidate) != incumbent && it.cost < LOST);
     quicker.filter(|it| before.is_none_or(|before| it.slowest <= before.slowest)).copied().collect()
@@ -165,8 +169,8 @@ fn losses(report: &SweepReport) -> f64 {
 }
 
 /// The mean of the logarithms of several candidates.
-fn mean(candidates: &[Candidate]) -> Option<[f64; NUMBERS]> {
-    let logarithms: Vec<_> = candidates.iter().map(Candidate::logarithms).collect();
+fn mean(candidates: &[GainCandidate]) -> Option<[f64; NUMBERS]> {
+    let logarithms: Vec<_> = candidates.iter().map(GainCandidate::logarithms).collect();
     let count = logarithms.len() as f64;
     (count > 0.0).then(|| core::array::from_fn(|k| logarithms.iter().map(|l| l[k]).sum::<f64>() / count))
 }
@@ -180,14 +184,14 @@ mod tests {
     #[test]
     fn what_is_quicker_but_slower_at_its_slowest_does_not_take_the_incumbent_s_place() {
         let rated = |capture_radius: f64, cost: f64, slowest: f64| Rated {
-            candidate: Candidate { gains: Gains::paper(), capture_radius },
+            candidate: GainCandidate { gains: Gains::tran2012(), capture_radius },
             cost,
             slowest: Some(slowest),
         };
         let (hasty, sound, incumbent) =
             (rated(0.05, 2.0, 112.0), rated(0.04, 2.1, 18.0), rated(0.03, 2.3, 18.5));
         let all = [hasty, sound, incumbent, rated(0.02, 2.4, 17.0)];
-        let found = |incumbent: Option<Candidate>| -> Vec<f64> {
+        let found = |incumbent: Option<GainCandidate>| -> Vec<f64> {
             better(&all, incumbent).iter().map(|it| it.candidate.capture_radius).collect()
         };
         assert_eq!(found(Some(incumbent.candidate)), [0.04]);

@@ -2,24 +2,25 @@ use std::cell::Cell;
 
 use surepose::{Direction, Gains, Law};
 
-use super::{Candidate, Tune, Watch, no_worse};
-use crate::sweep::{Estimate, Noise, Precision, Spread, Starts, Sweep, SweepReport, fitted_law};
+use super::{GainCandidate, Tune, TuneProgress, no_worse};
+use crate::sweep::{PoseSource, Precision, Quantiles, Starts, Sweep, SweepNoise, SweepReport, fitted_law};
 
 fn tune(law: Law<f64>, rounds: usize) -> Tune {
-    let fallback = Candidate::of(&fitted_law(0.1, Direction::Auto, Noise::BENCH));
+    let fallback = GainCandidate::from_law(&fitted_law(0.1, Direction::Auto, SweepNoise::BENCH));
     let scaled = |factor: f64| {
-        let Candidate { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius } = Candidate::of(&law);
+        let GainCandidate { gains: Gains { k_v, k_alpha, h, k_theta }, capture_radius } =
+            GainCandidate::from_law(&law);
         let gains =
             Gains { k_v: k_v * factor, k_alpha: k_alpha * factor, h: h * factor, k_theta: k_theta * factor };
-        Candidate { gains, capture_radius: capture_radius * factor }
+        GainCandidate { gains, capture_radius: capture_radius * factor }
     };
     Tune {
         sweep: Sweep {
             starts: Starts::Random(3000),
             law,
             period: 0.1,
-            noise: Noise::BENCH,
-            estimate: Estimate::Given,
+            noise: SweepNoise::BENCH,
+            estimate: PoseSource::Given,
             precision: Precision::F64,
             threads: 2,
             seed: 1,
@@ -32,17 +33,17 @@ fn tune(law: Law<f64>, rounds: usize) -> Tune {
 }
 
 fn fitted() -> Law<f64> {
-    fitted_law(0.1, Direction::Auto, Noise::BENCH)
+    fitted_law(0.1, Direction::Auto, SweepNoise::BENCH)
 }
 
 /// A certificate of its own: it holds up to a capture radius that quick gains would like to exceed.
 fn narrow(law: &Law<f64>) -> bool {
-    Candidate::of(law).capture_radius <= 0.034
+    GainCandidate::from_law(law).capture_radius <= 0.034
 }
 
 #[test]
 fn what_comes_out_is_quicker_certified_and_the_same_every_time() {
-    let run = || tune(fitted(), 4).run(&narrow, &Watch::default());
+    let run = || tune(fitted(), 4).run(&narrow, &TuneProgress::default());
     let tuned = run();
     let best = tuned.best.expect("the start is certified");
     assert!(narrow(&best.with(&fitted())) && best != tuned.start, "{best:?}");
@@ -56,12 +57,12 @@ fn what_comes_out_is_quicker_certified_and_the_same_every_time() {
 /// Quicker in the median and at 95 %, but with one trial that takes longer than any before: not given.
 #[test]
 fn a_slower_slowest_trial_is_worse() {
-    let before = tune(fitted(), 0).sweep.run(&crate::Watch::default());
+    let before = tune(fitted(), 0).sweep.run(&crate::CancelToken::default());
     let (ratio, time) = (before.time_ratio.expect("arrived"), before.time_s.expect("arrived"));
-    let quicker = Spread { p50: 0.9 * ratio.p50, p95: 0.9 * ratio.p95, ..ratio };
+    let quicker = Quantiles { p50: 0.9 * ratio.p50, p95: 0.9 * ratio.p95, ..ratio };
     let with_slowest = |max: f64| SweepReport {
         time_ratio: Some(quicker),
-        time_s: Some(Spread { max, ..time }),
+        time_s: Some(Quantiles { max, ..time }),
         ..before.clone()
     };
     assert!(no_worse(&with_slowest(time.max), &before));
@@ -70,7 +71,7 @@ fn a_slower_slowest_trial_is_worse() {
 
 #[test]
 fn without_a_certificate_there_is_no_result() {
-    let tuned = tune(fitted(), 1).run(&|_| false, &Watch::default());
+    let tuned = tune(fitted(), 1).run(&|_| false, &TuneProgress::default());
     assert!(tuned.best.is_none() && tuned.after.is_none() && !tuned.start_certified);
     assert_eq!(tuned.before.runs, 3000);
 }
@@ -78,33 +79,33 @@ fn without_a_certificate_there_is_no_result() {
 /// Gains that are refused are left for some that are not, even if those take longer.
 #[test]
 fn gains_that_are_refused_are_replaced() {
-    let law = Candidate { gains: Gains::paper(), capture_radius: 0.05 }.with(&fitted());
-    let tuned = tune(law, 0).run(&narrow, &Watch::default());
+    let law = GainCandidate { gains: Gains::tran2012(), capture_radius: 0.05 }.with(&fitted());
+    let tuned = tune(law, 0).run(&narrow, &TuneProgress::default());
     assert!(!tuned.start_certified);
-    assert_eq!(tuned.best, Some(Candidate::of(&fitted())));
+    assert_eq!(tuned.best, Some(GainCandidate::from_law(&fitted())));
 }
 
 /// Where only the gains to begin from are certified, they come back.
 #[test]
 fn nothing_better_is_no_change() {
-    let start = Candidate::of(&fitted());
-    let tuned = tune(fitted(), 1).run(&|law| Candidate::of(law) == start, &Watch::default());
+    let start = GainCandidate::from_law(&fitted());
+    let tuned = tune(fitted(), 1).run(&|law| GainCandidate::from_law(law) == start, &TuneProgress::default());
     assert_eq!((tuned.best, tuned.after.map(|r| r.trials)), (Some(start), Some(tuned.before.trials)));
 }
 
 #[test]
 fn a_search_that_is_stopped_keeps_the_best_until_then() {
-    let watch = Watch::default();
+    let progress = TuneProgress::default();
     let asked = Cell::new(0);
     let tuned = tune(fitted(), 50).run(
         &|law| {
             asked.set(asked.get() + 1);
             if asked.get() == 2 {
-                watch.stop();
+                progress.cancel();
             }
             narrow(law)
         },
-        &watch,
+        &progress,
     );
     assert!(tuned.best.is_some_and(|best| narrow(&best.with(&fitted()))));
     assert!(tuned.before.runs == 2000 && asked.get() == 2, "{} certificates", asked.get());
@@ -112,9 +113,9 @@ fn a_search_that_is_stopped_keeps_the_best_until_then() {
 
 #[test]
 fn candidates_are_written_as_they_are_meant() {
-    let candidate = Candidate::of(&fitted());
-    let rounded = Candidate::from_logarithms(candidate.logarithms());
-    let again = Candidate::from_logarithms(rounded.logarithms());
+    let candidate = GainCandidate::from_law(&fitted());
+    let rounded = GainCandidate::from_logarithms(candidate.logarithms());
+    let again = GainCandidate::from_logarithms(rounded.logarithms());
     assert_eq!(rounded, again);
     assert!((rounded.gains.k_v / candidate.gains.k_v - 1.0).abs() < 5e-4);
     assert!(rounded.gains.k_v.to_string().len() <= 6, "{}", rounded.gains.k_v);

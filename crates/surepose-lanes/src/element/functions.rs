@@ -10,7 +10,7 @@ macro_rules! element {
 
             #[inline(always)]
             #[allow(clippy::cast_lossless, reason = "lossless for f64 only; one macro serves both")]
-            fn of(value: f64) -> Self {
+            fn from_f64(value: f64) -> Self {
                 value as $float
             }
             #[inline(always)]
@@ -72,7 +72,7 @@ macro_rules! element {
                 self.to_bits() & SIGN != 0
             }
             #[inline(always)]
-            fn with_sign_of(self, other: Self) -> Self {
+            fn copysign(self, other: Self) -> Self {
                 Self::from_bits((self.to_bits() & !SIGN) | (other.to_bits() & SIGN))
             }
             #[inline(always)]
@@ -89,11 +89,11 @@ macro_rules! element {
                 // all this, one for each answer.
                 let quarter = if up.to_bits() > across.to_bits() { FRAC_PI_2 - octant } else { octant };
                 let half = Element::min(if x < 0.0 { PI - quarter } else { quarter }, straight(self));
-                (length, half.with_sign_of(self))
+                (length, half.copysign(self))
             }
             #[inline(always)]
-            fn wrapped_sum(self) -> Self {
-                if self.abs() > straight(self) { self - TAU.with_sign_of(self) } else { self }
+            fn wrap_once(self) -> Self {
+                if self.abs() > straight(self) { self - TAU.copysign(self) } else { self }
             }
         }
 

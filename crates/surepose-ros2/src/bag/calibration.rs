@@ -5,20 +5,20 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use surepose::closed_loop::Controller;
-use surepose::{Angle, Compass, Measurement, Stamp, Stamped, Wheels};
+use surepose::{Angle, HeadingMeasurement, Measurement, Stamp, Stamped, WheelPair};
 use surepose_data::Config;
-use surepose_data::config::CompassMounting;
-use surepose_data::recording::{Mount, Scan, StampedTicks};
-use surepose_lab::calibrate::{Options, Recording, StampedHeading};
+use surepose_data::config::CompassParameters;
+use surepose_data::recording::{ScanRecord, SensorPose, StampedTicks};
+use surepose_lab::calibrate::{CalibrationRecording, Options, StampedHeading};
 
-use super::prologue::{Prologue, REFERENCE_STD};
-use super::reader::{Bag, Role, Said};
+use super::bag_index::{BagIndex, REFERENCE_STD};
+use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Truncation};
-use crate::convert::Refused;
+use crate::convert::MessageError;
+use crate::extrinsics::ExtrinsicsResolver;
 use crate::message::{LaserScan, Odometry};
-use crate::mounting::LaserMount;
 use crate::names::Names;
-use crate::pilot::{Heard, Odometer};
+use crate::pilot::{OdometryAccumulator, SensorMessage};
 use crate::sense;
 
 /// The wheels' counters, which odometry's poses do not have, are made up so fine.
@@ -28,13 +28,13 @@ const TICKS_PER_TURN: f64 = 1e5;
 const WALL_STD: (f64, f64) = (0.01, 0.5 * TAU / 360.0);
 
 /// No mirror takes longer for a turn \[s].
-const LONGEST_SWEEP: f64 = 1.0;
+const MAX_SWEEP_TIME: f64 = 1.0;
 
 /// A recording made ready, and what is known beforehand.
 #[derive(Clone, Debug)]
 pub struct Recorded {
     /// What calibration reads. The counters come once in a period of the loop, for which δ is wanted.
-    pub recording: Recording,
+    pub recording: CalibrationRecording,
     /// Where it begins: the configuration's robot, with the laser's reach and the time of its sweep from the scans, and the
     /// heading at the start from the truth, where there is one.
     pub options: Options,
@@ -52,23 +52,26 @@ pub struct Recorded {
 /// # Errors
 /// [`BagError`], where it is no recording, or is damaged.
 pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> Result<Recorded, BagError> {
-    let wanted: &[Role] = if compass { &[Role::Scan, Role::Imu] } else { &[Role::Scan] };
-    let bag = Bag::open(path, names, wanted)?;
-    let mut options = Options::of(config);
+    let required: &[Role] = if compass { &[Role::Scan, Role::Imu] } else { &[Role::Scan] };
+    let bag = Bag::open(path, names, required)?;
+    let mut options = Options::from_config(config);
     (options.wall_distance_std, options.wall_direction_std) = WALL_STD;
     let mut skipped = BTreeMap::new();
-    let prologue = Prologue::of(&bag, config, |why| *skipped.entry(why.name()).or_default() += 1)?;
-    let start = prologue.start();
-    options.start_heading = start.map(|start| Compass { heading: start.heading, std: REFERENCE_STD[2] });
-    let mut gathering = Gathering::new(config, options, prologue.mount, skipped);
+    let bag_index = BagIndex::from_bag(&bag, config, |why| *skipped.entry(why.name()).or_default() += 1)?;
+    let start = bag_index.start();
+    options.start_heading =
+        start.map(|start| HeadingMeasurement { heading: start.heading, std: REFERENCE_STD[2] });
+    let mut gathering = Gathering::new(config, options, bag_index.extrinsics, skipped);
     // Where the compass' zero is, is to be found.
-    let mounting = CompassMounting { offset: Angle::zero(), ..config.compass() };
+    let laser_extrinsics = CompassParameters { offset: Angle::zero(), ..config.compass() };
     bag.messages(|said| {
         let refused = match said {
-            Said::Odometry(odometry) => gathering.roll(&odometry),
-            Said::Scan(scan) => gathering.see(scan),
-            Said::Imu(imu) if compass => sense::heading(&imu, &mounting).map(|heard| gathering.turn(&heard)),
-            Said::Imu(_) | Said::Truth(_) | Said::Joints(_) => Ok(()),
+            BagMessage::Odometry(odometry) => gathering.roll(&odometry),
+            BagMessage::Scan(scan) => gathering.see(scan),
+            BagMessage::Imu(imu) if compass => {
+                sense::heading(&imu, &laser_extrinsics).map(|heard| gathering.turn(&heard))
+            }
+            BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
         if let Err(why) = refused {
             gathering.skip(why.name());
@@ -81,21 +84,21 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
 /// A recording while it is read.
 struct Gathering {
     recorded: Recorded,
-    mount: LaserMount,
+    extrinsics: ExtrinsicsResolver,
     controller: Controller<f64>,
-    odometer: Option<Odometer>,
+    odometry_accumulator: Option<OdometryAccumulator>,
     /// How far the wheels turned since the first odometry \[rad].
-    turned: Wheels<f64>,
+    turned: WheelPair<f64>,
 }
 
 impl Gathering {
     fn new(
         config: &Config,
         options: Options,
-        mount: LaserMount,
+        extrinsics: ExtrinsicsResolver,
         skipped: BTreeMap<&'static str, u64>,
     ) -> Self {
-        let recording = Recording {
+        let recording = CalibrationRecording {
             ticks_per_turn: TICKS_PER_TURN,
             ticks: Vec::new(),
             scans: Vec::new(),
@@ -103,25 +106,25 @@ impl Gathering {
         };
         Self {
             recorded: Recorded { recording, options, skipped, mounted: None, truncations: Vec::new() },
-            mount,
+            extrinsics,
             controller: config.controller(),
-            odometer: None,
-            turned: Wheels::rest(),
+            odometry_accumulator: None,
+            turned: WheelPair::zero(),
         }
     }
 
-    fn roll(&mut self, odometry: &Odometry) -> Result<(), Refused> {
+    fn roll(&mut self, odometry: &Odometry) -> Result<(), MessageError> {
         let at = sense::odometry(odometry)?;
-        let Some(odometer) = &mut self.odometer else {
-            self.odometer = Some(Odometer::starting(at));
+        let Some(odometry_accumulator) = &mut self.odometry_accumulator else {
+            self.odometry_accumulator = Some(OdometryAccumulator::new(at));
             self.count(at.stamp);
             return Ok(());
         };
-        let Some(rims) = odometer.roll(&self.controller, at)? else { return Ok(()) };
+        let Some(rims) = odometry_accumulator.add(&self.controller, at)? else { return Ok(()) };
         // Where odometry was reset the wheels turned as nobody knows; the walls tell how far the robot came meanwhile.
         if (rims.right + rims.left).is_finite() {
-            let turns = self.controller.drive.turns_from_rims(rims);
-            self.turned = Wheels::new(self.turned.right + turns.right, self.turned.left + turns.left);
+            let turns = self.controller.drive.wheel_angle_from_travel(rims);
+            self.turned = WheelPair::new(self.turned.right + turns.right, self.turned.left + turns.left);
         } else {
             self.skip("odometry_jump");
         }
@@ -135,23 +138,23 @@ impl Gathering {
         self.recorded.recording.ticks.push(StampedTicks { time: stamp.seconds(), left, right });
     }
 
-    fn see(&mut self, message: LaserScan) -> Result<(), Refused> {
+    fn see(&mut self, message: LaserScan) -> Result<(), MessageError> {
         let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
-        let mounting = self.mount.of(&message.header.frame_id)?;
-        let heard = sense::scan(message, mounting)?;
-        let Stamped { stamp, value: Heard::Scan(scan) } = heard else { return Ok(()) };
+        let laser_extrinsics = self.extrinsics.lookup(&message.header.frame_id)?;
+        let heard = sense::scan(message, laser_extrinsics)?;
+        let Stamped { stamp, value: SensorMessage::Scan(scan) } = heard else { return Ok(()) };
         let time = stamp.seconds();
         let Recorded { recording, options, .. } = &mut self.recorded;
         if recording.scans.is_empty() {
-            (options.nearest, options.farthest) = (scan.nearest.max(options.nearest), scan.farthest);
+            (options.range_min, options.range_max) = (scan.range_min.max(options.range_min), scan.range_max);
             options.nominal = options.nominal.with_laser(scan.body_from_laser);
             options.sweep_period =
-                Some(sweep).filter(|sweep| (0.0..LONGEST_SWEEP).contains(sweep)).unwrap_or(0.0);
+                Some(sweep).filter(|sweep| (0.0..MAX_SWEEP_TIME).contains(sweep)).unwrap_or(0.0);
         }
-        let reach = scan.nearest..scan.farthest;
+        let reach = scan.range_min..scan.range_max;
         let returned = |range: f64| if reach.contains(&range) { range } else { f64::INFINITY };
         let mut ranges: Vec<f64> = scan.ranges.into_iter().map(returned).collect();
-        let (mut angle_min, mut angle_increment) = (scan.first_bearing, scan.bearing_step);
+        let (mut angle_min, mut angle_increment) = (scan.angle_min, scan.angle_increment);
         // Some lasers turn clockwise.
         if angle_increment < 0.0 {
             ranges.reverse();
@@ -159,9 +162,9 @@ impl Gathering {
             angle_increment = -angle_increment;
         }
         let odometry_before = recording.ticks.len();
-        let mount = Mount::default();
+        let mount = SensorPose::default();
         let odometry = None;
-        recording.scans.push(Scan {
+        recording.scans.push(ScanRecord {
             time,
             angle_min,
             angle_increment,
@@ -173,8 +176,10 @@ impl Gathering {
         Ok(())
     }
 
-    fn turn(&mut self, heard: &Stamped<Heard>) {
-        if let Heard::Measurement(Measurement::Compass(Compass { heading, .. })) = heard.value {
+    fn turn(&mut self, heard: &Stamped<SensorMessage>) {
+        if let SensorMessage::Measurement(Measurement::Heading(HeadingMeasurement { heading, .. })) =
+            heard.value
+        {
             let time = heard.stamp.seconds();
             self.recorded.recording.headings.push(StampedHeading { time, heading });
         }
@@ -188,7 +193,7 @@ impl Gathering {
     /// that nobody filled in is not.
     fn finished(mut self) -> Recorded {
         let Recorded { mut recording, options, mut skipped, truncations, .. } = self.recorded;
-        let Recording { ticks, scans, headings, .. } = &mut recording;
+        let CalibrationRecording { ticks, scans, headings, .. } = &mut recording;
         let first = ticks.first().map_or(f64::INFINITY, |ticks| ticks.time);
         let last = ticks.last().map_or(f64::NEG_INFINITY, |ticks| ticks.time);
         let before = scans.len() + headings.len();
@@ -200,6 +205,6 @@ impl Gathering {
         }
         scans.sort_by(|a, b| a.time.total_cmp(&b.time));
         headings.sort_by(|a, b| a.time.total_cmp(&b.time));
-        Recorded { recording, options, skipped, mounted: self.mount.news(), truncations }
+        Recorded { recording, options, skipped, mounted: self.extrinsics.take_source_message(), truncations }
     }
 }

@@ -271,13 +271,18 @@ impl<R: Read, E, F: FnMut(Record<'_>) -> Result<(), E>> Reader<R, F> {
         Ok(true)
     }
 
-    /// Counts what was `read` of the bytes that were `wanted`. A compressed file that is cut short ends at the cut.
-    fn advance(&mut self, read: u64, wanted: u64, result: std::io::Result<()>) -> Result<bool, ReadError<E>> {
+    /// Counts what was `read` of the bytes that were `required`. A compressed file that is cut short ends at the cut.
+    fn advance(
+        &mut self,
+        read: u64,
+        required: u64,
+        result: std::io::Result<()>,
+    ) -> Result<bool, ReadError<E>> {
         self.offset = self.offset.saturating_add(read);
         self.check_total()?;
         match result {
             Err(problem) if problem.kind() != ErrorKind::UnexpectedEof => Err(ReadError::Io(problem)),
-            _ => Ok(read == wanted),
+            _ => Ok(read == required),
         }
     }
 

@@ -26,12 +26,12 @@ const JOINTS: &str = "tf2_msgs/msg/TFMessage";
 const STATIC: &str = "/tf_static";
 
 /// A message that says something of the robot.
-pub(super) enum Said {
+pub(super) enum BagMessage {
     Odometry(Box<Odometry>),
     Scan(LaserScan),
     Imu(Box<Imu>),
     Truth(Box<PoseStamped>),
-    Joints(TfMessage),
+    StaticTransforms(TfMessage),
 }
 
 /// What a channel is for.
@@ -41,7 +41,7 @@ pub(super) enum Role {
     Scan,
     Imu,
     Truth,
-    Joints,
+    StaticTransforms,
 }
 
 impl Role {
@@ -52,7 +52,7 @@ impl Role {
             Self::Scan => "scan",
             Self::Imu => "imu",
             Self::Truth => "truth",
-            Self::Joints => STATIC,
+            Self::StaticTransforms => STATIC,
         }
     }
 
@@ -63,7 +63,7 @@ impl Role {
             Self::Scan => &[SCAN],
             Self::Imu => &[IMU],
             Self::Truth => &[POSE, POSE_WITH_COVARIANCE, ODOMETRY],
-            Self::Joints => &[JOINTS],
+            Self::StaticTransforms => &[JOINTS],
         }
     }
 
@@ -95,11 +95,11 @@ struct Part {
 
 impl Bag {
     /// The recording at `path`, or the one in that folder, with the topics of `names`; a topic that is the only one of its type may
-    /// have any name, but for the truth. Besides odometry those that are `wanted` must be there.
+    /// have any name, but for the truth. Besides odometry those that are `required` must be there.
     ///
     /// # Errors
     /// [`BagError`].
-    pub(super) fn open(path: &Path, names: &Names, wanted: &[Role]) -> Result<Self, BagError> {
+    pub(super) fn open(path: &Path, names: &Names, required: &[Role]) -> Result<Self, BagError> {
         let files = files_of(path)?;
         let read = |file: &PathBuf| channels(file).map_err(|problem| in_part(files.len(), file, problem));
         let of_files: Vec<_> = files.iter().map(read).collect::<Result<_, _>>()?;
@@ -110,7 +110,7 @@ impl Bag {
         // A truth may be odometry by its type; then it is not the robot's own.
         let truth = topic(&channels, names, Role::Truth, None)?;
         let of = |role: Role| match topic(&channels, names, role, truth.as_deref())? {
-            None if role == Role::Odometry || wanted.contains(&role) => Err(BagError::NoTopic {
+            None if role == Role::Odometry || required.contains(&role) => Err(BagError::NoTopic {
                 name: role.name().to_owned(),
                 kind: role.kinds().join(" or "),
                 present: present(&channels),
@@ -122,7 +122,7 @@ impl Bag {
             (Role::Scan, of(Role::Scan)?),
             (Role::Imu, of(Role::Imu)?),
             (Role::Truth, truth),
-            (Role::Joints, Some(STATIC.to_owned())),
+            (Role::StaticTransforms, Some(STATIC.to_owned())),
         ];
         let role = |channel: &Channel| {
             let plays = |(role, topic): &&(Role, Option<String>)| {
@@ -144,16 +144,16 @@ impl Bag {
     }
 
     /// Whether anything is to be known beforehand: a truth to judge by, or how the laser sits.
-    pub(super) fn has_prologue(&self) -> bool {
+    pub(super) fn needs_index(&self) -> bool {
         let mut roles = self.parts.iter().flat_map(|part| part.roles.values());
-        roles.any(|(role, _)| matches!(role, Role::Truth | Role::Joints))
+        roles.any(|(role, _)| matches!(role, Role::Truth | Role::StaticTransforms))
     }
 
     /// Gives `hear` the messages that say something, in the order of the files.
     ///
     /// # Errors
     /// Where the recording is damaged, or a message is not what its type says.
-    pub(super) fn messages(&self, mut hear: impl FnMut(Said)) -> Result<(), BagError> {
+    pub(super) fn messages(&self, mut hear: impl FnMut(BagMessage)) -> Result<(), BagError> {
         let mut numbers = BTreeMap::<&str, u64>::new();
         self.parts.iter().try_for_each(|part| {
             records(&part.path, |record| {
@@ -186,13 +186,13 @@ fn in_part(parts: usize, path: &Path, problem: BagError) -> BagError {
 }
 
 /// What a message says. The truth may be told in several ways.
-fn said(role: Role, kind: &str, data: &[u8]) -> Result<Said, String> {
+fn said(role: Role, kind: &str, data: &[u8]) -> Result<BagMessage, String> {
     Ok(match role {
-        Role::Odometry => Said::Odometry(decoded(data)?),
-        Role::Scan => Said::Scan(decoded(data)?),
-        Role::Imu => Said::Imu(decoded(data)?),
-        Role::Joints => Said::Joints(decoded(data)?),
-        Role::Truth => Said::Truth(Box::new(match kind {
+        Role::Odometry => BagMessage::Odometry(decoded(data)?),
+        Role::Scan => BagMessage::Scan(decoded(data)?),
+        Role::Imu => BagMessage::Imu(decoded(data)?),
+        Role::StaticTransforms => BagMessage::StaticTransforms(decoded(data)?),
+        Role::Truth => BagMessage::Truth(Box::new(match kind {
             ODOMETRY => {
                 let told: Odometry = decoded(data)?;
                 PoseStamped { header: told.header, pose: told.pose.pose }

@@ -1,18 +1,18 @@
-//! The pilot on a recording, judged by its truth where it has one.
+//! The driver on a recording, judged by its truth where it has one.
 
 use std::path::Path;
 use std::time::Instant;
 
 use surepose::{Belief, Body, Health, Map, Pose, Stamp};
 use surepose_data::recording::StampedPose;
-use surepose_lab::replay::{Reference, ReplayReport, Score, motion_between};
+use surepose_lab::replay::{ErrorAccumulator, Reference, ReplayReport, motion_between};
 
-use super::prologue::{Prologue, REFERENCE_STD};
-use super::reader::{Bag, Role, Said};
+use super::bag_index::{BagIndex, REFERENCE_STD};
+use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Notice};
-use crate::convert::Refused;
+use crate::convert::MessageError;
 use crate::names::Names;
-use crate::pilot::{Odom, Pilot, Report, Settings};
+use crate::pilot::{DriverReport, NodeDriver, NodeDriverSettings, Odom};
 use crate::sense;
 
 /// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
@@ -23,52 +23,56 @@ use crate::sense;
 /// [`BagError`], where it is no recording, or is damaged.
 pub fn replay(
     path: &Path,
-    settings: &Settings,
+    settings: &NodeDriverSettings,
     names: &Names,
     mut notify: impl FnMut(Notice),
 ) -> Result<ReplayReport, BagError> {
     let begun = Instant::now();
-    let wanted = [(Role::Scan, settings.map.is_some()), (Role::Imu, settings.compass)];
-    let wanted: Vec<_> =
-        wanted.into_iter().filter_map(|(role, is_wanted)| is_wanted.then_some(role)).collect();
-    let bag = Bag::open(path, names, &wanted)?;
+    let required = [(Role::Scan, settings.map.is_some()), (Role::Imu, settings.compass)];
+    let required: Vec<_> =
+        required.into_iter().filter_map(|(role, is_required)| is_required.then_some(role)).collect();
+    let bag = Bag::open(path, names, &required)?;
     bag.truncations().iter().cloned().map(Notice::Truncated).for_each(&mut notify);
     let mut report = ReplayReport::default();
-    let prologue = Prologue::of(&bag, &settings.config, |why| report.skip(Some(why.name())))?;
+    let bag_index = BagIndex::from_bag(&bag, &settings.config, |why| report.skip(Some(why.name())))?;
     let mut settings = settings.clone();
     if settings.start.is_none() {
-        settings.start = prologue.start().map(|start| Belief::new(start, REFERENCE_STD));
+        settings.start = bag_index.start().map(|start| Belief::new(start, REFERENCE_STD));
     }
-    let Prologue { poses, mut mount, .. } = prologue;
+    let BagIndex { poses, mut extrinsics, .. } = bag_index;
     let compass = settings.config.compass();
     let (has_map, hears_compass) = (settings.map.is_some(), settings.compass);
-    let mut judge = Judge::new(&poses);
-    let mut pilot = Pilot::new(settings);
+    let mut set_filter_errors = Judge::new(&poses);
+    let mut driver = NodeDriver::new(settings);
     bag.messages(|said| {
-        let refused: Result<(), Refused> = match said {
-            Said::Odometry(odometry) => sense::odometry(&odometry).and_then(|at| {
-                judge.rolled(at.stamp, at.value, &mut report);
-                let ticked = pilot.roll(at)?;
+        let refused: Result<(), MessageError> = match said {
+            BagMessage::Odometry(odometry) => sense::odometry(&odometry).and_then(|at| {
+                set_filter_errors.rolled(at.stamp, at.value, &mut report);
+                let ticked = driver.on_odometry(at)?;
                 if let Some(ticked) = &ticked {
-                    judge.ticked(ticked, &mut report);
+                    set_filter_errors.ticked(ticked, &mut report);
                 }
                 Ok(())
             }),
-            Said::Scan(_) if !has_map => Ok(()),
-            Said::Scan(scan) => {
-                let mounting = mount.of(&scan.header.frame_id);
-                if let Some(line) = mount.news() {
+            BagMessage::Scan(_) if !has_map => Ok(()),
+            BagMessage::Scan(scan) => {
+                let laser_extrinsics = extrinsics.lookup(&scan.header.frame_id);
+                if let Some(line) = extrinsics.take_source_message() {
                     notify(Notice::LaserMount(line));
                 }
-                mounting.and_then(|mounting| sense::scan(scan, mounting)).map(|heard| pilot.hear(heard))
+                laser_extrinsics
+                    .and_then(|laser_extrinsics| sense::scan(scan, laser_extrinsics))
+                    .map(|heard| driver.add_measurement(heard))
             }
-            Said::Imu(imu) if hears_compass => sense::heading(&imu, &compass).map(|heard| pilot.hear(heard)),
-            Said::Imu(_) | Said::Truth(_) | Said::Joints(_) => Ok(()),
+            BagMessage::Imu(imu) if hears_compass => {
+                sense::heading(&imu, &compass).map(|heard| driver.add_measurement(heard))
+            }
+            BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
         report.skip(refused.err().map(|why| why.name()));
     })?;
-    judge.finish(&mut report);
-    report.count(pilot.tally());
+    set_filter_errors.finish(&mut report);
+    report.count(driver.measurement_stats());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }
@@ -76,8 +80,8 @@ pub fn replay(
 /// What is known of the recording's truth, and how far the estimates were from it.
 struct Judge<'a> {
     reference: Reference<'a>,
-    score: Score,
-    dead_reckoning: Score,
+    score: ErrorAccumulator,
+    dead_reckoning: ErrorAccumulator,
     /// When odometry first came, where its frame was at the first known pose, and what it said last.
     first: Option<Stamp>,
     map_from_odom: Option<Pose<Map, Odom, f64>>,
@@ -89,8 +93,8 @@ impl<'a> Judge<'a> {
     fn new(poses: &'a [StampedPose]) -> Self {
         Self {
             reference: Reference::new(poses),
-            score: Score::default(),
-            dead_reckoning: Score::default(),
+            score: ErrorAccumulator::default(),
+            dead_reckoning: ErrorAccumulator::default(),
             first: None,
             map_from_odom: None,
             last: None,
@@ -113,7 +117,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    fn ticked(&mut self, ticked: &Report, report: &mut ReplayReport) {
+    fn ticked(&mut self, ticked: &DriverReport, report: &mut ReplayReport) {
         if ticked.health == Health::Lost {
             (self.was_lost, report.found_s) = (true, None);
             return;
@@ -131,7 +135,7 @@ impl<'a> Judge<'a> {
         if let (Some(first), Some((last, _))) = (self.first, self.last) {
             report.duration_s = last.since(first);
         }
-        report.judge(self.score.summary());
-        report.judge_dead_reckoning(self.dead_reckoning.summary());
+        report.set_filter_errors(self.score.summary());
+        report.set_odometry_errors(self.dead_reckoning.summary());
     }
 }

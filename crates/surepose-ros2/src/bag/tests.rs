@@ -7,27 +7,27 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use surepose::{Drive, Pose, Stamp, Twist, param};
-use surepose_lab::Watch;
+use surepose::{DiffDrive, Pose, Stamp, Twist, param};
+use surepose_lab::CancelToken;
 use surepose_lab::calibrate::calibrate;
 use surepose_lab::replay::ReplayReport;
-use surepose_lab::rig::Scenario;
-use surepose_sim::Scan;
+use surepose_lab::robot::Scenario;
+use surepose_sim::SimulatedScan;
 
 use super::*;
 use crate::message::Quaternion;
 use crate::names::Names;
-use crate::pilot::Settings;
-use crate::robot::words;
+use crate::pilot::NodeDriverSettings;
+use crate::robot::messages;
 
 use recorder::{File, Recorder, Robot, recorded_by, round, winding};
 
 /// Those of a robot that is told nothing of its start but by the truth.
-fn settings() -> Settings {
-    Settings { start: None, ..Settings::in_scenario(&Scenario::default()) }
+fn settings() -> NodeDriverSettings {
+    NodeDriverSettings { start: None, ..NodeDriverSettings::in_scenario(&Scenario::default()) }
 }
 
-fn replay(path: &Path, settings: &Settings, names: &Names) -> Result<ReplayReport, BagError> {
+fn replay(path: &Path, settings: &NodeDriverSettings, names: &Names) -> Result<ReplayReport, BagError> {
     super::replay(path, settings, names, |_| ())
 }
 
@@ -47,7 +47,7 @@ fn a_recording_is_judged_by_its_truth() {
     assert_eq!(report.found_s, None, "it was never lost");
 
     // Without a map and a compass there is nothing but odometry.
-    let blind = Settings { map: None, compass: false, ..settings() };
+    let blind = NodeDriverSettings { map: None, compass: false, ..settings() };
     let report = replay(&file.0, &blind, &names).unwrap();
     assert_eq!(report.accepted, 0);
     let (estimated, reckoned) = (report.position_rmse_m, report.dead_reckoning_position_rmse_m);
@@ -58,7 +58,7 @@ fn a_recording_is_judged_by_its_truth() {
 fn which_topic_is_meant_is_asked_where_it_is_not_plain() {
     let mut recorder = round(1.0, "/base/odom");
     let now = Stamp::from_seconds(1.7e9 + 1.0);
-    let other = words::odometry(now, Pose::identity(), Twist::rest());
+    let other = messages::odometry(now, Pose::identity(), Twist::zero());
     recorder.write("/visual/odom", "nav_msgs/msg/Odometry", now, &other);
     let file = File::new("two", &recorder.finished());
     let said = replay(&file.0, &settings(), &Names::default()).unwrap_err().to_string();
@@ -79,15 +79,15 @@ fn what_is_wanted_must_be_there() {
         "/odom",
         "nav_msgs/msg/Odometry",
         now,
-        &words::odometry(now, Pose::identity(), Twist::rest()),
+        &messages::odometry(now, Pose::identity(), Twist::zero()),
     );
     let file = File::new("odometry-only", &recorder.finished());
-    let (names, blind) = (Names::default(), Settings { map: None, compass: false, ..settings() });
+    let (names, blind) = (Names::default(), NodeDriverSettings { map: None, compass: false, ..settings() });
     assert_eq!(replay(&file.0, &blind, &names).unwrap().steps, 1);
-    let said = |settings: &Settings| replay(&file.0, settings, &names).unwrap_err().to_string();
-    let compass = said(&Settings { compass: true, ..blind.clone() });
+    let said = |settings: &NodeDriverSettings| replay(&file.0, settings, &names).unwrap_err().to_string();
+    let compass = said(&NodeDriverSettings { compass: true, ..blind.clone() });
     assert!(compass.contains("no topic imu of type sensor_msgs/msg/Imu"), "{compass}");
-    let map = said(&Settings { map: settings().map, ..blind });
+    let map = said(&NodeDriverSettings { map: settings().map, ..blind });
     assert!(map.contains("no topic scan") && map.contains("/odom (nav_msgs"), "{map}");
     let calibration = recorded(&file.0, &settings().config, &names, false).unwrap_err().to_string();
     assert!(calibration.contains("no topic scan"), "{calibration}");
@@ -112,7 +112,7 @@ fn a_recording_may_be_compressed_as_a_whole() {
 /// A simulator tells the truth as odometry, beside the robot's own; and a topic may have channels of another type.
 #[test]
 fn a_truth_of_odometry_s_type_is_not_taken_for_the_robot_s_own() {
-    let true_start = words::odometry(Stamp::from_seconds(1.7e9 + 0.5), Pose::identity(), Twist::rest());
+    let true_start = messages::odometry(Stamp::from_seconds(1.7e9 + 0.5), Pose::identity(), Twist::zero());
     let mut recorder = Recorder::new();
     recorder.write("/truth", "nav_msgs/msg/Odometry", Stamp::from_seconds(1.7e9), &true_start);
     let file = File::new("truth-only", &recorder.finished());
@@ -147,7 +147,7 @@ fn what_is_no_recording_is_refused_and_nothing_panics() {
         let file = File::new("flipped", &bytes);
         let _judged = replay(&file.0, &settings(), &Names::default());
         let read = recorded(&file.0, &settings().config, &Names::default(), true);
-        let _fitted = read.map(|read| calibrate(&read.recording, &read.options, &Watch::default()));
+        let _fitted = read.map(|read| calibrate(&read.recording, &read.options, &CancelToken::default()));
     }
     let absent = replay(Path::new("/nowhere.mcap"), &settings(), &Names::default());
     assert!(matches!(absent, Err(BagError::Unreadable { .. })));
@@ -229,27 +229,28 @@ fn a_folder_stands_for_the_one_recording_in_it() {
 fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
     let scenario = Scenario::default();
     let truth = scenario.world().drive;
-    let base = Drive::new(1.03 * truth.radius.right, 1.05 * truth.track);
+    let base = DiffDrive::new(1.03 * truth.radius.right, 1.05 * truth.wheel_separation);
     let robot = Robot { scenario: scenario.clone(), base, hangs: false };
     let mut recorder = recorded_by(&robot, 120.0, "/odom", winding);
     // Scans that nobody stamped are of no moment of the drive.
-    let unstamped = Scan { first_bearing: -1.5, bearing_step: 0.05, ranges: vec![1.0; 61] };
+    let unstamped = SimulatedScan { angle_min: -1.5, angle_increment: 0.05, ranges: vec![1.0; 61] };
     for _ in 0..50 {
-        let scan = words::scan(Stamp::default(), &unstamped);
+        let scan = messages::scan(Stamp::default(), &unstamped);
         recorder.write("/scan", "sensor_msgs/msg/LaserScan", Stamp::from_seconds(1.7e9 + 120.0), &scan);
     }
     let file = File::new("calibrate", &recorder.finished());
-    let preset = [(&param::WHEEL_RADIUS, base.radius.right), (&param::TRACK, base.track)];
+    let preset =
+        [(&param::WHEEL_RADIUS, base.radius.right), (&param::WHEEL_SEPARATION, base.wheel_separation)];
     let config = scenario.config.with_preset("base", &preset);
     let Recorded { recording, options, skipped, .. } =
         recorded(&file.0, &config, &Names::default(), true).unwrap();
     // Besides them, what was measured before the first odometry came, at 0.05 s.
     let count = skipped["without_odometry"];
     assert!((50..60).contains(&count) && skipped.len() == 1, "{skipped:?}");
-    let found = calibrate(&recording, &options, &Watch::default()).unwrap().parameters();
+    let found = calibrate(&recording, &options, &CancelToken::default()).unwrap().parameters();
     for (name, truth, nearer_than) in [
         ("wheel_radius_m", truth.radius.right, 0.005 * truth.radius.right),
-        ("track_m", truth.track, 0.005 * truth.track),
+        ("track_m", truth.wheel_separation, 0.005 * truth.wheel_separation),
         ("wheel_radius_ratio", 1.0, 0.005),
         ("laser_heading_deg", 0.0, 0.1),
         ("laser_latency_s", 0.0, 0.02),
@@ -275,7 +276,7 @@ fn how_the_laser_sits_is_known_by_tf_static() {
     let robot = Robot { scenario, base, hangs: true };
     let record = || recorded_by(&robot, 60.0, "/odom", winding);
     let without = File::new("untold", &record().finished());
-    let mut told = words::mounted(sits);
+    let mut told = messages::mounted(sits);
     // About its own x axis it is turned by 180°.
     let Quaternion { z, w, .. } = told.transforms[0].transform.rotation;
     told.transforms[0].transform.rotation = Quaternion { x: w, y: z, z: 0.0, w: 0.0 };
@@ -295,7 +296,7 @@ fn how_the_laser_sits_is_known_by_tf_static() {
     assert!(mounted.unwrap().ends_with("upside down, by /tf_static"));
     let begins = options.nominal.body_from_laser();
     assert!((begins.x - sits.x).hypot(begins.y - sits.y) < 1e-9, "{begins:?}");
-    let found = calibrate(&recording, &options, &Watch::default()).unwrap().parameters();
+    let found = calibrate(&recording, &options, &CancelToken::default()).unwrap().parameters();
     for (name, truth, nearer_than) in
         [("laser_x_m", 0.2, 0.01), ("laser_y_m", -0.1, 0.01), ("laser_heading_deg", -60.0, 0.1)]
     {

@@ -16,10 +16,10 @@ use surepose::Stamp;
 
 use crate::convert::{header, pose_message};
 use crate::message::{NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped};
-use crate::pilot::{Ended, Report};
+use crate::pilot::{DriverReport, GoalResult};
 
+use crate::dds::{NodeError, latched, refused, reliable};
 use crate::names::Names;
-use crate::wire::{NodeError, latched, refused, reliable};
 
 /// The action server, shared with those results that nobody has fetched yet.
 pub(super) type Served =
@@ -40,7 +40,7 @@ const LOOKS: u32 = 600;
 const LOOK: Duration = Duration::from_millis(100);
 
 /// The server, and the goal that the robot drives to because of it.
-pub(super) struct Action {
+pub(super) struct NavigateAction {
     server: Served,
     current: Option<Current>,
 }
@@ -51,14 +51,14 @@ struct Current {
 }
 
 /// A result under way to who asked for the goal.
-pub(super) struct Delivery {
+pub(super) struct ResultDelivery {
     server: Served,
     handle: ExecutingGoalHandle<NavigateToPoseGoal>,
     status: GoalEndStatus,
     result: NavigateToPoseResult,
 }
 
-impl Action {
+impl NavigateAction {
     pub(super) fn new(node: &mut Node, names: &Names) -> Result<Self, NodeError> {
         let qos = ActionServerQosPolicies {
             goal_service: reliable(10),
@@ -106,7 +106,7 @@ impl Action {
     }
 
     /// Tells who asked for the goal how far the robot is: `least` \[s] is the least time that the rest can take.
-    pub(super) async fn feed_back(&self, report: &Report, distance: f64, least: f64, frame: &str) {
+    pub(super) async fn feed_back(&self, report: &DriverReport, distance: f64, least: f64, frame: &str) {
         let Some(current) = &self.current else { return };
         let pose =
             PoseStamped { header: header(report.stamp, frame), pose: pose_message(report.belief.pose) };
@@ -122,20 +122,20 @@ impl Action {
     }
 
     /// The goal is over: what is to be delivered, where it was this action's.
-    pub(super) fn ended(&mut self, ended: Ended) -> Option<Delivery> {
+    pub(super) fn ended(&mut self, ended: GoalResult) -> Option<ResultDelivery> {
         let current = self.current.take()?;
         let (status, code, message) = match ended {
-            Ended::Reached => (GoalEndStatus::Succeeded, NONE, ""),
-            Ended::Cancelled => (GoalEndStatus::Canceled, NONE, ""),
-            Ended::Preempted => (GoalEndStatus::Aborted, UNKNOWN, "another goal took its place"),
-            Ended::Stopped(reason) => (GoalEndStatus::Aborted, UNKNOWN, reason),
+            GoalResult::Reached => (GoalEndStatus::Succeeded, NONE, ""),
+            GoalResult::Cancelled => (GoalEndStatus::Canceled, NONE, ""),
+            GoalResult::Preempted => (GoalEndStatus::Aborted, UNKNOWN, "another goal took its place"),
+            GoalResult::Stopped(reason) => (GoalEndStatus::Aborted, UNKNOWN, reason),
         };
         let result = NavigateToPoseResult { error_code: code, error_msg: message.to_owned() };
-        Some(Delivery { server: self.server(), handle: current.handle, status, result })
+        Some(ResultDelivery { server: self.server(), handle: current.handle, status, result })
     }
 }
 
-impl Delivery {
+impl ResultDelivery {
     /// Delivers the result as soon as somebody asks for it.
     ///
     /// The server waits for one request at a time and keeps those for other goals, so each look is short.
@@ -143,9 +143,9 @@ impl Delivery {
         let Self { server, handle, status, result } = self;
         let made = async move {
             for _ in 0..LOOKS {
-                let sent = server.send_result_response(handle.clone(), status, result.clone());
-                pin_mut!(sent);
-                if let Either::Left(_) = select(sent, smol::Timer::after(LOOK)).await {
+                let publish_result = server.send_result_response(handle.clone(), status, result.clone());
+                pin_mut!(publish_result);
+                if let Either::Left(_) = select(publish_result, smol::Timer::after(LOOK)).await {
                     return;
                 }
             }

@@ -1,5 +1,5 @@
 use super::{Clutter, LaserModel};
-use crate::arena::{Arena, Segment};
+use crate::arena::{Arena, WallSegment};
 use crate::random::Seed;
 use surepose::{Angle, Body, Map, Pose};
 
@@ -34,7 +34,7 @@ fn mounting_moves_and_turns_the_view() {
 #[test]
 fn nothing_in_range_reads_infinite_and_a_wall_along_the_ray_is_not_seen() {
     let mut noise = Seed(0).stream("laser");
-    let walls = [Segment::between((1.0, 0.0), (2.0, 0.0)), Segment::between((9.0, -1.0), (9.0, 1.0))];
+    let walls = [WallSegment::between((1.0, 0.0), (2.0, 0.0)), WallSegment::between((9.0, -1.0), (9.0, 1.0))];
     let scan = exact(3).scan(&walls, at(0.0, 0.0, 0.0), &mut noise);
     assert!(scan.ranges.iter().all(|range| *range == f64::INFINITY), "{:?}", scan.ranges);
 }
@@ -43,7 +43,7 @@ fn nothing_in_range_reads_infinite_and_a_wall_along_the_ray_is_not_seen() {
 /// the variance σ_r² + (d·sin φ/cos²φ)²·σ_φ².
 #[test]
 fn noise_is_in_range_and_in_direction() {
-    let wall = [Segment::between((2.0, -50.0), (2.0, 50.0))];
+    let wall = [WallSegment::between((2.0, -50.0), (2.0, 50.0))];
     let laser = LaserModel { max_range: 1e3, ..LaserModel::half_circle(181) };
     let mut noise = Seed(11).stream("laser");
     let n = 4000;

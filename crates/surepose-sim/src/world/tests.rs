@@ -1,9 +1,9 @@
-use super::{Sensed, Timing, World, WorldModel};
+use super::{SensorOutput, Timing, World, WorldModel};
 use crate::arena::Arena;
-use crate::fault::{Fault, Kind, Sensor};
+use crate::fault::{Fault, FaultKind, Sensor};
 use crate::random::Seed;
 use crate::slip::Slip;
-use surepose::{Angle, Integration, Pose, Twist, Wheels};
+use surepose::{Angle, Integration, Pose, Twist, WheelPair};
 
 fn world(model: WorldModel, seed: u64) -> World {
     World::new(model, Pose::new(2.0, 1.0, Angle::zero()), Seed(seed))
@@ -14,8 +14,8 @@ fn paper() -> WorldModel {
 }
 
 /// `steps` steps of 0.1 s along a circle of 0.6 m radius.
-fn circle(world: &mut World, steps: usize) -> Vec<Sensed> {
-    let rates = world.model().drive.rates_from_twist(Twist::new(0.15, 0.25));
+fn circle(world: &mut World, steps: usize) -> Vec<SensorOutput> {
+    let rates = world.model().drive.wheel_rates_from_twist(Twist::new(0.15, 0.25));
     (0..steps).map(|_| world.step(rates, 0.1)).collect()
 }
 
@@ -41,7 +41,7 @@ fn odometry_without_slip_ends_where_the_robot_does() {
     let mut pose = world.pose();
     let drive = world.model().drive;
     for sensed in circle(&mut world, 300) {
-        pose = pose.moved(drive.motion_from_travel(sensed.rims), Integration::Arc);
+        pose = pose.integrate(drive.motion_from_travel(sensed.rims), Integration::Arc);
     }
     assert!(pose.origin().distance(world.pose().origin()) < 1e-3, "{pose:?} {:?}", world.pose());
     assert!((pose.heading - world.pose().heading).radians().abs() < 1e-3);
@@ -51,11 +51,11 @@ fn odometry_without_slip_ends_where_the_robot_does() {
 fn wheels_roll_as_wanted_within_what_motor_and_slip_allow() {
     let mut world = world(paper(), 1);
     let sensed = circle(&mut world, 300);
-    let (wanted, mut rolled) = (world.model().drive.rims_from_twist(Twist::new(0.15, 0.25)), 0.0);
+    let (desired, mut rolled) = (world.model().drive.wheel_speeds_from_twist(Twist::new(0.15, 0.25)), 0.0);
     for sensed in &sensed[10..] {
         rolled += sensed.rims.right;
     }
-    let ratio = rolled / (wanted.right * 0.1 * 290.0);
+    let ratio = rolled / (desired.right * 0.1 * 290.0);
     assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
 }
 
@@ -85,10 +85,10 @@ fn messages_carry_the_time_of_measurement_and_arrive_late() {
 fn faults_happen_in_their_time_and_only_then() {
     let during = |kind| Fault::between(0.5, 1.0, kind);
     let faults = vec![
-        during(Kind::Silent(Sensor::Laser)),
-        during(Kind::NotANumber(Sensor::Compass)),
-        Fault::between(1.5, 2.0, Kind::NotANumber(Sensor::Encoders)),
-        Fault::between(1.5, 2.0, Kind::Backdated(Sensor::Compass, 3.0)),
+        during(FaultKind::Dropout(Sensor::Laser)),
+        during(FaultKind::NotANumber(Sensor::Compass)),
+        Fault::between(1.5, 2.0, FaultKind::NotANumber(Sensor::Encoders)),
+        Fault::between(1.5, 2.0, FaultKind::StampOffset(Sensor::Compass, 3.0)),
     ];
     let mut world = world(WorldModel { faults, ..paper() }, 1);
     for sensed in circle(&mut world, 30) {
@@ -106,10 +106,10 @@ fn faults_happen_in_their_time_and_only_then() {
 
 #[test]
 fn push_moves_the_robot_once_and_encoders_do_not_see_it() {
-    let pushed = Fault::at(0.5, Kind::Pushed([0.4, -0.2, 0.1]));
+    let pushed = Fault::at(0.5, FaultKind::Displaced([0.4, -0.2, 0.1]));
     let mut world = world(WorldModel { faults: vec![pushed], ..paper() }, 1);
-    let at_rest = Wheels::new(0.0, 0.0);
-    let rolled: f64 = (0..10).map(|_| world.step(at_rest, 0.1).rims.largest()).sum();
+    let at_rest = WheelPair::new(0.0, 0.0);
+    let rolled: f64 = (0..10).map(|_| world.step(at_rest, 0.1).rims.max_abs()).sum();
     assert_eq!(rolled.to_bits(), 0.0_f64.to_bits());
     let pose = world.pose();
     assert!((pose.x - 2.4).abs() < 1e-12 && (pose.y - 0.8).abs() < 1e-12, "{pose:?}");
@@ -123,8 +123,8 @@ fn time_passes_as_fast_whatever_the_period() {
         [(0.001, 1000), (0.003, 333), (0.007, 143), (0.025, 40), (0.1 / 3.0, 30), (0.1, 10)]
     {
         let mut world = world(WorldModel { slip: Slip { delta: 0.0 }, ..paper() }, 1);
-        let rates = world.model().drive.rates_from_twist(Twist::new(0.15, 0.25));
-        let sensed: Vec<Sensed> = (0..steps).map(|_| world.step(rates, period)).collect();
+        let rates = world.model().drive.wheel_rates_from_twist(Twist::new(0.15, 0.25));
+        let sensed: Vec<SensorOutput> = (0..steps).map(|_| world.step(rates, period)).collect();
         let time = period * f64::from(steps);
         assert!((world.now().seconds() - time).abs() < 1e-6, "{period}: {}", world.now().seconds());
         // The wheels have had a second for what they reach in a fraction of one.

@@ -1,11 +1,11 @@
 //! What the tests of lines share: scans as the core sees them, and errors by the truth.
 
-use surepose::{Angle, Body, LineExtractor, Map, Point, Pose, RangeFinder, Scan, SeenLine, Wall};
-use surepose_sim::{LaserModel, Segment};
+use surepose::{Angle, Body, ExtractedLine, LineExtractor, Map, Point, Pose, RangeFinder, Scan, Wall};
+use surepose_sim::{LaserModel, WallSegment};
 
-pub(crate) type Place = Pose<Map, Body, f64>;
+pub(crate) type MapPose = Pose<Map, Body, f64>;
 
-pub(crate) fn at(x: f64, y: f64, degrees: f64) -> Place {
+pub(crate) fn at(x: f64, y: f64, degrees: f64) -> MapPose {
     Pose::new(x, y, Angle::from_degrees(degrees))
 }
 
@@ -14,27 +14,27 @@ pub(crate) fn range_finder(laser: &LaserModel) -> RangeFinder<f64> {
         body_from_laser: laser.body_from_laser,
         range_std: laser.range_std,
         bearing_std: laser.bearing_std,
-        nearest: 0.0,
-        farthest: laser.max_range,
+        range_min: 0.0,
+        range_max: laser.max_range,
     }
 }
 
-fn view(scan: &surepose_sim::Scan) -> Scan<'_, f64> {
+fn view(scan: &surepose_sim::SimulatedScan) -> Scan<'_, f64> {
     Scan {
-        first_bearing: Angle::wrapped(scan.first_bearing),
-        bearing_step: scan.bearing_step,
+        angle_min: Angle::from_radians(scan.angle_min),
+        angle_increment: scan.angle_increment,
         ranges: &scan.ranges,
     }
 }
 
-pub(crate) fn lines(laser: &LaserModel, scan: &surepose_sim::Scan) -> Vec<SeenLine<f64>> {
+pub(crate) fn lines(laser: &LaserModel, scan: &surepose_sim::SimulatedScan) -> Vec<ExtractedLine<f64>> {
     let mut extractor = Box::<LineExtractor<f64, 1024>>::default();
     extractor.extract(&range_finder(laser), &view(scan)).unwrap().lines.to_vec()
 }
 
 /// The error (r, ψ) of a line, and its normalised square.
 pub(crate) fn error(
-    line: &SeenLine<f64>,
+    line: &ExtractedLine<f64>,
     wall: &Wall<f64>,
     map_from_laser: Pose<Map, surepose::Laser, f64>,
 ) -> ([f64; 2], f64) {
@@ -48,8 +48,8 @@ pub(crate) fn error(
     ([distance, direction], squared / (v * w - c * c))
 }
 
-pub(crate) fn wall(a: (f64, f64), b: (f64, f64)) -> (Segment, Wall<f64>) {
-    (Segment::between(a, b), Wall::between(Point::new(a.0, a.1), Point::new(b.0, b.1)).unwrap())
+pub(crate) fn wall(a: (f64, f64), b: (f64, f64)) -> (WallSegment, Wall<f64>) {
+    (WallSegment::between(a, b), Wall::between(Point::new(a.0, a.1), Point::new(b.0, b.1)).unwrap())
 }
 
 /// Four standard errors of the mean of 2000 numbers with variance 4.

@@ -1,8 +1,8 @@
 //! The extended Kalman filter of [Tran2012] Eq. (11)–(18), generic over the scalar and free of branches.
 
 use crate::covariance::Covariance;
-use crate::drive::{Drive, Integration, Wheels};
 use crate::frame::{Body, Map};
+use crate::kinematics::{DiffDrive, Integration, WheelPair};
 use crate::matrix::Matrix;
 use crate::pose::Pose;
 use crate::scalar::{Mask, Scalar};
@@ -31,7 +31,7 @@ impl<S: Scalar> Belief<S> {
         [self.pose.x - truth.x, self.pose.y - truth.y, (self.pose.heading - truth.heading).radians()]
     }
 
-    /// The normalised estimation error squared, χ² with 3 degrees of freedom for a consistent filter.
+    /// The normalized estimation error squared, χ² with 3 degrees of freedom for a consistent filter.
     #[inline(always)]
     pub fn nees(&self, truth: Pose<Map, Body, S>) -> S {
         self.covariance.mahalanobis_squared(self.error(truth))
@@ -40,25 +40,25 @@ impl<S: Scalar> Belief<S> {
 
 /// What odometry says of a stretch of time: how far each rim rolled, and how well that is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Travel<S> {
+pub struct WheelOdometry<S> {
     /// Δs_R, Δs_L \[m].
-    pub rims: Wheels<S>,
+    pub travel: WheelPair<S>,
     /// Their variances \[m²].
-    pub variance: Wheels<S>,
+    pub variance: WheelPair<S>,
 }
 
-impl<S: Scalar> Travel<S> {
-    /// A guess of `rims` \[m], as vague as they are long.
+impl<S: Scalar> WheelOdometry<S> {
+    /// Odometry of the commanded `travel` \[m], with σ equal to its length.
     #[inline]
-    pub fn guessed(rims: Wheels<S>) -> Self {
-        Self { rims, variance: Wheels::new(rims.right.squared(), rims.left.squared()) }
+    pub fn from_command(travel: WheelPair<S>) -> Self {
+        Self { travel, variance: WheelPair::new(travel.right.squared(), travel.left.squared()) }
     }
 
     /// The part `fraction` ∈ [0, 1] of this travel, with the same share of its variance.
     #[must_use]
     #[inline(always)]
-    pub fn part(self, fraction: S) -> Self {
-        Self { rims: self.rims.scaled(fraction), variance: self.variance.scaled(fraction) }
+    pub fn fraction(self, fraction: S) -> Self {
+        Self { travel: self.travel.scaled(fraction), variance: self.variance.scaled(fraction) }
     }
 }
 
@@ -66,7 +66,7 @@ impl<S: Scalar> Travel<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ekf<S> {
     /// The wheels' geometry.
-    pub drive: Drive<S>,
+    pub drive: DiffDrive<S>,
     /// δ of [Tran2012] Eq. (15): the *variance* of a wheel speed is δω², its standard deviation √δ·|ω|.
     pub delta: S,
     /// The motion model.
@@ -78,55 +78,56 @@ pub struct Ekf<S> {
 pub struct Correction<S: Scalar> {
     /// Corrected where accepted, untouched elsewhere.
     pub belief: Belief<S>,
-    /// The normalised innovation squared, νᵀ (H P Hᵀ + R)⁻¹ ν.
+    /// The normalized innovation squared, νᵀ (H P Hᵀ + R)⁻¹ ν.
     pub nis: S,
     /// Where the gate let the measurement in.
     pub accepted: S::Mask,
 }
 
 impl<S: Scalar> Ekf<S> {
-    /// The travel of `rims` \[m] with the variances of [Tran2012] Eq. (15).
+    /// The travel of `travel` \[m] with the variances of [Tran2012] Eq. (15).
     ///
     /// In travels instead of turn rates the factors Δt·R of Q and of W cancel: Var(Δs) = δΔs².
     #[inline(always)]
-    pub fn travel(&self, rims: Wheels<S>) -> Travel<S> {
-        let variance = |rim: S| self.delta * rim.squared();
-        Travel { rims, variance: Wheels::new(variance(rims.right), variance(rims.left)) }
+    pub fn wheel_odometry(&self, travel: WheelPair<S>) -> WheelOdometry<S> {
+        let variance = |travel: S| self.delta * travel.squared();
+        WheelOdometry { travel, variance: WheelPair::new(variance(travel.right), variance(travel.left)) }
     }
 
-    /// The belief after `travel`: [Tran2012] Eq. (11), (12).
+    /// The belief after `odometry`: [Tran2012] Eq. (11), (12).
     #[must_use]
     #[inline(always)]
-    pub fn predict(&self, belief: Belief<S>, travel: Travel<S>) -> Belief<S> {
-        let motion = self.drive.motion_from_travel(travel.rims);
-        let (chord, chord_slope) = motion.chord_and_slope(self.integration);
-        let (sin, cos) = (belief.pose.heading.radians() + motion.turn * S::of(0.5)).sin_cos();
+    pub fn predict(&self, belief: Belief<S>, odometry: WheelOdometry<S>) -> Belief<S> {
+        let motion = self.drive.motion_from_travel(odometry.travel);
+        let (chord, chord_slope) = motion.chord_and_derivative(self.integration);
+        let (sin, cos) = (belief.pose.heading.radians() + motion.turn * S::from_f64(0.5)).sin_cos();
         let length = motion.length * chord;
         let (dx, dy) = (length * cos, length * sin);
-        let (zero, one, half) = (S::of(0.0), S::of(1.0), S::of(0.5));
+        let (zero, one, half) = (S::from_f64(0.0), S::from_f64(1.0), S::from_f64(0.5));
 
         // Eq. (13): the pose by itself.
         let a = Matrix([[one, zero, -dy], [zero, one, dx], [zero, zero, one]]);
-        // Eq. (14): the pose by Δs, then by Δθ, then by the rims through Eq. (8).
+        // Eq. (14): the pose by Δs, then by Δθ, then by the wheels through Eq. (8).
         let stretch = motion.length * chord_slope;
         let by_turn = [stretch * cos - dy * half, stretch * sin + dx * half, one];
         let by_length = [chord * cos * half, chord * sin * half, zero];
-        let per_track = one / self.drive.track;
+        let per_separation = one / self.drive.wheel_separation;
         let row = |i: usize| {
-            let swing = by_turn[i] * per_track;
+            let swing = by_turn[i] * per_separation;
             [by_length[i] + swing, by_length[i] - swing]
         };
         let w = Matrix([row(0), row(1), row(2)]);
 
-        let pose = Pose::new(belief.pose.x + dx, belief.pose.y + dy, belief.pose.heading.turned(motion.turn));
-        let noise = [travel.variance.right, travel.variance.left];
+        let pose =
+            Pose::new(belief.pose.x + dx, belief.pose.y + dy, belief.pose.heading.rotated_by(motion.turn));
+        let noise = [odometry.variance.right, odometry.variance.left];
         Belief { pose, covariance: belief.covariance.propagated(&a, &w, noise) }
     }
 
     /// Tries a measurement on the belief: [Tran2012] Eq. (16)–(18), row by row, inside the gate `nis < threshold`.
     ///
     /// The rows of `innovation` carry independent noise, so taking them one after the other equals the joint update,
-    /// and the sum of their squared normalised residuals is the joint νᵀS⁻¹ν: no matrix is inverted.
+    /// and the sum of their squared normalized residuals is the joint νᵀS⁻¹ν: no matrix is inverted.
     #[inline(always)]
     pub fn correct<const M: usize>(
         &self,
@@ -134,32 +135,32 @@ impl<S: Scalar> Ekf<S> {
         innovation: &Innovation<S, M>,
         threshold: S,
     ) -> Correction<S> {
-        let mut step = [S::of(0.0); 3];
+        let mut step = [S::from_f64(0.0); 3];
         let mut covariance = belief.covariance;
-        let mut nis = S::of(0.0);
-        let mut largest = S::of(0.0);
+        let mut nis = S::from_f64(0.0);
+        let mut max_variance = S::from_f64(0.0);
         for m in 0..M {
             let row = innovation.jacobian[m];
             let seen = covariance.observed(row, innovation.variance[m]);
             let predicted = row[0] * step[0] + row[1] * step[1] + row[2] * step[2];
             let residual = innovation.residual[m] - predicted;
             nis = nis + residual.squared() / seen.variance;
-            largest = largest.max(seen.variance);
+            max_variance = max_variance.max(seen.variance);
             for (component, gain) in step.iter_mut().zip(&seen.gain) {
                 *component = *component + *gain * residual;
             }
             covariance = seen.covariance;
         }
-        // A NaN compares false, so it is refused; so is a row that overflows: everything agrees with it, and nothing is left.
-        let accepted = nis.lt(threshold).and(largest.lt(S::of(f64::INFINITY)));
+        // A NaN compares false, so it is rejected; so is a row that overflows: everything agrees with it, and nothing is left.
+        let accepted = nis.lt(threshold).and(max_variance.lt(S::from_f64(f64::INFINITY)));
         let pose = belief.pose;
-        let keep = |value: S| S::select(accepted, value, S::of(0.0));
+        let keep = |value: S| S::select(accepted, value, S::from_f64(0.0));
         Correction {
             belief: Belief {
                 pose: Pose::new(
                     pose.x + keep(step[0]),
                     pose.y + keep(step[1]),
-                    pose.heading.turned(keep(step[2])),
+                    pose.heading.rotated_by(keep(step[2])),
                 ),
                 covariance: Covariance::select(accepted, &covariance, &belief.covariance),
             },

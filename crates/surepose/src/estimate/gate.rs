@@ -1,29 +1,29 @@
-//! The χ² gate: how unlikely a measurement may be before it is refused.
+//! The χ² gate: how unlikely a measurement may be before it is rejected.
 
 use crate::scalar::Scalar;
 
-/// Largest accepted normalised innovations, by the number of rows of a measurement.
+/// Largest accepted normalized innovations, by the dimension of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gate<S> {
     thresholds: [S; 3],
 }
 
 impl<S: Scalar> Gate<S> {
-    /// The gate that lets a consistent measurement in with `probability`, limited to [0.5, 1 − 1e-12].
+    /// The gate that accepts a consistent measurement with `probability`, limited to [0.5, 1 − 1e-12].
     pub fn new(probability: f64) -> Self {
         let probability = if probability.is_nan() { 0.99 } else { probability.clamp(0.5, 1.0 - 1e-12) };
-        Self { thresholds: [1, 2, 3].map(|dof| S::of(quantile(dof, probability))) }
+        Self { thresholds: [1, 2, 3].map(|dof| S::from_f64(quantile(dof, probability))) }
     }
 
-    /// The gate that refuses nothing finite.
-    pub fn open() -> Self {
-        Self { thresholds: [S::of(1e30); 3] }
+    /// The gate that rejects nothing finite.
+    pub fn disabled() -> Self {
+        Self { thresholds: [S::from_f64(1e30); 3] }
     }
 
-    /// The largest accepted normalised innovation of a measurement with `rows` rows (1, 2 or 3).
+    /// The largest accepted normalized innovation of a measurement with `dimension` components (1, 2 or 3).
     #[inline]
-    pub fn threshold(&self, rows: usize) -> S {
-        self.thresholds[rows.clamp(1, 3) - 1]
+    pub fn threshold(&self, dimension: usize) -> S {
+        self.thresholds[dimension.clamp(1, 3) - 1]
     }
 }
 
@@ -59,8 +59,8 @@ mod tests {
     #[test]
     fn thresholds_are_the_tabulated_quantiles() {
         let gate = Gate::<f64>::new(0.99);
-        for (rows, tabulated) in [(1, 6.635), (2, 9.210), (3, 11.345)] {
-            assert!((gate.threshold(rows) - tabulated).abs() < 5e-4, "{rows} rows");
+        for (dimension, tabulated) in [(1, 6.635), (2, 9.210), (3, 11.345)] {
+            assert!((gate.threshold(dimension) - tabulated).abs() < 5e-4, "{dimension} rows");
         }
     }
 }

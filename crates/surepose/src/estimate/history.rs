@@ -2,7 +2,7 @@
 
 use crate::scalar::Float;
 
-use super::ekf::{Belief, Travel};
+use super::ekf::{Belief, WheelOdometry};
 use super::measurement::Measurement;
 use super::time::Stamp;
 
@@ -10,7 +10,7 @@ use super::time::Stamp;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Event<S> {
     /// The robot rolled, from the entry before to this one.
-    Travel(Travel<S>),
+    Odometry(WheelOdometry<S>),
     /// A measurement was tried.
     Measurement(Measurement<S>),
 }
@@ -35,7 +35,7 @@ pub(super) struct History<S, const N: usize> {
 }
 
 impl<S: Float, const N: usize> History<S, N> {
-    pub(super) fn starting(stamp: Stamp, belief: Belief<S>) -> Self {
+    pub(super) fn new(stamp: Stamp, belief: Belief<S>) -> Self {
         Self { base: (stamp, belief), ring: [None; N], first: 0, len: 0 }
     }
 
@@ -72,17 +72,17 @@ impl<S: Float, const N: usize> History<S, N> {
 
     /// Whether the history is full of entries later than `stamp`: what is put before all of them would be the first to be
     /// forgotten.
-    pub(super) fn has_no_room_at(&self, stamp: Stamp) -> bool {
+    pub(super) fn is_full_before(&self, stamp: Stamp) -> bool {
         self.len == N && self.get(0).is_some_and(|oldest| oldest.stamp > stamp)
     }
 
     /// Puts `entry` after the first `index` ones and says where it is now; a full history first forgets its oldest.
     ///
-    /// Nothing is stored where [`History::has_no_room_at`] the entry's time.
+    /// Nothing is stored where [`History::is_full_before`] the entry's time.
     pub(super) fn insert(&mut self, index: usize, entry: Entry<S>) -> Option<usize> {
         let mut index = index.min(self.len);
         if self.len == N {
-            self.forget_oldest();
+            self.drop_oldest();
             index = index.checked_sub(1)?;
         }
         self.len += 1;
@@ -99,13 +99,13 @@ impl<S: Float, const N: usize> History<S, N> {
     }
 
     /// Forgets the entries older than `stamp`.
-    pub(super) fn forget_before(&mut self, stamp: Stamp) {
+    pub(super) fn drop_before(&mut self, stamp: Stamp) {
         while self.get(0).is_some_and(|oldest| oldest.stamp < stamp) {
-            self.forget_oldest();
+            self.drop_oldest();
         }
     }
 
-    fn forget_oldest(&mut self) {
+    fn drop_oldest(&mut self) {
         if let Some(oldest) = self.get(0) {
             self.base = (oldest.stamp, oldest.after);
             let slot = self.slot(0);

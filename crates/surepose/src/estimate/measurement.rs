@@ -3,11 +3,11 @@
 mod check;
 
 mod innovation;
-mod pose_fix;
+mod pose_measurement;
 
 pub(super) use check::finite;
 pub use innovation::Innovation;
-pub use pose_fix::PoseFix;
+pub use pose_measurement::PoseMeasurement;
 
 use crate::angle::Angle;
 use crate::frame::{Body, Map};
@@ -19,7 +19,7 @@ use super::ekf::Belief;
 
 /// The absolute heading, as a compass gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compass<S> {
+pub struct HeadingMeasurement<S> {
     /// θ in the map, mounting offset and declination already removed.
     pub heading: Angle<S>,
     /// Standard deviation \[rad].
@@ -28,7 +28,7 @@ pub struct Compass<S> {
 
 /// A wall of the map, as the laser saw it from the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallSighting<S> {
+pub struct LineMeasurement<S> {
     /// Where the wall is.
     pub wall: Line<Map, S>,
     /// Where it was seen; the normal may point either way.
@@ -43,7 +43,7 @@ pub struct WallSighting<S> {
 
 /// A known point, seen at a range and bearing from the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LandmarkSighting<S> {
+pub struct RangeBearingMeasurement<S> {
     /// Where the landmark is.
     pub landmark: Point<Map, S>,
     /// Distance from the body's origin \[m].
@@ -58,7 +58,7 @@ pub struct LandmarkSighting<S> {
 
 /// The position itself, as a beacon system or an overhead camera gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PositionFix<S> {
+pub struct PositionMeasurement<S> {
     /// Where the body's origin is.
     pub position: Point<Map, S>,
     /// Variance of x \[m²].
@@ -73,33 +73,33 @@ pub struct PositionFix<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measurement<S> {
     /// An absolute heading.
-    Compass(Compass<S>),
+    Heading(HeadingMeasurement<S>),
     /// A wall of the map.
-    Wall(WallSighting<S>),
+    Line(LineMeasurement<S>),
     /// A known landmark.
-    Landmark(LandmarkSighting<S>),
+    RangeBearing(RangeBearingMeasurement<S>),
     /// An absolute position.
-    Position(PositionFix<S>),
+    Position(PositionMeasurement<S>),
     /// A whole pose, as far as something was seen of it.
-    Pose(PoseFix<S>),
+    Pose(PoseMeasurement<S>),
 }
 
 impl<S> Measurement<S> {
     /// How many numbers it measures.
-    pub const fn rows(&self) -> usize {
+    pub const fn dimension(&self) -> usize {
         match self {
-            Self::Compass(_) => 1,
-            Self::Wall(_) | Self::Landmark(_) | Self::Position(_) => 2,
+            Self::Heading(_) => 1,
+            Self::Line(_) | Self::RangeBearing(_) | Self::Position(_) => 2,
             Self::Pose(_) => 3,
         }
     }
 }
 
-impl<S: Scalar> Compass<S> {
+impl<S: Scalar> HeadingMeasurement<S> {
     /// ν = z − θ, wrapped.
     #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 1> {
-        let (zero, one) = (S::of(0.0), S::of(1.0));
+        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         Innovation {
             residual: [(self.heading - belief.pose.heading).radians()],
             jacobian: [[zero, zero, one]],
@@ -108,16 +108,16 @@ impl<S: Scalar> Compass<S> {
     }
 }
 
-impl<S: Scalar> WallSighting<S> {
+impl<S: Scalar> LineMeasurement<S> {
     /// ν of (r, ψ): the wall lies at r = r_m − p·n_m and ψ = ψ_m − θ in the body frame.
     ///
     /// A wall is seen from both sides, so the seen normal is first turned to the side of the map's.
     #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
-        let (zero, one) = (S::of(0.0), S::of(1.0));
+        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         let pose = &belief.pose;
         let turned = self.seen.direction - (self.wall.direction - pose.heading);
-        let behind = turned.radians().abs().gt(S::of(core::f64::consts::FRAC_PI_2));
+        let behind = turned.radians().abs().gt(S::from_f64(core::f64::consts::FRAC_PI_2));
         let side = S::select(behind, -one, one);
         let opposite = turned + Angle::half_turn();
         let direction = S::select(behind, opposite.radians(), turned.radians());
@@ -132,17 +132,17 @@ impl<S: Scalar> WallSighting<S> {
     }
 }
 
-impl<S: Scalar> LandmarkSighting<S> {
+impl<S: Scalar> RangeBearingMeasurement<S> {
     /// ν of (range, bearing) of a known point.
     #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
-        let (zero, one) = (S::of(0.0), S::of(1.0));
+        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         let pose = &belief.pose;
         let (dx, dy) = (self.landmark.x - pose.x, self.landmark.y - pose.y);
         let range = (dx.squared() + dy.squared()).sqrt();
-        let bearing = Angle::of_vector(dx, dy) - pose.heading;
+        let bearing = Angle::from_vector(dx, dy) - pose.heading;
         // On the landmark itself the direction means nothing: its Jacobian is then 0, not infinite.
-        let per_range = one.over_positive(range);
+        let per_range = one.div_or_zero(range);
         let (cos, sin) = (dx * per_range, dy * per_range);
         Innovation {
             residual: [self.range - range, (self.bearing - bearing).radians()],
@@ -152,11 +152,11 @@ impl<S: Scalar> LandmarkSighting<S> {
     }
 }
 
-impl<S: Scalar> PositionFix<S> {
+impl<S: Scalar> PositionMeasurement<S> {
     /// ν = z − (x, y).
     #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
-        let (zero, one) = (S::of(0.0), S::of(1.0));
+        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         Innovation::with_correlated_pair(
             [self.position.x - belief.pose.x, self.position.y - belief.pose.y],
             [[one, zero, zero], [zero, one, zero]],

@@ -1,20 +1,20 @@
-//! What became of a measurement: accepted, or refused for a reason that has a name and a count.
+//! What became of a measurement: accepted, or rejected for a reason that has a name and a count.
 
 /// The fate of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
-    /// It corrected the belief; its normalised innovation squared.
+pub enum MeasurementOutcome {
+    /// It corrected the belief; its normalized innovation squared.
     Accepted {
         /// νᵀ S⁻¹ ν, χ² distributed for a consistent filter.
         nis: f64,
     },
     /// It changed nothing.
-    Refused(Refusal),
+    Rejected(RejectReason),
 }
 
-/// Why a measurement was refused.
+/// Why a measurement was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Refusal {
+pub enum RejectReason {
     /// A value is NaN or infinite, or a range or travel is impossibly large.
     NotFinite,
     /// A variance is not positive, or one that no sensor has, or a covariance is not positive definite.
@@ -29,8 +29,8 @@ pub enum Refusal {
     UnreadableScan,
 }
 
-impl Refusal {
-    /// Every reason, in the order of [`Tally`].
+impl RejectReason {
+    /// Every reason, in the order of [`MeasurementStats`].
     pub const ALL: [Self; 6] =
         [Self::NotFinite, Self::BadVariance, Self::Stale, Self::Future, Self::Outlier, Self::UnreadableScan];
 
@@ -47,37 +47,37 @@ impl Refusal {
     }
 }
 
-/// How many measurements were accepted; and how many of them, of the scans and of the stretches of odometry were refused, for
+/// How many measurements were accepted; and how many of them, of the scans and of the stretches of odometry were rejected, for
 /// each reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct MeasurementStats {
     /// Measurements that corrected the belief.
     pub accepted: u32,
     /// Stretches of odometry that ended before the newest belief: the clock was set back.
-    pub clock_set_back: u32,
-    refused: [u32; Refusal::ALL.len()],
+    pub clock_resets: u32,
+    rejected: [u32; RejectReason::ALL.len()],
 }
 
-impl Tally {
+impl MeasurementStats {
     /// Counts one outcome.
-    pub fn count(&mut self, outcome: Outcome) {
+    pub fn count(&mut self, outcome: MeasurementOutcome) {
         match outcome {
-            Outcome::Accepted { .. } => self.accepted = self.accepted.saturating_add(1),
-            Outcome::Refused(reason) => {
-                if let Some(entry) = self.refused.get_mut(reason as usize) {
+            MeasurementOutcome::Accepted { .. } => self.accepted = self.accepted.saturating_add(1),
+            MeasurementOutcome::Rejected(reason) => {
+                if let Some(entry) = self.rejected.get_mut(reason as usize) {
                     *entry = entry.saturating_add(1);
                 }
             }
         }
     }
 
-    /// How many were refused for `reason`.
-    pub fn refused(&self, reason: Refusal) -> u32 {
-        self.refused.get(reason as usize).copied().unwrap_or(0)
+    /// How many were rejected for `reason`.
+    pub fn rejected(&self, reason: RejectReason) -> u32 {
+        self.rejected.get(reason as usize).copied().unwrap_or(0)
     }
 
-    /// How many were refused in all.
-    pub fn refused_in_all(&self) -> u32 {
-        self.refused.iter().fold(0, |sum, n| sum.saturating_add(*n))
+    /// How many were rejected in all.
+    pub fn rejected_total(&self) -> u32 {
+        self.rejected.iter().fold(0, |sum, n| sum.saturating_add(*n))
     }
 }

@@ -26,7 +26,7 @@ pub(super) struct BeamNoise<S> {
 }
 
 impl<S: Float> BeamNoise<S> {
-    pub(super) fn of(laser: &RangeFinder<S>) -> Self {
+    pub(super) fn from_laser(laser: &RangeFinder<S>) -> Self {
         Self { range: laser.range_std.squared(), bearing: laser.bearing_std.squared() }
     }
 
@@ -41,16 +41,21 @@ impl<S: Float> BeamNoise<S> {
 ///
 /// Directions are turned from beam to beam by one rotation, renewed every 64 beams: in `f32` the error stays below
 /// 64 roundings, 4e-6 rad, a thousandth of what lasers know of their bearings.
-pub(super) fn read<S: Float>(laser: &RangeFinder<S>, scan: &Scan<'_, S>, beams: &mut [Beam<S>]) -> usize {
-    let (step_sin, step_cos) = scan.bearing_step.sin_cos();
+pub(super) fn read_returns<S: Float>(
+    laser: &RangeFinder<S>,
+    scan: &Scan<'_, S>,
+    beams: &mut [Beam<S>],
+) -> usize {
+    let (step_sin, step_cos) = scan.angle_increment.sin_cos();
     let mut count = 0;
-    let (mut sin, mut cos) = (S::of(0.0), S::of(1.0));
+    let (mut sin, mut cos) = (S::from_f64(0.0), S::from_f64(1.0));
     for (number, range) in scan.ranges.iter().copied().enumerate() {
         if number % 64 == 0 {
-            (sin, cos) = (scan.first_bearing.radians() + scan.bearing_step * S::of(number as f64)).sin_cos();
+            (sin, cos) =
+                (scan.angle_min.radians() + scan.angle_increment * S::from_f64(number as f64)).sin_cos();
         }
-        if let (true, Some(slot)) = (laser.came_back(range), beams.get_mut(count)) {
-            *slot = Beam { cos, sin, range, inverse: S::of(1.0) / range, number: number as u16 };
+        if let (true, Some(slot)) = (laser.is_return(range), beams.get_mut(count)) {
+            *slot = Beam { cos, sin, range, inverse: S::from_f64(1.0) / range, number: number as u16 };
             count += 1;
         }
         (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);

@@ -5,24 +5,24 @@ use core::f64::consts::PI;
 use crate::scalar::Float;
 
 use super::beam::{Beam, BeamNoise};
-use super::evidence::Evidence;
-use super::join::{Candidates, Piece, Pieces};
-use super::list::List;
-use super::ray_line::RayLine;
-use super::segment::MOST_SEGMENTS;
+use super::fixed_vec::FixedVec;
+use super::inverse_range_line::InverseRangeLine;
+use super::line_normal_equations::LineNormalEquations;
+use super::merge::{BeamRun, BeamRuns, WallCandidates};
+use super::segment::MAX_SEGMENTS;
 
 /// √(2π).
 const SQRT_TAU: f64 = 2.506_628_274_631_000_5;
 
 /// Gauss–Newton steps, at most. One or two do, but for walls seen at a grazing angle or among other things.
-const STEPS: usize = 5;
+const MAX_ITERATIONS: usize = 5;
 
 /// A step is the last when it moves no line by more than a tenth of its standard deviation: this is its square.
-const SETTLED: f64 = 0.01;
+const CONVERGENCE_THRESHOLD: f64 = 0.01;
 
 /// A beam farther off its wall than this many standard deviations hit something else.
 ///
-/// Of the wall's own beams one in 1000 is lost, and with them 1 % of the information: see [`CUT`].
+/// Of the wall's own beams one in 1000 is lost, and with them 1 % of the information: see [`GATE_VARIANCE_FACTOR`].
 const GATE: f64 = 3.3;
 
 /// How much greater the variance of a line is than the inverse of the sum of its beams' information.
@@ -30,19 +30,19 @@ const GATE: f64 = 3.3;
 /// A beam that is cut off at the gate g says nothing, and it is cut off because of what it would have said. An estimate
 /// from the score x·[|x| < g] has the variance E(score²)/E(score′)² [Huber1964], and both means are P − 2·g·N(g), with N
 /// the normal density and P its part inside the gate; the sum counts each beam inside as 1, together P. So P/(P − 2·g·N(g)).
-const CUT: f64 = 1.0115;
+const GATE_VARIANCE_FACTOR: f64 = 1.0115;
 
 /// Beams that end between the gate and so many standard deviations before their wall tell how densely things stand
 /// there: far enough not to be the wall's own, near enough to say what is hidden under its noise.
-const SHORT: f64 = 8.0;
+const SHORT_GATE: f64 = 8.0;
 
 /// The owner of beams that lie on no wall.
-pub(super) const NOBODY: u8 = u8::MAX;
+pub(super) const UNASSIGNED: u8 = u8::MAX;
 
-/// The misfit of a beam that does not meet the line at all.
-const MISSED: f64 = 1e30;
+/// The χ² of a beam that does not meet the line at all.
+const NO_INTERSECTION_CHI2: f64 = 1e30;
 
-pub(super) type Evidences<S> = List<Evidence<S>, MOST_SEGMENTS>;
+pub(super) type EquationsOfWalls<S> = FixedVec<LineNormalEquations<S>, MAX_SEGMENTS>;
 
 /// Moves the walls' lines to the maximum of the likelihood of their beams; what these say at last is the result.
 ///
@@ -50,65 +50,66 @@ pub(super) type Evidences<S> = List<Evidence<S>, MOST_SEGMENTS>;
 /// weight: a measured range there would be correlated with its own residual, and the line biased towards the laser.
 /// The normal matrix is then the Fisher information of (a, b), and its inverse their covariance.
 ///
-/// `owner` is told which wall each beam lies on, or [`NOBODY`].
+/// `wall_of_beam` is told which wall each beam lies on, or [`UNASSIGNED`].
 pub(super) fn fit<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
-    pieces: &Pieces,
-    walls: &mut Candidates<S>,
-    owner: &mut [u8],
-) -> Evidences<S> {
-    owner.fill(NOBODY);
-    let mut evidences = Evidences::new();
-    let mut density = S::of(0.0);
-    for _ in 0..STEPS {
-        evidences.clear();
+    runs: &BeamRuns,
+    walls: &mut WallCandidates<S>,
+    wall_of_beam: &mut [u8],
+) -> EquationsOfWalls<S> {
+    wall_of_beam.fill(UNASSIGNED);
+    let mut equations_of_walls = EquationsOfWalls::new();
+    let mut density = S::from_f64(0.0);
+    for _ in 0..MAX_ITERATIONS {
+        equations_of_walls.clear();
         for _ in 0..walls.len() {
-            evidences.push(Evidence::default());
+            equations_of_walls.push(LineNormalEquations::default());
         }
-        let mut tally = Tally::default();
-        for piece in pieces.iter() {
-            let (Some(candidate), Some(evidence)) = (walls.get(piece.wall), evidences.get_mut(piece.wall))
+        let mut counts = BeamCounts::default();
+        for run in runs.iter() {
+            let (Some(candidate), Some(equations)) =
+                (walls.get(run.wall), equations_of_walls.get_mut(run.wall))
             else {
                 continue;
             };
-            let view = View { noise, line: &candidate.line, density };
-            if density > S::of(0.0) {
-                view.look(beams, piece, owner, evidence, &mut tally, View::mixed);
+            let model = LineModel { noise, line: &candidate.line, density };
+            if density > S::from_f64(0.0) {
+                model.accumulate(beams, run, wall_of_beam, equations, &mut counts, LineModel::mixture);
             } else {
-                view.look(beams, piece, owner, evidence, &mut tally, View::plain);
+                model.accumulate(beams, run, wall_of_beam, equations, &mut counts, LineModel::gated);
             }
         }
-        let mut farthest = S::of(0.0);
-        for (wall, evidence) in walls.iter_mut().zip(evidences.iter_mut()) {
-            let (step, spread) = evidence.solve();
+        let mut largest_step = S::from_f64(0.0);
+        for (wall, equations) in walls.iter_mut().zip(equations_of_walls.iter_mut()) {
+            let (step, covariance) = equations.solve();
             wall.line = wall.line.plus(step);
-            wall.spread = spread.times(S::of(CUT));
-            let squared = evidence.gain_of(step);
-            evidence.misfit = evidence.misfit - squared;
-            farthest = farthest.max(squared);
+            wall.covariance = covariance.times(S::from_f64(GATE_VARIANCE_FACTOR));
+            let squared = equations.cost_reduction(step);
+            equations.chi2 = equations.chi2 - squared;
+            largest_step = largest_step.max(squared);
         }
-        let per_beam = f64::from(tally.short) / f64::from(tally.own.max(1));
-        let denser = S::of(per_beam / (SHORT - GATE));
-        if farthest < S::of(SETTLED) && denser == density {
+        let per_beam = f64::from(counts.short) / f64::from(counts.own.max(1));
+        let denser = S::from_f64(per_beam / (SHORT_GATE - GATE));
+        if largest_step < S::from_f64(CONVERGENCE_THRESHOLD) && denser == density {
             break;
         }
         density = denser;
     }
-    evidences
+    equations_of_walls
 }
 
 /// How many beams lie on their walls, and how many end shortly before.
 #[derive(Clone, Copy, Default)]
-struct Tally {
+struct BeamCounts {
     own: u16,
     short: u16,
 }
 
 /// A line as the beams of its wall are compared with it.
-struct View<'a, S> {
+struct LineModel<'a, S> {
     noise: &'a BeamNoise<S>,
-    line: &'a RayLine<S>,
+    line: &'a InverseRangeLine<S>,
     /// How many beams end on other things in each standard deviation before the wall, for each that ends on it.
     density: S,
 }
@@ -120,70 +121,73 @@ struct Residual<S> {
     /// One by its variance.
     weight: S,
     /// Its square in units of the variance.
-    misfit: S,
+    chi2: S,
 }
 
-impl<S: Float> View<'_, S> {
+impl<S: Float> LineModel<'_, S> {
     #[inline]
     fn residual(&self, beam: &Beam<S>) -> Residual<S> {
         let (u, slope) = self.line.at(beam);
-        let weight = S::of(1.0) / self.noise.variance(u, slope);
+        let weight = S::from_f64(1.0) / self.noise.variance(u, slope);
         // To first order, and without the bias of an inverse: u·(1 − ρ·u) instead of 1/ρ − u. A line that the beam
         // does not meet has u ≤ 0.
-        let value = u * (S::of(1.0) - beam.range * u);
-        let misfit = S::select(u > S::of(0.0), value.squared() * weight, S::of(MISSED));
-        Residual { value, weight, misfit }
+        let value = u * (S::from_f64(1.0) - beam.range * u);
+        let chi2 =
+            S::select(u > S::from_f64(0.0), value.squared() * weight, S::from_f64(NO_INTERSECTION_CHI2));
+        Residual { value, weight, chi2 }
     }
 
-    /// Adds what the beams of a piece say, each with the value and the weight that `judge` gives it.
+    /// Adds what the beams of a run say, each with the value and the weight that `weighting` gives it.
     #[inline]
-    fn look(
+    fn accumulate(
         &self,
         beams: &[Beam<S>],
-        piece: &Piece,
-        owner: &mut [u8],
-        evidence: &mut Evidence<S>,
-        tally: &mut Tally,
-        judge: impl Fn(&Self, &Residual<S>) -> (S, S),
+        run: &BeamRun,
+        wall_of_beam: &mut [u8],
+        equations: &mut LineNormalEquations<S>,
+        counts: &mut BeamCounts,
+        weighting: impl Fn(&Self, &Residual<S>) -> (S, S),
     ) {
         // Local sums stay in registers.
-        let mut sum = *evidence;
+        let mut sum = *equations;
         let (mut own, mut short) = (0, 0);
-        let own_beams = beams.iter().zip(owner).take(piece.last + 1).skip(piece.first);
-        for (beam, owner) in own_beams {
+        let own_beams = beams.iter().zip(wall_of_beam).take(run.last + 1).skip(run.first);
+        for (beam, wall_of_beam) in own_beams {
             let residual = self.residual(beam);
-            let (value, belief) = judge(self, &residual);
-            if belief > S::of(0.0) {
-                sum.add(beam, residual.weight * belief, value);
+            let (value, probability) = weighting(self, &residual);
+            if probability > S::from_f64(0.0) {
+                sum.add(beam, residual.weight * probability, value);
             }
-            if residual.misfit < S::of(GATE * GATE) {
+            if residual.chi2 < S::from_f64(GATE * GATE) {
                 own += 1;
-                sum.misfit = sum.misfit + residual.misfit * belief;
-                *owner = piece.wall as u8;
+                sum.chi2 = sum.chi2 + residual.chi2 * probability;
+                *wall_of_beam = run.wall as u8;
             } else {
-                *owner = NOBODY;
-                short += u16::from(residual.value > S::of(0.0) && residual.misfit < S::of(SHORT * SHORT));
+                *wall_of_beam = UNASSIGNED;
+                short += u16::from(
+                    residual.value > S::from_f64(0.0) && residual.chi2 < S::from_f64(SHORT_GATE * SHORT_GATE),
+                );
             }
         }
         sum.count += own;
-        tally.own += own;
-        tally.short += short;
-        *evidence = sum;
+        counts.own += own;
+        counts.short += short;
+        *equations = sum;
     }
 
     /// Every beam inside the gate is the wall's.
     #[inline]
-    fn plain(_: &Self, residual: &Residual<S>) -> (S, S) {
-        let inside = residual.misfit < S::of(GATE * GATE);
-        (residual.value, S::select(inside, S::of(1.0), S::of(0.0)))
+    fn gated(_: &Self, residual: &Residual<S>) -> (S, S) {
+        let inside = residual.chi2 < S::from_f64(GATE * GATE);
+        (residual.value, S::select(inside, S::from_f64(1.0), S::from_f64(0.0)))
     }
 
     /// Each beam is the wall's as far as it is believed to be.
     #[inline]
-    fn mixed(&self, residual: &Residual<S>) -> (S, S) {
-        let std = S::of(1.0) / residual.weight.sqrt();
-        let belief = belief_in_wall(self.density, residual.value / std, residual.misfit);
-        (residual.value - self.density * std, belief)
+    fn mixture(&self, residual: &Residual<S>) -> (S, S) {
+        let std = S::from_f64(1.0) / residual.weight.sqrt();
+        let probability = wall_probability(self.density, residual.value / std, residual.chi2);
+        (residual.value - self.density * std, probability)
     }
 }
 
@@ -196,18 +200,18 @@ impl<S: Float> View<'_, S> {
 /// hidden under the wall's own noise, and a weight. Cutting at a gate g instead leaves the lines short by about
 /// d·g²/2 standard deviations, in every direction, and no averaging over time removes that.
 #[inline]
-fn belief_in_wall<S: Float>(density: S, sigmas: S, squared: S) -> S {
-    let (zero, one) = (S::of(0.0), S::of(1.0));
-    let inside = squared < S::of(GATE * GATE);
-    if squared > S::of(SHORT * SHORT) || !inside && sigmas < zero {
+fn wall_probability<S: Float>(density: S, sigmas: S, squared: S) -> S {
+    let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
+    let inside = squared < S::from_f64(GATE * GATE);
+    if squared > S::from_f64(SHORT_GATE * SHORT_GATE) || !inside && sigmas < zero {
         return zero;
     }
     // Φ(x) to 1 %; exp(x²/2) = (1 − x²/128)^(−64) to 1 % for x < 1.8 and too large beyond, where it drowns the 1.
-    let half = S::of(0.5);
-    let cumulative = half + half * sigmas / (squared + S::of(0.5 * PI)).sqrt();
-    let mut root = one - squared * S::of(1.0 / 128.0);
+    let half = S::from_f64(0.5);
+    let cumulative = half + half * sigmas / (squared + S::from_f64(0.5 * PI)).sqrt();
+    let mut root = one - squared * S::from_f64(1.0 / 128.0);
     for _ in 0..6 {
         root = root.squared();
     }
-    one / (one + density * cumulative * S::of(SQRT_TAU) / root)
+    one / (one + density * cumulative * S::from_f64(SQRT_TAU) / root)
 }

@@ -17,51 +17,51 @@ pub struct RangeFinder<S> {
     /// Standard deviation of the direction that a beam really takes \[rad], not negative.
     pub bearing_std: S,
     /// Nearer returns are the housing's own \[m].
-    pub nearest: S,
+    pub range_min: S,
     /// Farther returns are none \[m]; lasers report "nothing" as a range beyond it, as NaN, infinite or zero.
-    pub farthest: S,
+    pub range_max: S,
 }
 
 /// One turn of the mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scan<'a, S> {
     /// Direction of the first beam from the laser's x axis.
-    pub first_bearing: Angle<S>,
+    pub angle_min: Angle<S>,
     /// From one beam to the next \[rad], negative for a mirror that turns clockwise.
-    pub bearing_step: S,
+    pub angle_increment: S,
     /// The range of every beam \[m].
     pub ranges: &'a [S],
 }
 
 /// Why a scan was not read at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ScanRefusal {
+pub enum ScanError {
     /// The laser's noise is not positive and finite, its reach is not positive, or its mounting is not finite.
-    BadLaser,
+    InvalidLaser,
     /// A bearing is not finite, the step is zero or beyond 45°, or the beams make more than one turn.
-    BadBearings,
+    InvalidAngles,
     /// There are more beams than the extractor has room for.
     TooManyBeams,
 }
 
-impl ScanRefusal {
+impl ScanError {
     /// The name used in reports and JSON.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::BadLaser => "bad_laser",
-            Self::BadBearings => "bad_bearings",
+            Self::InvalidLaser => "bad_laser",
+            Self::InvalidAngles => "bad_bearings",
             Self::TooManyBeams => "too_many_beams",
         }
     }
 }
 
-impl core::fmt::Display for ScanRefusal {
+impl core::fmt::Display for ScanError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::BadLaser => {
+            Self::InvalidLaser => {
                 "the laser's noise and reach must be positive, and its noise and mounting finite"
             }
-            Self::BadBearings => {
+            Self::InvalidAngles => {
                 "bearings must be finite, steps between 0 and 45°, all beams within one turn"
             }
             Self::TooManyBeams => "the scan has more beams than the extractor has room for",
@@ -69,52 +69,52 @@ impl core::fmt::Display for ScanRefusal {
     }
 }
 
-impl core::error::Error for ScanRefusal {}
+impl core::error::Error for ScanError {}
 
 impl<S: Float> Scan<'_, S> {
     /// The direction of a beam from the laser's x axis.
     pub(super) fn bearing(&self, number: usize) -> Angle<S> {
-        self.first_bearing.turned(self.bearing_step * S::of(number as f64))
+        self.angle_min.rotated_by(self.angle_increment * S::from_f64(number as f64))
     }
 }
 
 impl<S: Float> RangeFinder<S> {
     /// Whether a beam with this range came back from something.
     #[inline]
-    pub(super) fn came_back(&self, range: S) -> bool {
+    pub(super) fn is_return(&self, range: S) -> bool {
         // A NaN compares false on both sides.
-        range > self.nearest && range <= self.farthest && range.is_finite()
+        range > self.range_min && range <= self.range_max && range.is_finite()
     }
 
-    pub(super) fn check(&self) -> Result<(), ScanRefusal> {
-        let zero = S::of(0.0);
+    pub(super) fn check(&self) -> Result<(), ScanError> {
+        let zero = S::from_f64(0.0);
         let mount = self.body_from_laser;
         let finite =
-            [mount.x, mount.y, mount.heading.radians(), self.bearing_std, self.range_std, self.nearest]
+            [mount.x, mount.y, mount.heading.radians(), self.bearing_std, self.range_std, self.range_min]
                 .iter()
                 .all(|v| v.is_finite());
-        let sound = self.range_std > zero
+        let is_valid = self.range_std > zero
             && self.bearing_std >= zero
-            && self.nearest >= zero
-            && self.farthest > self.nearest;
-        if finite && sound { Ok(()) } else { Err(ScanRefusal::BadLaser) }
+            && self.range_min >= zero
+            && self.range_max > self.range_min;
+        if finite && is_valid { Ok(()) } else { Err(ScanError::InvalidLaser) }
     }
 }
 
 impl<S: Float> Scan<'_, S> {
-    pub(super) fn check(&self, room: usize) -> Result<(), ScanRefusal> {
-        let step = self.bearing_step.abs();
+    pub(super) fn check(&self, capacity: usize) -> Result<(), ScanError> {
+        let step = self.angle_increment.abs();
         let count = self.ranges.len();
-        let turn = step * S::of(count as f64);
+        let turn = step * S::from_f64(count as f64);
         // One step more than a turn: some lasers give the first direction twice.
-        let sound = self.first_bearing.radians().is_finite()
-            && step > S::of(0.0)
-            && step <= S::of(FRAC_PI_4)
-            && turn <= S::of(TAU) + step * S::of(1.5);
-        if !sound {
-            Err(ScanRefusal::BadBearings)
-        } else if count > room {
-            Err(ScanRefusal::TooManyBeams)
+        let is_valid = self.angle_min.radians().is_finite()
+            && step > S::from_f64(0.0)
+            && step <= S::from_f64(FRAC_PI_4)
+            && turn <= S::from_f64(TAU) + step * S::from_f64(1.5);
+        if !is_valid {
+            Err(ScanError::InvalidAngles)
+        } else if count > capacity {
+            Err(ScanError::TooManyBeams)
         } else {
             Ok(())
         }

@@ -11,35 +11,35 @@ pub struct Wall<S> {
     line: Line<Map, S>,
     /// From where to where, along the left of the normal \[m].
     extent: (S, S),
-    /// How well the map knows the line, see [`Wall::variance`].
-    variance: [S; 3],
+    /// How well the map knows the line, see [`Wall::covariance`].
+    covariance: [S; 3],
 }
 
 /// The ends of a wall coincide, or are not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NotAWall;
+pub struct InvalidWall;
 
-impl core::fmt::Display for NotAWall {
+impl core::fmt::Display for InvalidWall {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str("not a wall: its ends must be finite and apart")
     }
 }
 
-impl core::error::Error for NotAWall {}
+impl core::error::Error for InvalidWall {}
 
 impl<S: Float> Wall<S> {
     /// The wall between two points.
     ///
     /// # Errors
-    /// [`NotAWall`] where the points coincide or are not finite.
-    pub fn between(start: Point<Map, S>, end: Point<Map, S>) -> Result<Self, NotAWall> {
+    /// [`InvalidWall`] where the points coincide or are not finite.
+    pub fn between(start: Point<Map, S>, end: Point<Map, S>) -> Result<Self, InvalidWall> {
         let finite = [start.x, start.y, end.x, end.y].iter().all(|v| v.is_finite());
-        if !finite || start.distance(end) <= S::of(0.0) {
-            return Err(NotAWall);
+        if !finite || start.distance(end) <= S::from_f64(0.0) {
+            return Err(InvalidWall);
         }
         let line = Line::through(start, end);
         let (a, b) = (along(&line, start), along(&line, end));
-        Ok(Self { line, extent: (a.min(b), a.max(b)), variance: [S::of(0.0); 3] })
+        Ok(Self { line, extent: (a.min(b), a.max(b)), covariance: [S::from_f64(0.0); 3] })
     }
 
     /// The line it lies on.
@@ -47,28 +47,28 @@ impl<S: Float> Wall<S> {
         &self.line
     }
 
-    /// The same wall, where the map knows its line only so well; see [`Wall::variance`].
+    /// The same wall, where the map knows its line only so well; see [`Wall::covariance`].
     #[must_use]
-    pub fn known_to(self, variance: [S; 3]) -> Self {
-        Self { variance, ..self }
+    pub fn with_covariance(self, covariance: [S; 3]) -> Self {
+        Self { covariance, ..self }
     }
 
     /// How well the map knows the line: variance of r \[m²], covariance of r and ψ \[m·rad], variance of ψ \[rad²].
-    pub fn variance(&self) -> [S; 3] {
-        self.variance
+    pub fn covariance(&self) -> [S; 3] {
+        self.covariance
     }
 
     /// How far from `point` the wall is at its nearest \[m].
     #[inline]
     pub(crate) fn distance(&self, point: Point<Map, S>) -> S {
-        (self.line.distance_from(point).squared() + self.beyond(point).squared()).sqrt()
+        (self.line.distance_from(point).squared() + self.distance_beyond_ends(point).squared()).sqrt()
     }
 
     /// How far beyond the wall's ends the foot of `point` lies \[m]; 0 beside the wall.
     #[inline]
-    pub(super) fn beyond(&self, point: Point<Map, S>) -> S {
+    pub(super) fn distance_beyond_ends(&self, point: Point<Map, S>) -> S {
         let a = along(&self.line, point);
-        (self.extent.0 - a).max(a - self.extent.1).max(S::of(0.0))
+        (self.extent.0 - a).max(a - self.extent.1).max(S::from_f64(0.0))
     }
 
     /// Its ends.
@@ -84,11 +84,11 @@ impl<S: Float> Wall<S> {
     }
 
     /// How much of the stretch between two points lies beside the wall, its ends drawn out by `margin`: 0 to 1.
-    pub(crate) fn covers(&self, ends: [Point<Map, S>; 2], margin: S) -> S {
+    pub(crate) fn overlap(&self, ends: [Point<Map, S>; 2], margin: S) -> S {
         let [a, b] = ends.map(|end| along(&self.line, end));
         let (low, high) = (a.min(b), a.max(b));
         let common = high.min(self.extent.1 + margin) - low.max(self.extent.0 - margin);
-        common.max(S::of(0.0)).over_positive(high - low)
+        common.max(S::from_f64(0.0)).div_or_zero(high - low)
     }
 }
 

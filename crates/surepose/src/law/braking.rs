@@ -1,6 +1,6 @@
 //! When to slow down, where the wheels need time for it.
 
-use crate::drive::Drive;
+use crate::kinematics::DiffDrive;
 use crate::limit::Limits;
 use crate::scalar::Scalar;
 
@@ -19,48 +19,56 @@ use super::gains::Gains;
 /// # Departure
 /// [Tran2012] leaves out what wheels can do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Braking<S> {
+pub struct BrakingProfile<S> {
     /// 2/a \[s²/m].
     twice_per_deceleration: S,
     /// How far a rim rolls when the robot turns by 1 rad on the spot \[m].
-    lever: S,
+    half_separation: S,
 }
 
 /// The part of the wheels' acceleration that braking takes: the rest corrects the path.
-pub(super) const SHARE: f64 = 0.7;
+pub(super) const ACCELERATION_FRACTION: f64 = 0.7;
 
-impl<S: Scalar> Braking<S> {
+impl<S: Scalar> BrakingProfile<S> {
     /// For the robot of `drive` and `limits`.
-    pub fn of(drive: &Drive<S>, limits: &Limits<S>) -> Self {
+    pub fn from_limits(drive: &DiffDrive<S>, limits: &Limits<S>) -> Self {
         Self {
-            twice_per_deceleration: S::of(2.0 / SHARE) / limits.wheel_acceleration,
-            lever: drive.track * S::of(0.5),
+            twice_per_deceleration: S::from_f64(2.0 / ACCELERATION_FRACTION) / limits.wheel_acceleration,
+            half_separation: drive.wheel_separation * S::from_f64(0.5),
         }
     }
 
-    /// What is left of the gain `whole` \[1/s] where a rim has `way` \[m] to go, which is not negative: a part of 1.
+    /// What is left of the gain `gain` \[1/s] where a rim has `distance` \[m] to go, which is not negative: a part of 1.
     #[inline(always)]
-    pub fn part_of_drive(&self, whole: S, way: S) -> S {
-        let one = S::of(1.0);
-        S::of(2.0) / (one + (one + whole.squared() * self.twice_per_deceleration * way).sqrt())
+    pub fn linear_gain_factor(&self, gain: S, distance: S) -> S {
+        let one = S::from_f64(1.0);
+        S::from_f64(2.0) / (one + (one + gain.squared() * self.twice_per_deceleration * distance).sqrt())
     }
 
     /// The same where the robot has `angle` \[rad] to turn.
     #[inline(always)]
-    pub fn part_of_turn(&self, whole: S, angle: S) -> S {
-        self.part_of_drive(whole, angle.abs() * self.lever)
+    pub fn angular_gain_factor(&self, gain: S, angle: S) -> S {
+        self.linear_gain_factor(gain, angle.abs() * self.half_separation)
     }
 }
 
-impl Braking<f64> {
-    /// The same as [`Braking::of`]; nothing where the wheels follow these gains from full speed, so that none need shrink.
-    pub fn needed(drive: &Drive<f64>, limits: &Limits<f64>, gains: &Gains<f64>) -> Option<Self> {
+impl BrakingProfile<f64> {
+    /// The same as [`BrakingProfile::from_limits`]; nothing where the wheels follow these gains from full speed, so that none need shrink.
+    pub fn from_limits_if_needed(
+        drive: &DiffDrive<f64>,
+        limits: &Limits<f64>,
+        gains: &Gains<f64>,
+    ) -> Option<Self> {
         let hardest = gains.k_v.max(gains.k_alpha).max(gains.k_theta) * limits.wheel_speed;
-        (hardest > SHARE * limits.wheel_acceleration).then(|| Self::of(drive, limits))
+        (hardest > ACCELERATION_FRACTION * limits.wheel_acceleration)
+            .then(|| Self::from_limits(drive, limits))
     }
 
     /// The same, rounded to another format.
-    pub fn cast<T: Scalar>(&self) -> Braking<T> {
-        Braking { twice_per_deceleration: T::of(self.twice_per_deceleration), lever: T::of(self.lever) }
+    pub fn cast<T: Scalar>(&self) -> BrakingProfile<T> {
+        BrakingProfile {
+            twice_per_deceleration: T::from_f64(self.twice_per_deceleration),
+            half_separation: T::from_f64(self.half_separation),
+        }
     }
 }

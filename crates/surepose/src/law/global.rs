@@ -1,7 +1,7 @@
 //! Far from the goal: [Tran2012] Sec. 4.1.
 
-use crate::drive::Twist;
-use crate::navigation::Navigation;
+use crate::kinematics::Twist;
+use crate::navigation::NavigationVariables;
 use crate::scalar::Scalar;
 
 /// The law that brings the robot to the goal from everywhere, turned as commanded.
@@ -33,7 +33,7 @@ pub struct GlobalLaw<S> {
 impl<S: Scalar> GlobalLaw<S> {
     /// The twist of [Tran2012] Eq. (23).
     #[inline(always)]
-    pub fn twist(&self, navigation: &Navigation<S>) -> Twist<S> {
+    pub fn twist(&self, navigation: &NavigationVariables<S>) -> Twist<S> {
         let alpha = navigation.alpha.radians();
         let (_, cos, sinc) = alpha.sin_cos_sinc();
         self.twist_driven(navigation.rho, alpha, navigation.phi.radians(), cos, sinc)
@@ -50,13 +50,13 @@ impl<S: Scalar> GlobalLaw<S> {
     }
 
     /// V_g = ½ρ² + ½(α² + hφ²), [Tran2012] Eq. (19).
-    pub fn lyapunov(&self, navigation: &Navigation<S>) -> S {
+    pub fn lyapunov(&self, navigation: &NavigationVariables<S>) -> S {
         let (alpha, phi) = (navigation.alpha.radians(), navigation.phi.radians());
-        (navigation.rho.squared() + alpha.squared() + self.h * phi.squared()) * S::of(0.5)
+        (navigation.rho.squared() + alpha.squared() + self.h * phi.squared()) * S::from_f64(0.5)
     }
 
     /// V̇_g under any `twist`, from the rates of [Tran2012] Eq. (2); only for ρ > 0.
-    pub fn lyapunov_rate(&self, navigation: &Navigation<S>, twist: Twist<S>) -> S {
+    pub fn lyapunov_rate(&self, navigation: &NavigationVariables<S>, twist: Twist<S>) -> S {
         let (rho_rate, alpha_rate, phi_rate) = navigation.rates(twist);
         let (alpha, phi) = (navigation.alpha.radians(), navigation.phi.radians());
         navigation.rho * rho_rate + alpha * alpha_rate + self.h * phi * phi_rate

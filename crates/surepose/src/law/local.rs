@@ -1,7 +1,7 @@
 //! Near the goal: [Tran2012] Sec. 4.2, with its signs mended.
 
-use crate::drive::Twist;
-use crate::navigation::Navigation;
+use crate::kinematics::Twist;
+use crate::navigation::NavigationVariables;
 use crate::scalar::Scalar;
 
 /// The law that turns the robot to the commanded heading without leaving the goal.
@@ -38,7 +38,7 @@ impl<S: Scalar> LocalLaw<S> {
 
     /// The twist of [Tran2012] Eq. (28), corrected.
     #[inline(always)]
-    pub fn twist(&self, navigation: &Navigation<S>) -> Twist<S> {
+    pub fn twist(&self, navigation: &NavigationVariables<S>) -> Twist<S> {
         let (_, cos) = navigation.alpha.sin_cos();
         self.twist_toward(navigation.rho * cos, navigation.heading_error().radians())
     }
@@ -51,13 +51,13 @@ impl<S: Scalar> LocalLaw<S> {
     }
 
     /// V_l = ½ρ² + ½θ_e², [Tran2012] Eq. (26).
-    pub fn lyapunov(&self, navigation: &Navigation<S>) -> S {
+    pub fn lyapunov(&self, navigation: &NavigationVariables<S>) -> S {
         let error = navigation.heading_error().radians();
-        (navigation.rho.squared() + error.squared()) * S::of(0.5)
+        (navigation.rho.squared() + error.squared()) * S::from_f64(0.5)
     }
 
     /// V̇_l = −v·ρ·cos α + θ_e·ω under any `twist`: [Tran2012] Eq. (27) with its sign mended.
-    pub fn lyapunov_rate(&self, navigation: &Navigation<S>, twist: Twist<S>) -> S {
+    pub fn lyapunov_rate(&self, navigation: &NavigationVariables<S>, twist: Twist<S>) -> S {
         let (_, cos) = navigation.alpha.sin_cos();
         navigation.heading_error().radians() * twist.omega - twist.v * navigation.rho * cos
     }

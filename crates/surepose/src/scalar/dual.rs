@@ -27,13 +27,13 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     /// A value that depends on no parameter.
     #[inline]
     pub fn constant(value: S) -> Self {
-        Self { value, slope: [S::of(0.0); N] }
+        Self { value, slope: [S::from_f64(0.0); N] }
     }
 
     /// The parameter of that `index` itself; an index out of range gives a constant.
     #[inline]
     pub fn parameter(value: S, index: usize) -> Self {
-        let slope = core::array::from_fn(|i| S::of(if i == index { 1.0 } else { 0.0 }));
+        let slope = core::array::from_fn(|i| S::from_f64(if i == index { 1.0 } else { 0.0 }));
         Self { value, slope }
     }
 
@@ -82,7 +82,7 @@ impl<S: Scalar, const N: usize> Div for Dual<S, N> {
     #[inline]
     fn div(self, other: Self) -> Self {
         let ratio = self.value / other.value;
-        let per = S::of(1.0) / other.value;
+        let per = S::from_f64(1.0) / other.value;
         self.chain_two(other, ratio, per, -(ratio * per))
     }
 }
@@ -99,8 +99,8 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
     type Mask = S::Mask;
 
     #[inline]
-    fn of(value: f64) -> Self {
-        Self::constant(S::of(value))
+    fn from_f64(value: f64) -> Self {
+        Self::constant(S::from_f64(value))
     }
     #[inline]
     fn lt(self, other: Self) -> S::Mask {
@@ -113,8 +113,8 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
     }
     #[inline]
     fn abs(self) -> Self {
-        let negative = self.value.lt(S::of(0.0));
-        self.chain(self.value.abs(), S::select(negative, S::of(-1.0), S::of(1.0)))
+        let negative = self.value.lt(S::from_f64(0.0));
+        self.chain(self.value.abs(), S::select(negative, S::from_f64(-1.0), S::from_f64(1.0)))
     }
     #[inline]
     fn min(self, other: Self) -> Self {
@@ -134,7 +134,7 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
     fn sqrt(self) -> Self {
         // At 0 the root has no derivative; 0 is what keeps the rest of the sum finite.
         let root = self.value.sqrt();
-        self.chain(root, S::of(0.5).over_positive(root))
+        self.chain(root, S::from_f64(0.5).div_or_zero(root))
     }
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
@@ -144,18 +144,18 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
     #[inline]
     fn atan2(self, x: Self) -> Self {
         let square = self.value.squared() + x.value.squared();
-        let by_y = x.value.over_positive(square);
-        let by_x = (-self.value).over_positive(square);
+        let by_y = x.value.div_or_zero(square);
+        let by_x = (-self.value).div_or_zero(square);
         self.chain_two(x, self.value.atan2(x.value), by_y, by_x)
     }
     #[inline]
-    fn wrapped_sum(self) -> Self {
-        Self { value: self.value.wrapped_sum(), ..self }
+    fn wrap_once(self) -> Self {
+        Self { value: self.value.wrap_once(), ..self }
     }
     #[inline]
     fn sin_cos_sinc(self) -> (Self, Self, Self) {
         let (sin, cos, sinc) = self.value.sin_cos_sinc();
-        (self.chain(sin, cos), self.chain(cos, -sin), self.chain(sinc, self.value.sinc_slope(cos, sinc)))
+        (self.chain(sin, cos), self.chain(cos, -sin), self.chain(sinc, self.value.sinc_derivative(cos, sinc)))
     }
 }
 
@@ -186,15 +186,15 @@ mod tests {
             check(|a, b| a * b - a / b + b.squared(), x, y)?;
             check(|a, b| (a.squared() + b.squared()).sqrt() * b.abs(), x, y)?;
             check(|a, b| { let (s, c) = a.sin_cos(); s * b + c * b.sinc() }, x, y)?;
-            check(|a, b| b.atan2(a) + a.min(b) * a.max(b).clamp(Two::of(-9.0), Two::of(9.0)), x, y)?;
-            check(|a, b| Angle::wrapped(a).radians() * Angle::wrapped(b).radians() + (a * b).sinc(), x, y)?;
+            check(|a, b| b.atan2(a) + a.min(b) * a.max(b).clamp(Two::from_f64(-9.0), Two::from_f64(9.0)), x, y)?;
+            check(|a, b| Angle::from_radians(a).radians() * Angle::from_radians(b).radians() + (a * b).sinc(), x, y)?;
         }
     }
 
     #[test]
-    fn nothing_is_broken_at_zero() {
+    fn derivatives_at_zero_are_finite() {
         let zero = Two::parameter(0.0, 0);
-        for value in [zero.sqrt(), zero.atan2(Two::of(0.0)), zero.sinc(), zero.abs()] {
+        for value in [zero.sqrt(), zero.atan2(Two::from_f64(0.0)), zero.sinc(), zero.abs()] {
             assert!(value.value.is_finite() && value.slope.iter().all(|s| s.is_finite()), "{value:?}");
         }
         assert!((zero.sinc().value - 1.0).abs() < 1e-15);

@@ -19,7 +19,7 @@ macro_rules! float {
 
             #[inline]
             #[allow(clippy::cast_lossless, reason = "lossless for f64 only; one macro serves both")]
-            fn of(value: f64) -> Self {
+            fn from_f64(value: f64) -> Self {
                 value as $float
             }
             #[inline]

@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use serde_json::{Map, Value as Json, json};
-use surepose_cert::{Drift, Noise};
+use surepose_cert::{Drift, NoiseBounds};
 use surepose_data::Config;
 
 use crate::certification;
+use crate::error::CliError;
 use crate::exit::Exit;
-use crate::failure::Failure;
 use crate::output::{Output, table, worded};
 
 /// What the figures are not about.
@@ -31,7 +31,7 @@ const WORDS: [(&str, &str); 6] = [
 
 const REASON: &str = "with these standard deviations W was not shown to fall on average at any distance";
 
-pub(super) fn run(config: &Config, noise: Noise, output: Output) -> Result<Exit, Failure> {
+pub(super) fn run(config: &Config, noise: NoiseBounds, output: Output) -> Result<Exit, CliError> {
     let clock = Instant::now();
     let found = certification::average(config, noise);
     let json = json_of(found.as_ref(), clock.elapsed().as_secs_f64());

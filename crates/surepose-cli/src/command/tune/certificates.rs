@@ -5,10 +5,10 @@ use std::thread;
 use std::time::Duration;
 
 use surepose::Law;
-use surepose_cert::Noise;
+use surepose_cert::NoiseBounds;
 use surepose_data::Config;
 
-use crate::certification::{self, Bounds};
+use crate::certification::{self, CertifiedBounds};
 use crate::interrupt;
 
 /// How often is looked whether a certificate is there.
@@ -17,18 +17,18 @@ const LOOK: Duration = Duration::from_millis(10);
 /// What is certified of the configured loop, with one law or another.
 pub(super) struct Certificates<'a> {
     config: &'a Config,
-    noise: Noise,
-    known: Mutex<Vec<(Law<f64>, Option<Bounds>)>>,
+    noise: NoiseBounds,
+    known: Mutex<Vec<(Law<f64>, Option<CertifiedBounds>)>>,
 }
 
 impl<'a> Certificates<'a> {
     /// Those for these noise bounds.
-    pub(super) fn of(config: &'a Config, noise: Noise) -> Self {
+    pub(super) fn new(config: &'a Config, noise: NoiseBounds) -> Self {
         Self { config, noise, known: Mutex::default() }
     }
 
     /// What is bounded with this law; nothing where its certificate is refused, or the user asks to stop before it is there.
-    pub(super) fn bounds(&self, law: &Law<f64>) -> Option<Bounds> {
+    pub(super) fn bounds(&self, law: &Law<f64>) -> Option<CertifiedBounds> {
         let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known().iter().find(|(it, _)| it == law).map(|(_, bounds)| *bounds);
         if let Some(bounds) = found {

@@ -1,6 +1,6 @@
 //! What the robot's camera measures: depth along its axis, and bearing, with errors that last.
 
-use surepose::{Angle, LandmarkSighting, Map, Point};
+use surepose::{Angle, Map, Point, RangeBearingMeasurement};
 
 /// The camera that reads the barcodes.
 ///
@@ -53,8 +53,8 @@ impl Camera {
         landmark: Point<Map, f64>,
         depth: f64,
         bearing: f64,
-    ) -> LandmarkSighting<f64> {
-        let bearing = Angle::wrapped(bearing);
+    ) -> RangeBearingMeasurement<f64> {
+        let bearing = Angle::from_radians(bearing);
         let (sin, cos) = bearing.sin_cos();
         // No camera sees sideways or back. Such a range is not a number, and the filter refuses it by name.
         let per_depth = if cos > 0.0 { 1.0 / (self.scale * cos) } else { f64::NAN };
@@ -62,7 +62,7 @@ impl Camera {
         let by_depth = libm::hypot(self.depth_std, self.depth_std_per_metre * depth) * per_depth;
         let by_bearing = range * (sin / cos) * self.bearing_std;
         let widening = libm::sqrt(self.repeats());
-        LandmarkSighting {
+        RangeBearingMeasurement {
             landmark,
             range,
             bearing,

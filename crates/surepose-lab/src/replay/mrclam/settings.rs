@@ -3,17 +3,17 @@
 use surepose::param;
 use surepose_data::Config;
 
-use super::{Camera, Response, Settings};
+use super::{Camera, MrclamSettings, Response};
 
-impl Settings {
+impl MrclamSettings {
     /// The configuration that fits the format better than the defaults, before the user's own values.
     pub fn preset() -> Config {
-        let values = [(&param::TRACK, 0.26), (&param::HISTORY, 0.5)];
+        let values = [(&param::WHEEL_SEPARATION, 0.26), (&param::HISTORY, 0.5)];
         Config::default().with_preset("mrclam", &values)
     }
 
     /// The settings of a configuration.
-    pub fn of(config: &Config) -> Self {
+    pub fn from_config(config: &Config) -> Self {
         let number = |parameter| config.number(parameter);
         Self {
             response: Response {
@@ -22,14 +22,14 @@ impl Settings {
                 turn_gain: number(&param::COMMAND_TURN_GAIN),
                 way_lost_per_radian: number(&param::COMMAND_WAY_LOST),
             },
-            track: number(&param::TRACK),
-            rim_variance_per_metre: number(&param::RIM_VARIANCE_PER_METRE),
+            wheel_separation: number(&param::WHEEL_SEPARATION),
+            rim_variance_per_metre: number(&param::RIM_VARIANCE_PER_METER),
             rim_variance_per_radian: number(&param::RIM_VARIANCE_PER_RADIAN),
             camera: Camera {
                 latency: number(&param::CAMERA_LATENCY),
                 scale: number(&param::CAMERA_SCALE),
                 depth_std: number(&param::CAMERA_DEPTH_STD),
-                depth_std_per_metre: number(&param::CAMERA_DEPTH_STD_PER_METRE),
+                depth_std_per_metre: number(&param::CAMERA_DEPTH_STD_PER_METER),
                 bearing_std: number(&param::CAMERA_BEARING_STD),
                 correlation_time: number(&param::CAMERA_CORRELATION_TIME),
                 frame_period: number(&param::CAMERA_FRAME_PERIOD),
@@ -43,13 +43,14 @@ impl Settings {
 
 #[cfg(test)]
 mod tests {
-    use super::Settings;
+    use super::MrclamSettings;
 
     /// The table of parameters and the settings that were fitted to the data are the same numbers.
     #[test]
     fn the_preset_is_what_was_fitted() {
-        let (preset, fitted) = (Settings::of(&Settings::preset()), Settings::default());
-        assert_eq!(Settings { camera: fitted.camera, ..preset }, fitted);
+        let (preset, fitted) =
+            (MrclamSettings::from_config(&MrclamSettings::preset()), MrclamSettings::default());
+        assert_eq!(MrclamSettings { camera: fitted.camera, ..preset }, fitted);
         assert!((preset.camera.bearing_std - fitted.camera.bearing_std).abs() < 1e-15);
     }
 }

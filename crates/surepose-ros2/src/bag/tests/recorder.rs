@@ -5,15 +5,15 @@ use std::path::PathBuf;
 
 use byteorder::LittleEndian;
 use serde::Serialize;
-use surepose::{Body, Drive, Integration, Pose, Stamp, Twist};
-use surepose_lab::rig::Scenario;
+use surepose::{Body, DiffDrive, Integration, Pose, Stamp, Twist};
+use surepose_lab::robot::Scenario;
 use surepose_sim::{Seed, World};
 
 use super::super::mcap::writer::{Packing, Writer};
 use crate::convert::{header, pose_message};
 use crate::message::PoseStamped;
 use crate::pilot::Odom;
-use crate::robot::words;
+use crate::robot::messages;
 
 /// Writes a recording.
 pub(super) struct Recorder {
@@ -59,7 +59,7 @@ pub(super) fn round(seconds: f64, odometry_topic: &str) -> Recorder {
 pub(super) struct Robot {
     pub(super) scenario: Scenario,
     /// What it takes its wheels for.
-    pub(super) base: Drive<f64>,
+    pub(super) base: DiffDrive<f64>,
     /// Its laser hangs upside down.
     pub(super) hangs: bool,
 }
@@ -84,20 +84,20 @@ pub(super) fn recorded_by(
     let at = |moment: Stamp| origin.after(moment.seconds());
     while world.now().seconds() < seconds {
         let drive = world.model().drive;
-        let sensed = world.step(drive.rates_from_twist(told(world.now().seconds())), 0.05);
-        let rims = base.rims_from_turns(drive.turns_from_rims(sensed.rims));
-        odometry = odometry.moved(base.motion_from_travel(rims), Integration::Arc);
+        let sensed = world.step(drive.wheel_rates_from_twist(told(world.now().seconds())), 0.05);
+        let rims = base.wheel_travel_from_angle(drive.wheel_angle_from_travel(sensed.rims));
+        odometry = odometry.integrate(base.motion_from_travel(rims), Integration::Arc);
         let now = at(sensed.stamp);
-        let rolled = words::odometry(now, odometry, Twist::rest());
+        let rolled = messages::odometry(now, odometry, Twist::zero());
         recorder.write(odometry_topic, "nav_msgs/msg/Odometry", now, &rolled);
         let truth = PoseStamped { header: header(now, "map"), pose: pose_message(world.pose()) };
         recorder.write("/truth", "geometry_msgs/msg/PoseStamped", now, &truth);
         for heading in &sensed.headings {
-            let imu = words::heading(at(heading.stamp), heading.value, 0.1_f64.to_radians());
+            let imu = messages::heading(at(heading.stamp), heading.value, 0.1_f64.to_radians());
             recorder.write("/imu", "sensor_msgs/msg/Imu", now, &imu);
         }
         for scan in &sensed.scans {
-            let mut scan = words::scan(at(scan.stamp), &scan.value);
+            let mut scan = messages::scan(at(scan.stamp), &scan.value);
             if *hangs {
                 // What is on its right is on the robot's left.
                 scan.ranges.reverse();

@@ -2,7 +2,7 @@
 
 use crate::scalar::Scalar;
 
-/// `M` scalar measurements with independent noise, linearised at a belief.
+/// `M` scalar measurements with independent noise, linearized at a belief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation<S, const M: usize> {
     /// ν = z − h(x̂), angles wrapped.

@@ -1,0 +1,108 @@
+//! The law's memory as the certificate sees it: one of finitely many discrete states, each considered.
+
+use surepose::{HybridState, Mask, Scalar};
+
+use crate::interval::Interval;
+use crate::tribool::Tribool;
+
+/// A value of the law's memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DiscreteState {
+    /// The local law is in charge.
+    pub local_mode: bool,
+    /// The robot drives tail first.
+    pub reverse: bool,
+    /// The side it turns to: −1, 1, or 0 where nothing is decided.
+    pub turn_direction: i8,
+    /// Which way it last travelled: −1, 1, or 0 where it has not.
+    pub drive_direction: i8,
+}
+
+impl DiscreteState {
+    /// Nothing decided yet: as the law starts.
+    pub(crate) const INITIAL: Self =
+        Self { local_mode: false, reverse: false, turn_direction: 0, drive_direction: 0 };
+
+    /// Every discrete state there is.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let signs = || [-1, 0, 1].into_iter();
+        signs().flat_map(move |drive_direction| {
+            signs().flat_map(move |turn_direction| {
+                (0..4).map(move |k| Self {
+                    local_mode: k & 1 == 1,
+                    reverse: k & 2 == 2,
+                    turn_direction,
+                    drive_direction,
+                })
+            })
+        })
+    }
+
+    /// Position in the order of [`DiscreteState::all`].
+    pub(crate) fn index(self) -> usize {
+        usize::from(self.local_mode)
+            + 2 * usize::from(self.reverse)
+            + 4 * usize::from((self.turn_direction + 1).unsigned_abs())
+            + 12 * usize::from((self.drive_direction + 1).unsigned_abs())
+    }
+
+    /// The memory of the law that this is, having trimmed its heading for `trim_ticks` ticks.
+    pub fn memory<S: Scalar>(self, trim_ticks: S) -> HybridState<S> {
+        HybridState {
+            local_mode: S::Mask::splat(self.local_mode),
+            reverse: S::Mask::splat(self.reverse),
+            turn_direction: S::from_f64(f64::from(self.turn_direction)),
+            trim_ticks,
+            drive_direction: S::from_f64(f64::from(self.drive_direction)),
+        }
+    }
+
+    /// Every memory of the law that this is.
+    pub(crate) fn as_memory_set(self) -> HybridState<Interval> {
+        self.memory(Interval::new(0.0, f64::MAX))
+    }
+
+    /// The discrete state of a memory, where the intervals leave no doubt.
+    pub(crate) fn from_memory(memory: &HybridState<Interval>) -> Option<Self> {
+        let is_known = |mask: Tribool| mask.certain() != (!mask).certain();
+        let sign = |x: Interval| {
+            let is_one = x.lo().total_cmp(&x.hi()).is_eq() && [-1.0, 0.0, 1.0].contains(&x.lo());
+            is_one.then(|| x.lo() as i8)
+        };
+        let (local_mode, reverse) = (memory.local_mode, memory.reverse);
+        let (turn_direction, drive_direction) = (sign(memory.turn_direction)?, sign(memory.drive_direction)?);
+        (is_known(local_mode) && is_known(reverse)).then(|| Self {
+            local_mode: local_mode.certain(),
+            reverse: reverse.certain(),
+            turn_direction,
+            drive_direction,
+        })
+    }
+
+    /// Whether W is the same function for both: it depends on the end that goes first and on the side it turns to.
+    pub(crate) fn has_same_lyapunov(self, other: Self) -> bool {
+        self.reverse == other.reverse && self.turn_direction == other.turn_direction
+    }
+
+    /// The discrete states that a memory known only as intervals can be. A side that is not known is taken for decided.
+    pub(crate) fn possible(memory: &HybridState<Interval>) -> impl Iterator<Item = Self> + use<> {
+        let HybridState { local_mode, reverse, turn_direction, drive_direction, .. } = *memory;
+        let is_zero = |x: Interval| x.lo() >= 0.0 && x.hi() <= 0.0;
+        let undecided = is_zero(turn_direction);
+        Self::all().filter(move |discrete_state| {
+            let may = |is: bool, mask: Tribool| if is { mask.possible() } else { (!mask).possible() };
+            may(discrete_state.local_mode, local_mode)
+                && may(discrete_state.reverse, reverse)
+                && turn_direction.contains(f64::from(discrete_state.turn_direction))
+                && (discrete_state.turn_direction != 0 || undecided)
+                && drive_direction.contains(f64::from(discrete_state.drive_direction))
+        })
+    }
+
+    /// The discrete state of a memory of floats.
+    pub(crate) fn from_memory_f64(memory: &HybridState<f64>) -> Self {
+        let sign = |x: f64| Scalar::clamp(x, -1.0, 1.0) as i8;
+        let (turn_direction, drive_direction) = (sign(memory.turn_direction), sign(memory.drive_direction));
+        Self { local_mode: memory.local_mode, reverse: memory.reverse, turn_direction, drive_direction }
+    }
+}

@@ -1,0 +1,114 @@
+//! One tick of one concrete state, in floats: what a counterexample is and what confirms it.
+
+use surepose::{
+    Angle, Body, DiffDrive, Goal, Integration, Map, NavigationVariables, Point, Pose, Twist, WheelPair,
+};
+
+use crate::controller::SampledController;
+use crate::discrete_state::DiscreteState;
+use crate::lyapunov::LyapunovFunction;
+
+/// Where the robot is, what the noise does to it in one tick, and what the law remembers. The goal is (0, 0, 0).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisturbedState {
+    /// True x \[m].
+    pub x: f64,
+    /// True y \[m].
+    pub y: f64,
+    /// True heading \[rad].
+    pub heading: f64,
+    /// What the law remembers.
+    pub discrete_state: DiscreteState,
+    /// For how many ticks it has trimmed its heading.
+    pub trim_ticks: f64,
+    /// Estimated minus true x \[m].
+    pub noise_x: f64,
+    /// Estimated minus true y \[m].
+    pub noise_y: f64,
+    /// Estimated minus true heading \[rad].
+    pub noise_heading: f64,
+    /// Error of the right rim's speed \[m/s].
+    pub noise_right: f64,
+    /// Error of the left rim's speed \[m/s].
+    pub noise_left: f64,
+}
+
+/// What one tick makes of a [`DisturbedState`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition {
+    /// The true goal before the tick.
+    pub before: NavigationVariables<f64>,
+    /// The true goal after it.
+    pub after: NavigationVariables<f64>,
+    /// The law's discrete state after it.
+    pub discrete_state: DiscreteState,
+    /// For how many ticks the law has trimmed its heading then.
+    pub trim_ticks: f64,
+    /// What the robot was told to drive.
+    pub commanded: Twist<f64>,
+    /// W before the tick.
+    pub lyapunov_before: f64,
+    /// W after it; more than before where the certificate is violated.
+    pub lyapunov_after: f64,
+}
+
+impl DisturbedState {
+    /// Simulates one tick with the core's own motion.
+    pub fn simulate<L: SampledController>(
+        &self,
+        controller: &L,
+        drive: &DiffDrive<f64>,
+        period: f64,
+        lyapunov: &LyapunovFunction,
+        limited: bool,
+    ) -> Transition {
+        let goal: Pose<Map, Goal, f64> = Pose::identity();
+        let pose: Pose<Map, Body, f64> = Pose::new(self.x, self.y, Angle::from_radians(self.heading));
+        let estimate: Pose<Map, Body, f64> = Pose::new(
+            self.x + self.noise_x,
+            self.y + self.noise_y,
+            Angle::from_radians(self.heading + self.noise_heading),
+        );
+        let output = controller.compute(
+            &NavigationVariables::from_poses(estimate, goal),
+            self.discrete_state.memory(self.trim_ticks),
+        );
+        let commanded = if limited { controller.limit(output.twist) } else { output.twist };
+        let rims = drive.wheel_speeds_from_twist(commanded);
+        let rims = WheelPair::new(rims.right + self.noise_right, rims.left + self.noise_left);
+        let moved =
+            pose.integrate(drive.twist_from_wheel_speeds(rims).integrate_for(period), Integration::Arc);
+
+        let (before, after) =
+            (NavigationVariables::from_poses(pose, goal), NavigationVariables::from_poses(moved, goal));
+        let discrete_state = DiscreteState::from_memory_f64(&output.state);
+        // A law that has decided nothing yet has no W before its first decision.
+        let held = if self.discrete_state.turn_direction == 0 { discrete_state } else { self.discrete_state };
+        Transition {
+            before,
+            after,
+            discrete_state,
+            trim_ticks: output.state.trim_ticks,
+            commanded,
+            lyapunov_before: lyapunov.at(&before, held),
+            lyapunov_after: lyapunov.at(&after, discrete_state),
+        }
+    }
+
+    /// The state at true polar coordinates \[m, rad], without noise.
+    pub fn polar(rho: f64, alpha: f64, phi: f64, discrete_state: DiscreteState) -> Self {
+        let at: Point<Map, f64> = Point::new(-rho * phi.cos(), -rho * phi.sin());
+        Self {
+            x: at.x,
+            y: at.y,
+            heading: phi - alpha,
+            discrete_state,
+            trim_ticks: 0.0,
+            noise_x: 0.0,
+            noise_y: 0.0,
+            noise_heading: 0.0,
+            noise_right: 0.0,
+            noise_left: 0.0,
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Near the goal: the heading comes to its bound, and the switch between the laws keeps its discrete state.
+
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use surepose::{Body, Dual, Integration, NavigationVariables, Point, Pose, Scalar, Twist};
+
+use crate::controller::SampledController;
+use crate::counterexample::{Counterexample, Rng};
+use crate::descent::{BranchOutcome, Descent};
+use crate::discrete_state::DiscreteState;
+use crate::disturbed_state::DisturbedState;
+use crate::interval::Interval;
+use crate::region::Region;
+use crate::search::first_shown;
+
+/// What was shown of the neighbourhood of the goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TerminalPhase {
+    /// Under the local law, V = ½θ_e² + ½(ρ cos α/ℓ)² falls at every tick in which |θ_e| is above this \[rad] and
+    /// that law stays in charge; nothing where this was not shown.
+    pub heading_bound: Option<f64>,
+    /// ℓ \[m].
+    pub length: f64,
+    /// Once the local law has taken over, it stays in charge for so many ticks at the least, whatever the noise; 0 where
+    /// this was not shown, and no more than the certificate looks for.
+    pub switch_dwell: usize,
+}
+
+impl TerminalPhase {
+    /// Whether the switch cannot go back and forth on noise: a law that has taken over on it does not hand back at once.
+    pub fn has_switch_hysteresis(&self) -> bool {
+        self.switch_dwell > 1
+    }
+}
+
+/// Bounds of the heading that are tried, above twice the heading noise \[rad].
+const HEADINGS: [f64; 2] = [0.12, 0.24];
+/// ℓ \[m]: long, so that the distance, which noise can raise by some millimetres, weighs little beside the heading.
+const LENGTH: f64 = 0.4;
+/// Situations in which a violation is looked for.
+const LOCAL_TRIALS: usize = 20_000;
+/// Distances at which nobody but the local law may be in charge \[m].
+const ON_THE_GOAL: fn() -> Interval = || Interval::new(0.0, 1e-6);
+/// Regions looked at for each.
+const MAX_REGIONS: usize = 100_000;
+/// Regions narrower than this \[rad] are not cut again.
+const MIN_WIDTH: f64 = 4e-3;
+/// Into how many pieces the noise along the robot is cut, the second number where the first does not do.
+const PIECES: [usize; 2] = [1, 13];
+
+pub(crate) fn terminal_phase<L: SampledController>(
+    descent: &mut Descent<'_, L>,
+    capture: f64,
+    boxes: &mut usize,
+) -> TerminalPhase {
+    let heading_bound = heading_bound(descent, capture, boxes);
+    let switch_dwell = crate::switch::dwell(descent, capture, boxes);
+    TerminalPhase { heading_bound, length: LENGTH, switch_dwell }
+}
+
+/// The heading bound of [`TerminalPhase`], if one can be shown and on the goal itself the local law is in charge.
+pub(crate) fn heading_bound<L: SampledController>(
+    descent: &mut Descent<'_, L>,
+    capture: f64,
+    boxes: &mut usize,
+) -> Option<f64> {
+    // The tick of taking over counts too: every discrete state that the law can come to be in.
+    descent.prepare_for_any_past();
+    let (near, whole) = reach_of_local(descent, capture);
+    if !whole || !descent.local_certain(&Region::anywhere(ON_THE_GOAL(), Interval::point(0.0))) {
+        return None;
+    }
+    let above = HEADINGS.into_iter().map(|above| 2.0 * descent.noise.heading + above);
+    above.into_iter().find(|bound| heading_falls(descent, near, *bound, LENGTH, boxes))
+}
+
+/// A state near the goal in which V does not fall without noise, if one is found.
+pub(crate) fn local_counterexample<L: SampledController>(
+    descent: &mut Descent<'_, L>,
+    capture: f64,
+) -> Option<Counterexample> {
+    // A law that never lets the local one take over is looked at in whatever discrete state it is.
+    let discrete_states = Some(local_states(descent)).filter(|discrete_states| !discrete_states.is_empty());
+    let discrete_states = discrete_states.unwrap_or_else(|| descent.known_states().collect());
+    let (near, _) = reach_of_local(descent, capture);
+    let mut rng = Rng(0x10ca_11a5);
+    (0..LOCAL_TRIALS).find_map(|k| {
+        let rho = near.hi() * rng.part();
+        // Where the goal is at the robot's side there is nothing to drive, and all depends on the turn.
+        let alpha = if k % 2 == 0 { FRAC_PI_2 * rng.either().signum() } else { PI * rng.either() };
+        let discrete_state = *discrete_states.get(k % discrete_states.len().max(1))?;
+        let disturbed_state = DisturbedState::polar(rho, alpha, PI * rng.either(), discrete_state);
+        let transition = disturbed_state.simulate(
+            descent.controller,
+            &descent.drive,
+            descent.period,
+            &descent.lyapunov,
+            descent.limited,
+        );
+        let side = transition.discrete_state.turn_direction;
+        let fall = local_lyapunov(&transition.before, side) - local_lyapunov(&transition.after, side);
+        let counts = transition.before.heading_error().radians().abs() > HEADINGS[0];
+        let violates = if transition.discrete_state.local_mode {
+            counts && fall <= 1e-12
+        } else {
+            rho < ON_THE_GOAL().hi()
+        };
+        violates.then_some(Counterexample { disturbed_state, transition, limited: descent.limited })
+    })
+}
+
+/// V of [`TerminalPhase`] for a robot that turns to `side`, to rounding.
+fn local_lyapunov(goal: &NavigationVariables<f64>, side: i8) -> f64 {
+    let (_, cos) = goal.alpha.sin_cos();
+    let (error, side) = (goal.heading_error().radians(), f64::from(side));
+    let heading = if error * side > FRAC_PI_2 { error - TAU * side } else { error };
+    let ahead = goal.rho * cos / LENGTH;
+    0.5 * (heading * heading + ahead * ahead)
+}
+
+/// The discrete states in which the local law is in charge.
+fn local_states<L: SampledController>(descent: &Descent<'_, L>) -> Vec<DiscreteState> {
+    descent
+        .known_states()
+        .filter(|discrete_state| discrete_state.local_mode && discrete_state.turn_direction != 0)
+        .collect()
+}
+
+/// The seen distances at which the local law can be in charge, in steps; and whether these are all.
+fn reach_of_local<L: SampledController>(descent: &Descent<'_, L>, capture: f64) -> (Interval, bool) {
+    const RINGS: usize = 64;
+    // Kept, or taken over: the tick of taking over counts too.
+    let possible =
+        |region: &Region| [true, false].into_iter().any(|before| descent.local_possible(region, before));
+    let all = Interval::new(0.0, 4.0 * capture);
+    let beyond = Region::anywhere(Interval::new(all.hi(), 1e6), Interval::point(0.0));
+    let farthest = (0..RINGS)
+        .rev()
+        .map(|ring| all.piece(ring, RINGS))
+        .find(|rho| possible(&Region::anywhere(*rho, Interval::point(0.0))));
+    let reach = farthest.map_or(0.0, Interval::hi);
+    (Interval::new(0.0, reach), !possible(&beyond))
+}
+
+/// Shows that V falls wherever the local law is in charge and |θ_e| ≥ `bound`.
+fn heading_falls<L: SampledController>(
+    descent: &Descent<'_, L>,
+    near: Interval,
+    bound: f64,
+    length: f64,
+    boxes: &mut usize,
+) -> bool {
+    let mut open: Vec<Region> = Region::around_seen(near).collect();
+    let mut looked = 0;
+    let mut discrete_states = descent.discrete_states.clone();
+    while let Some(region) = open.pop() {
+        looked += 1;
+        *boxes += 1;
+        if first_shown(&mut discrete_states, |discrete_state, known| {
+            shown_for(descent, &region, discrete_state, known, (bound, length))
+        }) {
+            continue;
+        }
+        if looked > MAX_REGIONS || region.size() < MIN_WIDTH {
+            return false;
+        }
+        let (low, high) = region.halves_near();
+        open.extend([low, high]);
+    }
+    true
+}
+
+/// The same in `region` for a law that was of `discrete_state`, as far as its outcomes are not known to be harmless.
+fn shown_for<L: SampledController>(
+    descent: &Descent<'_, L>,
+    region: &Region,
+    discrete_state: DiscreteState,
+    harmless: &mut Vec<BranchOutcome>,
+    (bound, length): (f64, f64),
+) -> bool {
+    let mut outcomes = Vec::new();
+    if !descent.outcomes(region, discrete_state, &mut outcomes) {
+        return !descent.local_possible_from(region, discrete_state);
+    }
+    outcomes.retain(|outcome| outcome.discrete_state.local_mode && !harmless.contains(outcome));
+    let shown = outcomes.iter().all(|outcome| {
+        let truth = region.heading_error(outcome.discrete_state) + Interval::symmetric(descent.noise.heading);
+        let parts = [Interval::new(bound, TAU), Interval::new(-TAU, -bound)];
+        let mut errors = parts.into_iter().filter_map(|part| truth.intersection(part));
+        errors.all(|error| falls(descent, region, outcome, error, length))
+    });
+    harmless.append(&mut outcomes);
+    shown
+}
+
+/// Whether V̇ < 0 during a tick that begins with the heading error `error`, cutting the noise along the robot.
+fn falls<L: SampledController>(
+    descent: &Descent<'_, L>,
+    region: &Region,
+    outcome: &BranchOutcome,
+    error: Interval,
+    length: f64,
+) -> bool {
+    let twist = descent.noise.driven(&descent.drive.cast(), outcome.twist);
+    let noise = Interval::symmetric(descent.noise.position);
+    let (seen_ahead, aside) = region.true_place(descent.noise.heading);
+    let aside = aside + noise;
+    let time = Interval::new(0.0, descent.period);
+    let per_square = Interval::point(1.0) / Interval::point(length).squared();
+    let turning = (error + time * twist.omega) * twist.omega;
+    PIECES.into_iter().any(|pieces| {
+        // What the noise does is at its worst at an end: these come first.
+        let mut ends_first = (0..pieces).map(|k| if k % 2 == 0 { k / 2 } else { pieces - 1 - k / 2 });
+        ends_first.all(|piece| {
+            let (ahead, rate) = seen_moving(seen_ahead + noise.piece(piece, pieces), aside, twist, time);
+            (turning + ahead * rate * per_square).hi() < 0.0
+        })
+    })
+}
+
+/// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.
+pub(crate) fn seen_moving(
+    ahead: Interval,
+    aside: Interval,
+    twist: Twist<Interval>,
+    time: Interval,
+) -> (Interval, Interval) {
+    type Moving = Dual<Interval, 1>;
+    let time = Moving::parameter(time, 0);
+    let twist = Twist::new(Moving::constant(twist.v), Moving::constant(twist.omega));
+    let start: Pose<Body, Body, Moving> = Pose::identity();
+    let moved = start.integrate(twist.integrate_for(time), Integration::Arc);
+    let goal: Point<Body, Moving> = Point::new(Moving::constant(ahead), Moving::constant(aside));
+    let seen = moved.inverse() * goal;
+    (seen.x.value, seen.x.slope[0])
+}
+
+impl Region {
+    /// All ways of seeing the goal at distances `rho`, quadrant by quadrant of both angles.
+    fn around_seen(rho: Interval) -> impl Iterator<Item = Self> {
+        Self::around(rho, &crate::noise::NoiseBounds::default())
+    }
+
+    /// Two halves along the widest of the angles, or of the distance.
+    fn halves_near(&self) -> (Self, Self) {
+        let (mut low, mut high) = (*self, *self);
+        let (alpha, phi) = (self.alpha.width(), self.phi.width());
+        if self.rho.width() > 0.02 * alpha.max(phi) {
+            (low.rho, high.rho) = self.rho.halves();
+        } else if alpha > phi {
+            (low.alpha, high.alpha) = self.alpha.halves();
+        } else {
+            (low.phi, high.phi) = self.phi.halves();
+        }
+        (low, high)
+    }
+
+    /// θ_e as seen, continued to the side to which a robot of this discrete state turns, which is that of −θ_e.
+    fn heading_error(&self, discrete_state: DiscreteState) -> Interval {
+        let plain = self.phi - self.alpha;
+        let turns = (plain.mid() / TAU).round();
+        let error = plain - crate::region::half_turns(2) * Interval::point(turns);
+        if -error.mid() * f64::from(discrete_state.turn_direction) < -FRAC_PI_2 {
+            return error - crate::region::half_turns(2 * discrete_state.turn_direction);
+        }
+        error
+    }
+}

@@ -1,0 +1,138 @@
+//! What the node hears, as one stream of events.
+
+use std::time::Duration;
+
+use futures::stream::{self, FusedStream, LocalBoxStream, StreamExt};
+use ros2_client::{Node, RmwRequestId, Server, ServiceMapping, ServiceTypeName, Subscription};
+use serde::de::DeserializeOwned;
+
+use crate::message::{Empty, Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
+
+use crate::dds::{NodeError, global_name, latched, refused, reliable, sensor, subscribe};
+
+use super::NodeSettings;
+use super::action::{CancelRequest, NewGoal, Served, cancels, goals};
+
+/// Something happened.
+pub(super) enum NodeEvent {
+    Odometry(Box<Odometry>),
+    Scan(LaserScan),
+    /// How frames that do not move sit on others.
+    StaticTransforms(TfMessage),
+    Imu(Box<Imu>),
+    Goal(PoseStamped),
+    InitialPose(Box<PoseWithCovarianceStamped>),
+    /// Somebody asks the robot to find out where it is.
+    GlobalLocalization(RmwRequestId),
+    ActionGoal(NewGoal),
+    Cancel(CancelRequest),
+    /// Time passed.
+    Timer,
+    /// A message on this topic is not what its type says.
+    Unreadable(&'static str),
+}
+
+/// Subscriptions and the service.
+pub(super) struct Subscriptions {
+    odometry: Subscription<Odometry>,
+    scans: Option<Subscription<LaserScan>>,
+    static_transforms: Option<Subscription<TfMessage>>,
+    imu: Option<Subscription<Imu>>,
+    goals: Subscription<PoseStamped>,
+    told: Subscription<PoseWithCovarianceStamped>,
+    lose: Server<Empty, Empty>,
+}
+
+impl Subscriptions {
+    pub(super) fn new(node: &mut Node, settings: &NodeSettings) -> Result<Self, NodeError> {
+        let names = &settings.names;
+        let lose = names.of("reinitialize_global_localization")?;
+        let service = ServiceTypeName::new("std_srvs", "Empty");
+        let (request, answer) = (reliable(10), reliable(10));
+        Ok(Self {
+            odometry: subscribe(node, &names.of("odom")?, ("nav_msgs", "Odometry"), sensor(50))?,
+            scans: match &settings.driver.map {
+                Some(_) => {
+                    Some(subscribe(node, &names.of("scan")?, ("sensor_msgs", "LaserScan"), sensor(5))?)
+                }
+                None => None,
+            },
+            static_transforms: match &settings.driver.map {
+                Some(_) => Some(subscribe(
+                    node,
+                    &global_name("tf_static")?,
+                    ("tf2_msgs", "TFMessage"),
+                    latched(100),
+                )?),
+                None => None,
+            },
+            imu: if settings.driver.compass {
+                Some(subscribe(node, &names.of("imu")?, ("sensor_msgs", "Imu"), sensor(50))?)
+            } else {
+                None
+            },
+            goals: subscribe(node, &names.of("goal_pose")?, ("geometry_msgs", "PoseStamped"), reliable(1))?,
+            told: subscribe(
+                node,
+                &names.of("initialpose")?,
+                ("geometry_msgs", "PoseWithCovarianceStamped"),
+                reliable(1),
+            )?,
+            lose: node
+                .create_server(ServiceMapping::Enhanced, &lose, &service, request, answer)
+                .map_err(|error| refused("a service", error))?,
+        })
+    }
+
+    /// All that happens, in the order in which it does.
+    pub(super) fn events<'a>(
+        &'a self,
+        action: &'a Served,
+        timer: Duration,
+    ) -> impl FusedStream<Item = NodeEvent> + 'a {
+        let lose = self.lose.receive_request_stream().map(|request| match request {
+            Ok((id, _)) => NodeEvent::GlobalLocalization(id),
+            Err(_) => NodeEvent::Unreadable("reinitialize_global_localization"),
+        });
+        let unreadable = || NodeEvent::Unreadable("navigate_to_pose");
+        let goals = goals(action).map(move |goal| goal.map_or_else(|_| unreadable(), NodeEvent::ActionGoal));
+        let cancels =
+            cancels(action).map(move |cancel| cancel.map_or_else(|_| unreadable(), NodeEvent::Cancel));
+        let timer_ticks = smol::Timer::interval(timer).map(|_| NodeEvent::Timer);
+        let mut all: Vec<LocalBoxStream<'a, NodeEvent>> = vec![
+            on("odom", &self.odometry, |odometry| NodeEvent::Odometry(Box::new(odometry))),
+            on("goal_pose", &self.goals, NodeEvent::Goal),
+            on("initialpose", &self.told, |told| NodeEvent::InitialPose(Box::new(told))),
+            lose.boxed_local(),
+            goals.boxed_local(),
+            cancels.boxed_local(),
+            timer_ticks.boxed_local(),
+        ];
+        all.extend(self.scans.as_ref().map(|scans| on("scan", scans, NodeEvent::Scan)));
+        all.extend(
+            self.static_transforms
+                .as_ref()
+                .map(|static_transforms| on("tf_static", static_transforms, NodeEvent::StaticTransforms)),
+        );
+        all.extend(self.imu.as_ref().map(|imu| on("imu", imu, |imu| NodeEvent::Imu(Box::new(imu)))));
+        stream::select_all(all)
+    }
+
+    /// Tells who asked that it was heard.
+    pub(super) fn answer(&self, request: RmwRequestId) {
+        // Who does not wait for the answer gets none.
+        let _sent = self.lose.send_response(request, Empty { structure_needs_at_least_one_member: 0 });
+    }
+}
+
+fn on<'a, M: DeserializeOwned + 'static>(
+    topic: &'static str,
+    heard: &'a Subscription<M>,
+    event: impl Fn(M) -> NodeEvent + 'a,
+) -> LocalBoxStream<'a, NodeEvent> {
+    let stream = heard.async_stream().map(move |message| match message {
+        Ok((message, _)) => event(message),
+        Err(_) => NodeEvent::Unreadable(topic),
+    });
+    stream.boxed_local()
+}

@@ -1,0 +1,247 @@
+//! A scan laid on the walls of a map: the pose comes out, with what is not seen of it left open.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use std::f64::consts::FRAC_PI_2;
+
+use surepose::{
+    Angle, BeamModelMatcher, Belief, DiffDrive, Ekf, Float, Gate, Integration, Matrix, Measurement, Point,
+    Pose, PoseMeasurement, RangeFinder, Scan, ScanError, ScanMatch, ScanMatchResult, ScanMatcher,
+    ScanMatcherWorkspace, Wall,
+};
+
+const BEAMS: usize = 181;
+const STEP: f64 = std::f64::consts::PI / 180.0;
+type Place = Pose<surepose::Map, surepose::Body, f64>;
+
+fn wall(from: (f64, f64), to: (f64, f64)) -> Wall<f64> {
+    Wall::between(Point::new(from.0, from.1), Point::new(to.0, to.1)).unwrap()
+}
+
+/// A room of 6 m by 4 m with a short face in it.
+fn room() -> Vec<Wall<f64>> {
+    let corners = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)];
+    let mut walls: Vec<_> = corners.windows(2).map(|ends| wall(ends[0], ends[1])).collect();
+    walls.push(wall((3.9, 2.8), (4.1, 3.0)));
+    walls
+}
+
+fn laser() -> RangeFinder<f64> {
+    let body_from_laser = Pose::new(0.2, -0.05, Angle::from_degrees(5.0));
+    RangeFinder { body_from_laser, range_std: 0.03, bearing_std: 0.004, range_min: 0.05, range_max: 30.0 }
+}
+
+fn scan_matcher() -> ScanMatcher<f64> {
+    ScanMatcher {
+        gate: Gate::new(0.999),
+        max_correspondence_distance: 0.7,
+        min_beams_per_wall: 5,
+        min_overlap: 0.33,
+        wall_offset_std: 0.0,
+        wall_direction_std: 0.0,
+        scan_std: [0.0; 3],
+    }
+}
+
+fn ekf() -> Ekf<f64> {
+    let drive = DiffDrive::new(0.05, 0.6);
+    Ekf { drive, delta: 0.0025, integration: Integration::Arc }
+}
+
+/// Ranges over 180°, each off by a fixed pattern of at most 3σ that looks like noise.
+fn ranges(pose: Place, walls: &[Wall<f64>]) -> Vec<f64> {
+    let origin = pose * laser().body_from_laser;
+    let mut noise = 12345_u32;
+    (0..BEAMS)
+        .map(|beam| {
+            let bearing = (beam as f64 - 90.0).to_radians();
+            let (sin, cos) = (origin.heading.radians() + bearing).sin_cos();
+            let hits = walls.iter().filter_map(|wall| {
+                let [a, b] = wall.ends();
+                let (ex, ey) = (b.x - a.x, b.y - a.y);
+                let (ox, oy) = (a.x - origin.x, a.y - origin.y);
+                let turn = cos * ey - sin * ex;
+                let (range, share) = ((ox * ey - oy * ex) / turn, (ox * sin - oy * cos) / turn);
+                (range > 0.0 && (0.0..=1.0).contains(&share)).then_some(range)
+            });
+            let mut sum = -2.0;
+            for _ in 0..4 {
+                noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum += f64::from(noise >> 8) / f64::from(1 << 24);
+            }
+            hits.fold(f64::INFINITY, f64::min) + 0.03 * sum * f64::sqrt(3.0)
+        })
+        .collect()
+}
+
+fn matched(belief: Belief<f64>, ranges: &[f64], walls: &[Wall<f64>]) -> ScanMatch<f64> {
+    let scan = Scan { angle_min: Angle::from_degrees(-90.0), angle_increment: 1_f64.to_radians(), ranges };
+    let mut workspace = ScanMatcherWorkspace::<f64, BEAMS>::default();
+    scan_matcher().match_scan(&mut workspace, &ekf(), &belief, &laser(), &scan, walls).unwrap()
+}
+
+fn found(scan_match: ScanMatch<f64>) -> ScanMatchResult<f64> {
+    match scan_match {
+        ScanMatch::Matched(result) => result,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn corrected(belief: Belief<f64>, result: &ScanMatchResult<f64>) -> Belief<f64> {
+    ekf().correct(belief, &result.fix.innovation(&belief), 1e30).belief
+}
+
+#[test]
+fn finds_the_pose_in_a_room() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
+    let start = Pose::new(2.15, 1.4, Angle::from_degrees(44.0));
+    let belief = Belief::new(start, [0.2, 0.2, 0.1]);
+    let result = found(matched(belief, &ranges(truth, &room()), &room()));
+    let after = corrected(belief, &result);
+    assert!(after.error(truth).iter().all(|e| e.abs() < 0.008), "{:?}", after.error(truth));
+    assert!(after.nees(truth) < 11.3, "{}", after.nees(truth));
+    // As sharp as some 180 beams of 3 cm over three walls can be, and no sharper.
+    assert!((0.002..0.008).contains(&after.covariance.std(0)), "{}", after.covariance.std(0));
+    assert!(result.walls >= 3 && result.beams > 160 && result.returns == 181, "{result:?}");
+}
+
+#[test]
+fn finds_a_heading_that_is_half_a_radian_off() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
+    let belief = Belief::new(Pose::new(2.1, 1.5, Angle::from_degrees(68.0)), [0.2, 0.2, 0.25]);
+    let result = found(matched(belief, &ranges(truth, &room()), &room()));
+    assert!(corrected(belief, &result).error(truth).iter().all(|e| e.abs() < 0.01));
+}
+
+#[test]
+fn corridor_leaves_its_axis_unobserved() {
+    let corridor = [wall((-50.0, 0.0), (50.0, 0.0)), wall((-50.0, 2.0), (50.0, 2.0))];
+    let truth: Place = Pose::new(0.0, 1.0, Angle::zero());
+    let belief = Belief::new(Pose::new(0.3, 1.05, Angle::from_degrees(1.0)), [0.4, 0.1, 0.03]);
+    let after = corrected(belief, &found(matched(belief, &ranges(truth, &corridor), &corridor)));
+    let error = after.error(truth);
+    assert!(error[1].abs() < 0.01 && error[2].abs() < 0.01, "{error:?}");
+    assert!((error[0] - 0.3).abs() < 0.01 && after.covariance.std(0) > 0.38, "{error:?}");
+}
+
+/// Whichever way a corridor runs, what a scan says of it is information: what is nothing along it stays nothing, though it is the
+/// rounding of a million across.
+#[test]
+fn corridor_information_is_valid_in_every_direction() {
+    fn refused<S: Float>(range_std: f64) -> usize {
+        let num = S::from_f64;
+        let laser = RangeFinder {
+            body_from_laser: Pose::identity(),
+            range_std: num(range_std),
+            bearing_std: num(0.004),
+            range_min: num(0.05),
+            range_max: num(20.0),
+        };
+        // Walls 1 m to the left and to the right.
+        let range = |beam: usize| {
+            let across = (STEP * beam as f64 - FRAC_PI_2).sin().abs();
+            num(if across < 0.03 { f64::INFINITY } else { 1.0 / across })
+        };
+        let ranges: Vec<S> = (0..BEAMS).map(range).collect();
+        let scan = Scan {
+            angle_min: Angle::from_radians(num(-FRAC_PI_2)),
+            angle_increment: num(STEP),
+            ranges: &ranges,
+        };
+        let matcher =
+            BeamModelMatcher { min_hit_ratio: num(0.4), scan_std: [num(0.06), num(0.06), num(0.01)] };
+        let is_refused = |quarters: &usize| {
+            let heading = Angle::from_degrees(num(0.25 * *quarters as f64));
+            let (sin, cos) = heading.sin_cos();
+            let wall = |side: f64| {
+                let end = |along: f64| {
+                    let (along, side) = (num(along), num(side));
+                    Point::new(num(5.0) + along * cos - side * sin, along * sin + side * cos)
+                };
+                Wall::between(end(-50.0), end(50.0)).unwrap()
+            };
+            let belief =
+                Belief::new(Pose::new(num(5.0), num(0.0), heading), [0.005, 0.005, 0.002].map(S::from_f64));
+            let fix = matcher.match_scan(&laser, &scan, &belief, &[wall(1.0), wall(-1.0)]).unwrap();
+            let fix = fix.expect("two walls are in sight");
+            Measurement::Pose(fix).check().is_err()
+        };
+        (0..720).filter(is_refused).count()
+    }
+    for range_std in [0.03, 0.01] {
+        assert_eq!((refused::<f64>(range_std), refused::<f32>(range_std)), (0, 0), "at {range_std} m");
+    }
+}
+
+#[test]
+fn too_little_overlap_is_reported() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::zero());
+    let belief = Belief::new(truth, [0.05, 0.05, 0.02]);
+    let seen = ranges(truth, &room());
+    assert_eq!(matched(belief, &seen, &[]), ScanMatch::NoOverlap);
+    assert_eq!(matched(belief, &[f64::INFINITY; BEAMS], &room()), ScanMatch::NoOverlap);
+    assert_eq!(matched(belief, &[f64::NAN; BEAMS], &room()), ScanMatch::NoOverlap);
+    // Three beams of four end on people.
+    let people: Vec<f64> = seen
+        .iter()
+        .enumerate()
+        .map(|(beam, range)| if beam % 4 == 0 { *range } else { 0.3 * range })
+        .collect();
+    assert!(matches!(matched(belief, &people, &room()), ScanMatch::LowOverlap(_)));
+    let mut workspace = ScanMatcherWorkspace::<f64, 8>::default();
+    let scan = Scan { angle_min: Angle::zero(), angle_increment: 0.01, ranges: &seen };
+    let refused = scan_matcher().match_scan(&mut workspace, &ekf(), &belief, &laser(), &scan, &room());
+    assert_eq!(refused, Err(ScanError::TooManyBeams));
+}
+
+#[test]
+fn uncertain_walls_carry_less_information() {
+    let truth: Place = Pose::new(2.0, 1.5, Angle::zero());
+    let belief = Belief::new(truth, [0.1, 0.1, 0.05]);
+    let seen = ranges(truth, &room());
+    let vague: Vec<_> = room().into_iter().map(|wall| wall.with_covariance([0.04, 0.0, 1e-4])).collect();
+    let std =
+        |walls: &[Wall<f64>]| corrected(belief, &found(matched(belief, &seen, walls))).covariance.std(1);
+    assert!(std(&vague) > 0.05 && std(&room()) < 0.01, "{} {}", std(&vague), std(&room()));
+}
+
+/// (Λ⁻¹ + Σ)⁻¹ by its definition: with both added, the gain of a blurred fix is that of a vaguer one.
+#[test]
+fn inflation_adds_variance() {
+    let information: Matrix<f64, 3, 3> =
+        Matrix([[400.0, 30.0, -10.0], [30.0, 250.0, 5.0], [-10.0, 5.0, 900.0]]);
+    let fix = PoseMeasurement { pose: Pose::new(1.0, 2.0, Angle::zero()), information };
+    let more = [0.01, 0.02, 0.003];
+    // Λ' (Λ⁻¹ + Σ) = 1, so Λ' + Λ' Σ Λ = Λ.
+    let inflated = fix.inflated(more).information;
+    let product = &(&inflated * &Matrix::from_diagonal(more)) * &information;
+    for row in 0..3 {
+        for column in 0..3 {
+            let sum = inflated[(row, column)] + product[(row, column)];
+            assert!((sum - information[(row, column)]).abs() < 1e-9, "{row} {column}");
+        }
+    }
+}
+
+#[test]
+fn pose_measurement_solves_the_observed_subspace() {
+    let near: Place = Pose::new(1.0, 2.0, Angle::zero());
+    let information = Matrix([[4.0, 0.0, 2.0], [0.0, 0.0, 0.0], [2.0, 0.0, 9.0]]);
+    let fix = PoseMeasurement::from_information(
+        near,
+        information,
+        [4.0 * 0.1 + 2.0 * 0.2, 0.0, 2.0 * 0.1 + 9.0 * 0.2],
+    )
+    .unwrap();
+    assert!((fix.pose.x - 1.1).abs() < 1e-12 && (fix.pose.heading.radians() - 0.2).abs() < 1e-12);
+    assert!((fix.pose.y - 2.0).abs() < 1e-12);
+    // What rounding leaves of walls along an axis is not information.
+    let rounding = Matrix([[1e-30, 1e-13, 0.0], [1e-13, 100.0, 0.0], [0.0, 0.0, 100.0]]);
+    let fix = PoseMeasurement::from_information(near, rounding, [1e-14, 10.0, 0.0]).unwrap();
+    assert!((fix.pose.x - 1.0).abs() < 1e-9 && (fix.pose.y - 2.1).abs() < 1e-9, "{fix:?}");
+    let negative = Matrix([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert!(PoseMeasurement::from_information(near, negative, [0.0; 3]).is_err());
+    assert!(PoseMeasurement::from_information(near, information, [f64::NAN, 0.0, 0.0]).is_err());
+    let broken = Matrix([[4.0, f64::NAN, 2.0], [f64::NAN, 1.0, 0.0], [2.0, 0.0, 9.0]]);
+    assert!(PoseMeasurement::from_information(near, broken, [1.0, 0.0, 0.0]).is_err());
+}
