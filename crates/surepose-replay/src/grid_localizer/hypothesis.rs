@@ -1,0 +1,141 @@
+//! One place that the robot may be: its pose is put right by each scan, and what speaks for it adds up.
+
+use surepose::{Body, Point, Pose};
+use surepose_io::grid::Cells;
+
+use super::likelihood_field::{LikelihoodField, LikelihoodTable};
+use super::surface_cells::ScanEndpoints;
+
+/// The first steps of the climb \[m], \[rad]; each round takes half of them.
+const FIRST_STEP: (f64, f64) = (0.1, 0.05);
+const ROUNDS: i32 = 3;
+/// Steps of one size.
+const STEPS: usize = 4;
+
+/// What one beam counts where the pose is put right: neighbours are off together.
+const SHARE: f64 = 0.5;
+
+/// How well a pose is known before a scan puts it right: standard deviations of x and y \[m], and of the heading \[rad].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PoseUncertainty {
+    pub(super) position: f64,
+    pub(super) heading: f64,
+}
+
+/// What is seen, and how it is to be weighed.
+pub(super) struct ScanScorer<'a> {
+    pub(super) field: &'a LikelihoodField,
+    pub(super) law: &'a LikelihoodTable,
+    pub(super) endpoints: &'a ScanEndpoints,
+    /// How many pieces of surface were seen, those of this sighting among them.
+    pub(super) pieces: usize,
+}
+
+/// A place that the robot may be.
+#[derive(Clone, Debug)]
+pub(super) struct PoseHypothesis {
+    /// Where it is now.
+    pub(super) pose: Pose<Cells, Body, f64>,
+    /// Log likelihood of all that was seen, each piece of surface counted once, and of what odometry was off by.
+    pub(super) evidence: f64,
+    /// Mean log likelihood of the beams that ended on each piece of surface.
+    pieces: Vec<f32>,
+    /// Where it was at each look.
+    pub(super) trajectory: Vec<Pose<Cells, Body, f64>>,
+}
+
+impl PoseHypothesis {
+    /// Nothing speaks for this place yet, and nothing against it.
+    pub(super) fn at(pose: Pose<Cells, Body, f64>) -> Self {
+        Self { pose, evidence: 0.0, pieces: Vec::new(), trajectory: Vec::new() }
+    }
+
+    /// Rolls on by `motion`, takes the pose near there from which the view is likeliest, and counts what speaks for it.
+    pub(super) fn update(
+        &mut self,
+        motion: Pose<Body, Body, f64>,
+        uncertainty: PoseUncertainty,
+        view: &ScanScorer<'_>,
+    ) {
+        let rolled = self.pose * motion;
+        self.pose = view.hill_climb(rolled, uncertainty);
+        self.evidence += odometry_log_likelihood(rolled, self.pose, uncertainty);
+        self.trajectory.push(self.pose);
+        self.pieces.resize(view.pieces, 0.0);
+        for (end, piece, count) in view.endpoints.pieces() {
+            let likelihood = view.log_likelihood(self.pose, end);
+            if let Some(mean) = self.pieces.get_mut(piece) {
+                let step = (likelihood - f64::from(*mean)) / f64::from(count);
+                *mean += step as f32;
+                self.evidence += step;
+            }
+        }
+    }
+
+    /// Whether both are of one place.
+    pub(super) fn is_near(&self, other: &Self, (distance, turn): (f64, f64)) -> bool {
+        let turned = (self.pose.heading - other.pose.heading).radians().abs();
+        self.pose.origin().distance(other.pose.origin()) < distance && turned < turn
+    }
+}
+
+impl ScanScorer<'_> {
+    fn log_likelihood(&self, pose: Pose<Cells, Body, f64>, end: Point<Body, f64>) -> f64 {
+        self.field.log_likelihood(self.law, self.field.cell_at(pose * end))
+    }
+
+    /// The pose around `start` that explains the scan best, climbing in ever smaller steps.
+    fn hill_climb(
+        &self,
+        start: Pose<Cells, Body, f64>,
+        uncertainty: PoseUncertainty,
+    ) -> Pose<Cells, Body, f64> {
+        let score = |pose: Pose<Cells, Body, f64>| {
+            let laser = self.endpoints.laser;
+            let stands =
+                [pose.origin(), pose * laser].iter().all(|at| self.field.is_open(self.field.cell_at(*at)));
+            if !stands {
+                return f64::NEG_INFINITY;
+            }
+            // A turned pose keeps its sine and cosine for all beams.
+            let (sin, cos) = pose.heading.sin_cos();
+            let seen = self.endpoints.ends.iter().step_by(2).map(|end| {
+                let at = Point::new(pose.x + cos * end.x - sin * end.y, pose.y + sin * end.x + cos * end.y);
+                self.field.log_likelihood(self.law, self.field.cell_at(at))
+            });
+            SHARE * seen.sum::<f64>() + odometry_log_likelihood(start, pose, uncertainty)
+        };
+        let mut best = (start, score(start));
+        for round in 0..ROUNDS {
+            let part = 0.5_f64.powi(round);
+            let (step, turn) = (part * FIRST_STEP.0, part * FIRST_STEP.1);
+            for _ in 0..STEPS {
+                let from = best.0;
+                let moves = [(step, 0.0, 0.0), (0.0, step, 0.0), (0.0, 0.0, turn)];
+                for (x, y, turn) in moves.into_iter().flat_map(|(x, y, t)| [(x, y, t), (-x, -y, -t)]) {
+                    let at = from * Point::<Body, f64>::new(x, y);
+                    let next = Pose::new(at.x, at.y, from.heading.rotated_by(turn));
+                    let score = score(next);
+                    if score > best.1 {
+                        best = (next, score);
+                    }
+                }
+                if best.0 == from {
+                    break;
+                }
+            }
+        }
+        best.0
+    }
+}
+
+/// Log likelihood that odometry is off by the way from `rolled` to `pose`.
+fn odometry_log_likelihood(
+    rolled: Pose<Cells, Body, f64>,
+    pose: Pose<Cells, Body, f64>,
+    uncertainty: PoseUncertainty,
+) -> f64 {
+    let position = rolled.origin().distance(pose.origin()) / uncertainty.position;
+    let heading = (pose.heading - rolled.heading).radians() / uncertainty.heading;
+    -0.5 * (position * position + heading * heading)
+}
