@@ -5,12 +5,14 @@
 
 use core::fmt::{Display, Formatter};
 
-use surepose::closed_loop::{Controller, ControllerState, Localizer, SensorInput, SensorReading, tick};
-use surepose::{
-    Angle, Belief, Body, DelayedEkf, DiffDrive, Direction, Ekf, Gate, GoalStatus, HeadingMeasurement,
-    Integration, Limits, Line, LineMeasurement, Map, Measurement, Pose, ScanProcessor, Stamp, Stamped,
-    Tolerance, WheelPair,
-};
+use surepose::closed_loop::tick;
+use surepose::control::{Controller, ControllerState, Direction, GoalStatus, Limits, Tolerance};
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, HeadingMeasurement, LineMeasurement, Measurement};
+use surepose::geometry::{Angle, Body, Line, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::lidar::ScanProcessor;
+use surepose::localization::{Localizer, SensorInput, SensorReading};
+use surepose::time::{Stamp, Stamped};
 
 /// Time between ticks \[ms].
 const PERIOD: u16 = 20;

@@ -78,9 +78,12 @@ pub(crate) fn choose_branch(of: u8) -> Option<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use surepose::geometry::Angle;
+    use surepose::scalar::Scalar;
+
     use crate::{Interval, Tribool};
-    use surepose::{Angle, Scalar};
+
+    use super::*;
 
     #[test]
     fn every_branch_is_explored_once() {

@@ -1,10 +1,10 @@
 //! The certificate: what is asked, what is answered.
 
+use core::f64::consts::PI;
 use std::time::Instant;
 
-use core::f64::consts::PI;
-
-use surepose::{DiffDrive, Limits};
+use surepose::control::Limits;
+use surepose::kinematics::DiffDrive;
 
 use crate::annulus::{Annulus, Budget, from_outside};
 use crate::controller::SampledController;

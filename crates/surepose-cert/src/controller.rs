@@ -1,8 +1,8 @@
 //! What the certificate judges: one control step, evaluated with any scalar.
 
-use surepose::{
-    BrakingProfile, ControlOutput, DiffDrive, HybridState, Law, Limits, NavigationVariables, Scalar, Twist,
-};
+use surepose::control::{BrakingProfile, ControlOutput, HybridState, Law, Limits, NavigationVariables};
+use surepose::kinematics::{DiffDrive, Twist};
+use surepose::scalar::Scalar;
 
 /// A control step: from the goal as seen to the twist that the wheels are told to drive.
 ///

@@ -2,7 +2,8 @@
 
 use core::f64::consts::{PI, TAU};
 
-use surepose::{Angle, Body, Goal, Map, NavigationVariables, Pose};
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
 
 use crate::controller::SampledController;
 use crate::descent::Descent;

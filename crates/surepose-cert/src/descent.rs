@@ -2,7 +2,9 @@
 
 use core::f64::consts::PI;
 
-use surepose::{ControlOutput, DiffDrive, HybridState, Scalar, Twist};
+use surepose::control::{ControlOutput, HybridState};
+use surepose::kinematics::{DiffDrive, Twist};
+use surepose::scalar::Scalar;
 
 use crate::branching::explore_branches;
 use crate::controller::SampledController;

@@ -1,6 +1,7 @@
 //! The law's memory as the certificate sees it: one of finitely many discrete states, each considered.
 
-use surepose::{HybridState, Mask, Scalar};
+use surepose::control::HybridState;
+use surepose::scalar::{Mask, Scalar};
 
 use crate::interval::Interval;
 use crate::tribool::Tribool;

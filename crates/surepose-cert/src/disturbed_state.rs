@@ -1,8 +1,8 @@
 //! One tick of one concrete state, in floats: what a counterexample is and what confirms it.
 
-use surepose::{
-    Angle, Body, DiffDrive, Goal, Integration, Map, NavigationVariables, Point, Pose, Twist, WheelPair,
-};
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Goal, Map, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist, WheelPair};
 
 use crate::controller::SampledController;
 use crate::discrete_state::DiscreteState;

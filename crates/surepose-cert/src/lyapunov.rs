@@ -2,7 +2,10 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use surepose::{Angle, NavigationVariables, Scalar, Twist};
+use surepose::control::NavigationVariables;
+use surepose::geometry::Angle;
+use surepose::kinematics::Twist;
+use surepose::scalar::Scalar;
 
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;

@@ -1,6 +1,6 @@
 //! What may go wrong, bounded.
 
-use surepose::{DiffDrive, Twist, WheelPair};
+use surepose::kinematics::{DiffDrive, Twist, WheelPair};
 
 use crate::interval::Interval;
 

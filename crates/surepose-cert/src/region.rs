@@ -2,7 +2,9 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use surepose::{Angle, NavigationVariables, Scalar};
+use surepose::control::NavigationVariables;
+use surepose::geometry::Angle;
+use surepose::scalar::Scalar;
 
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;

@@ -2,7 +2,8 @@
 
 use std::collections::BinaryHeap;
 
-use surepose::{HybridState, Scalar};
+use surepose::control::HybridState;
+use surepose::scalar::Scalar;
 
 use crate::branching::explore_branches;
 use crate::controller::SampledController;

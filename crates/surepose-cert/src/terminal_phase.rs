@@ -2,7 +2,10 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use surepose::{Body, Dual, Integration, NavigationVariables, Point, Pose, Scalar, Twist};
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Body, Point, Pose};
+use surepose::kinematics::{Integration, Twist};
+use surepose::scalar::{Dual, Scalar};
 
 use crate::controller::SampledController;
 use crate::counterexample::{Counterexample, Rng};

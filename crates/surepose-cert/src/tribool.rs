@@ -2,7 +2,7 @@
 
 use core::ops::Not;
 
-use surepose::Mask;
+use surepose::scalar::Mask;
 
 /// The mask of intervals: for all members, for none, or cannot tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{DRIVE, deployed, hybrid, noise, paper_gains, request};
-use surepose::{Deadband, HybridLaw};
+use surepose::control::{Deadband, HybridLaw};
 use surepose_cert::{MarginRequest, NoiseBounds, RefusalReason, Request, certify, drift, margin_map};
 
 /// Period \[s], noise of the position \[m] and of the heading \[°], and what is certified of it: the capture radius and the
@@ -81,7 +81,7 @@ fn the_paper_s_gains_are_refused_at_a_tenth_of_a_second_with_a_confirmed_counter
         assert_eq!(again, found.transition);
         assert!(again.lyapunov_after > again.lyapunov_before, "{again:?}");
         // What goes wrong is visible without W: the bearing of the leading end swings through and grows.
-        let bearing = |goal: &surepose::NavigationVariables<f64>| goal.alpha.radians().sin().abs();
+        let bearing = |goal: &surepose::control::NavigationVariables<f64>| goal.alpha.radians().sin().abs();
         assert!(bearing(&again.after) > bearing(&again.before), "{again:?}");
     }
 }

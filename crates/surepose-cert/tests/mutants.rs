@@ -3,7 +3,10 @@
 mod common;
 
 use common::{deployed, hybrid, noise, request};
-use surepose::{Angle, ControlOutput, HybridState, Mask, NavigationVariables, Scalar, Twist};
+use surepose::control::{ControlOutput, HybridState, NavigationVariables};
+use surepose::geometry::Angle;
+use surepose::kinematics::Twist;
+use surepose::scalar::{Mask, Scalar};
 use surepose_cert::{DeployedController, SampledController, certify};
 
 /// The faults.
@@ -149,7 +152,7 @@ fn every_fault_is_refused() {
 #[test]
 fn gains_that_are_wrong_are_refused() {
     let good = hybrid(0.02);
-    let wrong = |change: fn(&mut surepose::HybridLaw<f64>)| {
+    let wrong = |change: fn(&mut surepose::control::HybridLaw<f64>)| {
         let mut law = good;
         change(&mut law);
         law

@@ -7,7 +7,8 @@ mod common;
 use std::f64::consts::PI;
 
 use common::{DRIVE, Rng, deployed, disturb, hybrid, noise, request, trials};
-use surepose::{Deadband, HybridLaw, Scalar};
+use surepose::control::{Deadband, HybridLaw};
+use surepose::scalar::Scalar;
 use surepose_cert::{Certificate, DeployedController, DiscreteState, DisturbedState, NoiseBounds, certify};
 
 const CASES: [(f64, f64, f64); 4] =

@@ -7,7 +7,9 @@ mod common;
 use std::f64::consts::PI;
 
 use common::{DRIVE, Rng, deployed, disturb, hybrid, noise, request, trials};
-use surepose::{ControlOutput, Deadband, HybridLaw, HybridState, Mask, NavigationVariables, Scalar, Twist};
+use surepose::control::{ControlOutput, Deadband, HybridLaw, HybridState, NavigationVariables};
+use surepose::kinematics::Twist;
+use surepose::scalar::{Mask, Scalar};
 use surepose_cert::{
     DeployedController, DiscreteState, DisturbedState, LyapunovFunction, NoiseBounds, SampledController,
     TerminalPhase, Transition, certify,

@@ -17,7 +17,6 @@ mod settings;
 use std::process::ExitCode;
 
 use clap::Parser;
-
 use error::CliError;
 use exit::Exit;
 

@@ -8,6 +8,7 @@
 mod build;
 mod file;
 mod key;
+mod navigation;
 mod number;
 mod problem;
 #[cfg(test)]
@@ -21,6 +22,7 @@ use surepose::param::{self, Kind, Parameter};
 
 pub use build::{CompassParameters, LaserParameters};
 pub use key::parameter;
+pub use navigation::{HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod};
 pub use problem::{ConfigError, ConfigProblem};
 
 use crate::number::exact;

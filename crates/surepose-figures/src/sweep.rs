@@ -2,13 +2,14 @@
 
 use core::f64::consts::{PI, TAU};
 
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Goal, Map as MapFrame, Pose};
+use surepose_montecarlo::sweep::{HEADING_TOLERANCE, POSITION_TOLERANCE, Quantiles, Trial};
+
 use crate::plot::{
     Color, DotPaint, Heatmap, HeatmapCell, MapPlot, Panel, Picture, Scale, Stroke, Subplot, XyPlot, hstack,
     vstack,
 };
-use surepose::{Angle, Body, Goal, Map as MapFrame, NavigationVariables, Pose};
-
-use surepose_montecarlo::sweep::{HEADING_TOLERANCE, POSITION_TOLERANCE, Quantiles, Trial};
 
 /// With fewer trials than this each one is a dot; with more, they are counted in cells.
 const CROWD: usize = 400;
@@ -285,8 +286,9 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::histogram;
     use crate::plot::vstack;
+
+    use super::histogram;
 
     /// A legend's line is on the axes; what lies beyond them is told in the title.
     #[test]

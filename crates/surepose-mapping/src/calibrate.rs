@@ -36,7 +36,7 @@ pub mod simulated;
 mod trajectory;
 mod uncertainty;
 
-use surepose::HeadingMeasurement;
+use surepose::estimation::HeadingMeasurement;
 use surepose_config::Config;
 use surepose_io::mines_rover::{ROVER, Rover};
 
@@ -47,9 +47,8 @@ pub use recording::{CalibrationRecording, StampedHeading};
 use association::AssociationThresholds;
 use fit::Fit;
 use frontal::Singular;
-use uncertainty::{Uncertainty, uncertainty};
-
 use surepose_sim::CancelToken;
+use uncertainty::{Uncertainty, uncertainty};
 
 /// The fewest line observations of walls that are worth a try.
 const MIN_RECORDS: usize = 50;

@@ -30,8 +30,7 @@ mod trial_batch;
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
-use surepose::Law;
-
+use surepose::control::Law;
 use surepose_sim::CancelToken;
 
 pub use bench::{DRIVE, HEADING_TOLERANCE, POSITION_TOLERANCE, SweepNoise, fitted_law, limits};
@@ -43,7 +42,7 @@ use lane_scheduler::Termination;
 use trial::TrialResult;
 
 /// A start pose, seen from the goal.
-pub type Start = surepose::Pose<surepose::Goal, surepose::Body, f64>;
+pub type Start = surepose::geometry::Pose<surepose::geometry::Goal, surepose::geometry::Body, f64>;
 
 /// Where the trials start.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,13 +17,13 @@ mod tests;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use surepose::Law;
+use surepose::control::Law;
 
 pub use candidate::GainCandidate;
 
-use crate::sweep::{Starts, Sweep, SweepReport};
-
 use search::Search;
+
+use crate::sweep::{Starts, Sweep, SweepReport};
 
 /// What to tune.
 #[derive(Clone, Debug, PartialEq)]

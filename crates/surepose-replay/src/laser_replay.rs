@@ -1,11 +1,16 @@
 //! What all replays with a laser share: odometry rolls the estimate on, scans laid on the walls correct it.
 
-use surepose::closed_loop::{Localizer, LoopObserver, ScanEvent, SensorInput, SensorReading};
-use surepose::{
-    Angle, Belief, Body, DelayedEkf, DiffDrive, Ekf, Gate, Integration, Map, Measurement, MeasurementOutcome,
-    Motion, Pose, RangeFinder, RejectReason, Scan, ScanMatch, ScanMatchResult, ScanMatcher, ScanModel,
-    ScanProcessor, Stamp, Stamped, Twist, Wall, WheelOdometry, WheelPair, param,
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, MeasurementOutcome, WheelOdometry};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
+use surepose::lidar::{
+    LaserGeometry, RangeFinder, Scan, ScanEvent, ScanMatch, ScanMatchResult, ScanMatcher, ScanModel,
+    ScanProcessor,
 };
+use surepose::localization::{Localizer, LoopObserver, Odometry, SensorInput, SensorReading};
+use surepose::map::{MapView, Wall};
+use surepose::param;
+use surepose::time::{Stamp, Stamped};
 use surepose_config::Config;
 use surepose_io::recording::{self, laser_extrinsics};
 
@@ -108,11 +113,9 @@ impl LaserReplaySettings {
 
 /// A recorded scan in the core's form.
 pub(super) fn scan_view(scan: &recording::ScanRecord) -> Scan<'_, f64> {
-    Scan {
-        angle_min: Angle::from_radians(scan.angle_min),
-        angle_increment: scan.angle_increment,
-        ranges: &scan.ranges,
-    }
+    let body_from_laser = laser_extrinsics(scan.mount);
+    let geometry = LaserGeometry { body_from_laser, range_min: MIN_RANGE, range_max: MAX_RANGE };
+    Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &scan.ranges).with_geometry(geometry)
 }
 
 /// An estimate that follows a robot with a laser among known walls.
@@ -184,10 +187,10 @@ impl LaserReplay {
         let belief = Belief::new(pose, settings.start_std);
         // The history is as long as its memory: some replays count records, where others count seconds.
         let estimator = DelayedEkf::new(settings.ekf(), gate, f64::INFINITY, stamp, belief);
-        // Where its laser is, each scan says.
+        // Each scan brings the mounting of its laser.
         let laser = settings.laser(recording::SensorPose::default());
         let scan_processor = ScanProcessor::new(laser, ScanModel::ScanMatch(settings.scan_matcher));
-        Self { localizer: Box::new(Localizer { estimator, scan_processor }), settings, walls }
+        Self { localizer: Box::new(Localizer::unsupervised(estimator, scan_processor)), settings, walls }
     }
 
     /// Takes other walls for the map.
@@ -199,17 +202,17 @@ impl LaserReplay {
     pub(super) fn predict(&mut self, stamp: Stamp, motion: Motion<f64>) {
         // A refusal is in the estimator's measurement statistics, and so in the report.
         let travel = self.settings.wheel_odometry(motion);
-        self.localizer.update(&SensorInput { stamp, travel, readings: &[] }, travel, &[], &mut ());
+        let input = SensorInput { stamp, odometry: Odometry::WithVariance(travel), readings: &[] };
+        self.localizer.update(&input, travel, &MapView::empty(), &mut ());
     }
 
     /// Corrects the belief by a scan that was taken at `stamp`.
     pub(super) fn correct(&mut self, stamp: Stamp, scan: &recording::ScanRecord) -> ScanOutcome {
-        let is_remembered = self.localizer.estimator.belief_at(stamp).is_some();
-        self.localizer.scan_processor.laser.body_from_laser = laser_extrinsics(scan.mount);
+        let is_remembered = self.localizer.estimator().belief_at(stamp).is_some();
         let mut last_scan = LastScan::default();
         self.localizer.process(
             &Stamped::new(stamp, SensorReading::Scan(scan_view(scan))),
-            &self.walls,
+            &MapView::from_walls(&self.walls),
             &mut last_scan,
         );
         match (last_scan.scan_match, last_scan.outcome) {
@@ -229,21 +232,12 @@ struct LastScan {
     scan_match: Option<ScanMatch<f64>>,
 }
 
-impl<const N: usize> LoopObserver<f64, N> for LastScan {
-    fn on_odometry(
-        &mut self,
-        _: Stamp,
-        _: WheelPair<f64>,
-        _: WheelOdometry<f64>,
-        _: Result<(), RejectReason>,
-    ) {
-    }
-
+impl LoopObserver<f64> for LastScan {
     fn on_measurement(&mut self, _: &Stamped<Measurement<f64>>, outcome: MeasurementOutcome) {
         self.outcome = Some(outcome);
     }
 
-    fn on_scan(&mut self, _: &mut DelayedEkf<f64, N>, event: &ScanEvent<'_, f64>) {
+    fn on_scan(&mut self, event: &ScanEvent<'_, f64>) {
         self.scan_match = event.observation.scan_match;
     }
 }

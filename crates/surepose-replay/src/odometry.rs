@@ -1,6 +1,7 @@
 //! Odometry that comes as poses.
 
-use surepose::{Angle, Body, Integration, Map, Motion, Pose};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{Integration, Motion};
 use surepose_io::recording::StampedPose;
 
 /// A recorded pose in the core's form.

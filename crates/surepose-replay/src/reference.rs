@@ -1,6 +1,6 @@
 //! The true path of a recording, at any time that it covers.
 
-use surepose::{Angle, Body, Map, Pose};
+use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose_io::recording::StampedPose;
 
 /// Between samples farther apart than this \[s] the truth is not known well enough to judge by.

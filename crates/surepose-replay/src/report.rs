@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use surepose::{Body, Map, MeasurementStats, Pose, RejectReason};
+use surepose::estimation::{MeasurementStats, RejectReason};
+use surepose::geometry::{Body, Map, Pose};
 use surepose_io::DataError;
+use surepose_sim::ErrorSummary;
 
 use super::grid_localizer::ConsistencyShares;
-use surepose_sim::ErrorSummary;
 
 /// The figures of one replay; those that need a reference are absent where the recording has none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -1,6 +1,7 @@
 //! Where the robot drives: flat walls and plates, as segments of the map.
 
-use surepose::{Angle, InvalidPath, Map, Path, Point, Pose};
+use surepose::control::{InvalidPath, Path};
+use surepose::geometry::{Angle, Map, Point, Pose};
 
 /// A flat piece of wall, seen from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,8 +157,9 @@ pub fn loop_course() -> Result<Path<f64, 8>, InvalidPath> {
 
 #[cfg(test)]
 mod tests {
+    use surepose::geometry::Point;
+
     use super::{Arena, WallSegment, loop_course};
-    use surepose::Point;
 
     #[test]
     fn clearance_is_the_distance_to_the_nearest_wall_and_negative_outside() {

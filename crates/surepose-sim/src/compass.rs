@@ -1,6 +1,6 @@
 //! The compass: the heading with noise, [Tran2012] Sec. 5.2.
 
-use surepose::Angle;
+use surepose::geometry::Angle;
 
 use crate::random::Stream;
 

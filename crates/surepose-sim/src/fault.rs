@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use surepose::Stamp;
+use surepose::time::Stamp;
 
 /// A sensor of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

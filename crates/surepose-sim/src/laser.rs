@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use surepose::{Angle, Body, Laser, Map, Pose};
+use surepose::geometry::{Angle, Body, Laser, Map, Pose};
 
 use crate::arena::WallSegment;
 use crate::random::Stream;

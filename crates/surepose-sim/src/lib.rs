@@ -6,7 +6,6 @@
 mod arena;
 mod cancel;
 mod compass;
-pub mod distance_field;
 mod errors;
 mod fault;
 mod laser;

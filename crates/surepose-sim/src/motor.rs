@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use surepose::{Pid, PidState};
+use surepose::control::{Pid, PidState};
 
 use crate::random::Stream;
 
@@ -139,9 +139,11 @@ impl Wheel {
 
 #[cfg(test)]
 mod tests {
-    use super::{MotorModel, Wheel};
+    use surepose::control::Pid;
+
     use crate::random::Seed;
-    use surepose::Pid;
+
+    use super::{MotorModel, Wheel};
 
     const PERIOD: f64 = 0.01;
 

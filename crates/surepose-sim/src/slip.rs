@@ -1,6 +1,6 @@
 //! Slip: what stands between how far a wheel rolled by its encoder and how far its rim came.
 
-use surepose::WheelPair;
+use surepose::kinematics::WheelPair;
 
 use crate::random::Stream;
 
@@ -33,9 +33,11 @@ impl Slip {
 
 #[cfg(test)]
 mod tests {
-    use super::Slip;
+    use surepose::kinematics::WheelPair;
+
     use crate::random::Seed;
-    use surepose::WheelPair;
+
+    use super::Slip;
 
     #[test]
     fn relative_error_has_variance_delta_on_each_wheel() {

@@ -2,7 +2,9 @@
 
 use core::ops::Range;
 
-use surepose::{Angle, Body, DiffDrive, Integration, Map, Pose, Stamp, Stamped, Twist, WheelPair};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist, WheelPair};
+use surepose::time::{Stamp, Stamped};
 
 use crate::arena::Arena;
 use crate::compass::CompassModel;

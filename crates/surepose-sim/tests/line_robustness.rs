@@ -5,7 +5,8 @@
 mod common;
 
 use common::{NEES_BAND, at, error, lines, range_finder, wall};
-use surepose::{Angle, LineExtractor, Map, Point, Pose, RangeFinder, Scan, ScanError};
+use surepose::geometry::{Angle, Map, Point, Pose};
+use surepose::lidar::{LineExtractor, RangeFinder, Scan, ScanError};
 use surepose_sim::{Clutter, LaserModel, Seed, WallSegment};
 
 /// Cutting clutter off at a gate leaves the wall several standard errors short in the mean; the mixture does not.
@@ -96,11 +97,8 @@ fn a_sector_without_return_cuts_a_wall_and_moves_it_not() {
 fn hostile_scans_are_refused_or_read_without_harm() {
     let laser = range_finder(&LaserModel::half_circle(181));
     let mut extractor = LineExtractor::<f64, 8>::new();
-    let scan = |first: f64, step: f64, ranges: &'static [f64]| Scan {
-        angle_min: Angle::from_radians(first),
-        angle_increment: step,
-        ranges,
-    };
+    let scan =
+        |first: f64, step: f64, ranges: &'static [f64]| Scan::new(Angle::from_radians(first), step, ranges);
     let mut refusal = |laser: &RangeFinder<f64>, scan: Scan<'_, f64>| extractor.extract(laser, &scan).err();
     for (first, step) in [(f64::NAN, 0.1), (0.0, 0.0), (0.0, f64::INFINITY), (0.0, f64::NAN), (0.0, 2.0)] {
         assert_eq!(refusal(&laser, scan(first, step, &[1.0; 4])), Some(ScanError::InvalidAngles));
@@ -137,7 +135,7 @@ fn noise_is_no_wall_and_harms_nothing() {
     for round in 0..300 {
         let scale = 10_f64.powi(round % 9 - 4);
         let ranges: Vec<f32> = (0..361).map(|_| (noise.uniform(-0.1, 1.0) * scale) as f32).collect();
-        let scan = Scan { angle_min: Angle::from_radians(-1.5), angle_increment: 0.0087, ranges: &ranges };
+        let scan = Scan::new(Angle::from_radians(-1.5), 0.0087, &ranges);
         for line in extractor.extract(&laser, &scan).unwrap().lines {
             let (v, w, c) = (line.distance_variance, line.direction_variance, line.covariance);
             assert!(v.is_finite() && w.is_finite() && v > 0.0 && w > 0.0 && c * c < v * w, "{line:?}");

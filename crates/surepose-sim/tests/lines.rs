@@ -5,10 +5,11 @@
 mod common;
 
 use common::{MapPose, NEES_BAND, at, error, lines, range_finder, wall};
-use surepose::{
-    Angle, Association, Belief, DiffDrive, Ekf, Integration, LineAssociator, LineExtractor, Point, Pose,
-    RangeFinder, Scan, Wall,
-};
+use surepose::estimation::{Belief, Ekf};
+use surepose::geometry::{Angle, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
+use surepose::lidar::{Association, LineAssociator, LineExtractor, RangeFinder, Scan};
+use surepose::map::Wall;
 use surepose_sim::{Arena, LaserModel, Seed, WallSegment};
 
 /// Mean normalised squared error over many scans of one wall, which is χ² with 2 degrees of freedom each, and the mean
@@ -147,11 +148,8 @@ fn single_precision_sees_the_same_walls() {
         let place = at(1.5 + 0.03 * f64::from(k), 1.0, f64::from(k));
         let scan = model.scan(Arena::loop_world().walls(), place, &mut noise);
         let ranges: Vec<f32> = scan.ranges.iter().map(|range| *range as f32).collect();
-        let single = Scan {
-            angle_min: Angle::from_radians(scan.angle_min as f32),
-            angle_increment: scan.angle_increment as f32,
-            ranges: &ranges,
-        };
+        let single =
+            Scan::new(Angle::from_radians(scan.angle_min as f32), scan.angle_increment as f32, &ranges);
         let seen = extractor.extract(&narrow, &single).unwrap().lines;
         for line in lines(&model, &scan) {
             all += 1;

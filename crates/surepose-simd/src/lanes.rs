@@ -3,7 +3,7 @@
 use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use surepose::Scalar;
+use surepose::scalar::Scalar;
 
 use crate::element::Element;
 use crate::mask::LaneMask;

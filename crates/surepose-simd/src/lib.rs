@@ -1,12 +1,13 @@
 //! Surepose in SIMD lanes: the scalar for millions of trials.
 //!
-//! [`Lanes`] is a [`Scalar`](surepose::Scalar) of `N` numbers and [`LaneArray`] holds one such number for each of many
+//! [`Lanes`] is a [`Scalar`](surepose::scalar::Scalar) of `N` numbers and [`LaneArray`] holds one such number for each of many
 //! robots. A loop along columns that drives `N` robots at a time with the core's law, limits and motion, which are
 //! written once, has neither branches nor calls in it: the compiler makes vector instructions of it. [`dispatch_simd`]
 //! compiles such a loop for AVX-512, for AVX2 and for any processor, and chooses when it runs.
 //!
 //! ```
-//! use surepose::{Angle, Body, Goal, Map, NavigationVariables, Pose};
+//! use surepose::control::NavigationVariables;
+//! use surepose::geometry::{Angle, Body, Goal, Map, Pose};
 //! use surepose_simd::{LaneArray, Lanes, Kernel, dispatch_simd};
 //!
 //! /// The distance of each of 64 robots from its goal.

@@ -3,7 +3,7 @@
 use core::array::from_fn;
 use core::ops::Not;
 
-use surepose::Mask;
+use surepose::scalar::Mask;
 
 /// One answer for each lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use surepose::Scalar;
+use surepose::scalar::Scalar;
 use surepose_simd::{Element, Lanes};
 
 /// `count` numbers, uniform in [−`reach`, `reach`], always the same.

@@ -3,10 +3,12 @@
 
 use std::f64::consts::TAU;
 
-use surepose::{
-    Angle, Body, DiffDrive, Direction, Gains, Goal, HybridLaw, HybridState, Integration, Law, Limits, Map,
-    NavigationVariables, Pose, Scalar, Tran2012Law, Twist,
+use surepose::control::{
+    Direction, Gains, HybridLaw, HybridState, Law, Limits, NavigationVariables, Tran2012Law,
 };
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist};
+use surepose::scalar::Scalar;
 use surepose_simd::{Element, Kernel, LaneArray, LaneMask, Lanes, dispatch_portable, dispatch_simd};
 
 const L: usize = 64;

@@ -1,10 +1,9 @@
 //! Where a robot can stand.
 
-use surepose::{Angle, Body, Map, Point, Pose};
+use surepose::geometry::{Angle, Body, Map, Point, Pose};
 use surepose_io::grid::Grid;
-use surepose_sim::{Arena, Stream, WallSegment};
-
 use surepose_mapping::from_grid::extract_walls;
+use surepose_sim::{Arena, Stream, WallSegment};
 
 /// The least distance from a wall at which a robot is put down \[m]: it turns in place without touching.
 const MIN_CLEARANCE: f64 = 0.5;

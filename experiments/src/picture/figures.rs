@@ -1,12 +1,12 @@
 //! The paper's figures.
 
-use surepose::{Map as MapFrame, Point};
+use surepose::geometry::{Map as MapFrame, Point};
+use surepose_figures::drive::{true_way, unwrapped, walls};
 use surepose_figures::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, XyPlot, hstack, hstack_column};
 use surepose_sim::Arena;
+use surepose_sim::robot::Scenario;
 
 use crate::reproduce::{LawSample, Parked, PathFollowing, PathRuns, StabilizedRun};
-use surepose_figures::drive::{true_way, unwrapped, walls};
-use surepose_sim::robot::Scenario;
 
 /// Fig. 3: the law alone, to three goals, under bounded noise; and the printed (28), which leaves the goal.
 pub fn fig3(goals: &[StabilizedRun], printed: &[LawSample], corrected: &[LawSample]) -> Picture {

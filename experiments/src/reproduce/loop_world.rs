@@ -1,16 +1,15 @@
 //! The loop world: a known course between known walls, odometry with 5 % wheel noise, a compass and a laser.
 
-use surepose::closed_loop::LoopObserver;
-use surepose::{
-    Angle, Belief, Body, Integration, InvalidPath, Map, Motion, Path, Pose, Stamp, Stamped, Twist, Wall,
-    WheelOdometry, WheelPair,
-};
-use surepose_config::Config;
+use surepose::control::{InvalidPath, Path};
+use surepose::estimation::{Belief, WheelOdometry};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{Integration, Motion, Twist, WheelPair};
+use surepose::localization::LoopObserver;
+use surepose::map::{MapView, Wall};
+use surepose::time::{Stamp, Stamped};
+use surepose_config::{Config, RobotLocalizer, ScanMethod};
+use surepose_sim::robot::{walls_from_segments, with_sensor_input};
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
-
-use surepose_sim::robot::{
-    HISTORY, ScanMethod, SimLocalizer, new_localizer, walls_from_segments, with_sensor_input,
-};
 
 /// One tick's time \[s].
 const PERIOD: f64 = 0.1;
@@ -121,25 +120,24 @@ pub(super) struct LoopTick {
 
 impl Run<'_> {
     /// The robot, told where it starts with the error that it is told to expect.
-    pub(super) fn robot(&mut self) -> Box<SimLocalizer> {
+    pub(super) fn robot(&mut self) -> Box<RobotLocalizer> {
         let [x, y, heading] = START_STD.map(|std| std * self.start.normal());
         let truth = self.truth;
         let initial = Pose::new(truth.x + x, truth.y + y, truth.heading.rotated_by(heading));
-        new_localizer(&self.world.robot, ScanMethod::Lines, Belief::new(initial, START_STD))
+        self.world.robot.unsupervised_localizer(ScanMethod::Lines, Belief::new(initial, START_STD))
     }
 
     /// Where `robot` believes to be after a tick, at which `observer` hears of everything.
     pub(super) fn sense(
         &self,
-        robot: &mut SimLocalizer,
+        robot: &mut RobotLocalizer,
         sensed: &surepose_sim::SensorOutput,
-        observer: &mut impl LoopObserver<f64, HISTORY>,
+        observer: &mut impl LoopObserver<f64>,
     ) -> Belief<f64> {
-        let travel = robot.estimator.wheel_odometry(sensed.stamp, sensed.rims);
         // Nobody tells the wheels anything here, and their encoders are never refused.
         let commanded = WheelOdometry::from_command(WheelPair::zero());
-        with_sensor_input(sensed, travel, &self.world.robot.compass(), |sensed| {
-            robot.update(sensed, commanded, &self.world.walls, observer)
+        with_sensor_input(sensed, &self.world.robot.compass(), |sensed| {
+            robot.update(sensed, commanded, &MapView::from_walls(&self.world.walls), observer)
         })
     }
 }

@@ -4,9 +4,7 @@ use std::num::NonZero;
 use std::ops::Range;
 use std::thread;
 
-use surepose_sim::Seed;
-
-use surepose_sim::CancelToken;
+use surepose_sim::{CancelToken, Seed};
 
 /// What `experiment` gives for each of `seeds`, in their order, or for those that were done when `cancel` was stopped.
 ///

@@ -1,9 +1,9 @@
 //! Fig. 3 of the paper: the law alone, in continuous time and under bounded noise; and what its printed (28) does.
 
 use serde::Serialize;
-use surepose::{
-    Angle, Body, Goal, HybridState, Integration, LocalLaw, Map, NavigationVariables, Pose, Tran2012Law, Twist,
-};
+use surepose::control::{HybridState, LocalLaw, NavigationVariables, Tran2012Law};
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{Integration, Twist};
 use surepose_sim::{Seed, Stream};
 
 use super::parking::PAPER_GOALS;
@@ -76,7 +76,7 @@ pub struct StabilizedRun {
 /// h, k_θ and ε_P are not printed; (28) has its sign mended. The noise is drawn evenly between its bounds.
 pub fn stabilization(seed: u64) -> Vec<StabilizedRun> {
     let law = Tran2012Law {
-        gains: surepose::Gains::tran2012(),
+        gains: surepose::control::Gains::tran2012(),
         capture_radius: CAPTURE_RADIUS,
         capture_heading: core::f64::consts::PI,
     };
@@ -98,7 +98,7 @@ pub fn stabilization(seed: u64) -> Vec<StabilizedRun> {
 ///
 /// As printed the robot leaves the goal; as corrected it never gets farther away.
 pub fn local_law(as_printed: bool) -> Vec<LawSample> {
-    let gains = surepose::Gains::tran2012();
+    let gains = surepose::control::Gains::tran2012();
     let corrected = LocalLaw { k_v: gains.k_v, k_theta: gains.k_theta };
     let law = if as_printed { corrected.as_printed() } else { corrected };
     let [x, y, heading] = PAPER_GOALS[0];

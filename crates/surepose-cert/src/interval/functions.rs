@@ -96,7 +96,7 @@ impl Interval {
     /// The angle of the vector (`x`, `self`).
     ///
     /// Where the box holds the origin, or reaches across the negative x axis, it is the whole circle. A vector on
-    /// that axis has the angle π (−π only for the float −0, which [`surepose::Angle`] maps to π).
+    /// that axis has the angle π (−π only for the float −0, which [`surepose::geometry::Angle`] maps to π).
     pub(super) fn angle(self, x: Self) -> Self {
         let circle = padded(-PI, PI, 1.0);
         let origin = self.contains(0.0) && x.contains(0.0);

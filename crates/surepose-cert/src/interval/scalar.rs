@@ -2,7 +2,8 @@
 
 use core::f64::consts::{PI, TAU};
 
-use surepose::{Angle, Scalar};
+use surepose::geometry::Angle;
+use surepose::scalar::Scalar;
 
 use crate::branching::choose_branch;
 use crate::interval::Interval;

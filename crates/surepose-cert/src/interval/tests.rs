@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use astro_float::{BigFloat, Consts, RoundingMode};
 use proptest::prelude::*;
-use surepose::Scalar;
+use surepose::scalar::Scalar;
 
 use super::Interval;
 

@@ -3,7 +3,8 @@
 
 use std::f64::consts::PI;
 
-use surepose::{DiffDrive, Direction, Gains, HybridLaw, Law, Limits};
+use surepose::control::{Direction, Gains, HybridLaw, Law, Limits};
+use surepose::kinematics::DiffDrive;
 use surepose_cert::{DeployedController, DisturbedState, NoiseBounds, Request, SampledController};
 
 pub const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);

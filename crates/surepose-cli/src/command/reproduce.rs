@@ -5,6 +5,7 @@ mod localization;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use localization::LocalizationRuns;
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 use surepose_config::Config;
@@ -16,7 +17,6 @@ use crate::interrupt;
 use crate::output::{Output, table, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, whole};
-use localization::LocalizationRuns;
 
 /// Reproduce the figures of the paper, as SVG and PNG, with their data.
 #[derive(Debug, Args)]

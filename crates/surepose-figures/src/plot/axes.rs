@@ -238,8 +238,9 @@ fn thinned(line: Vec<Point>) -> Vec<Point> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Axes, Axis};
     use crate::plot::scene::Area;
+
+    use super::{Axes, Axis};
 
     fn axes() -> Axes {
         let axis = |high| Axis { low: 0.0, high, logarithmic: false, label: String::new(), step: None };

@@ -84,8 +84,9 @@ impl OutlineBuilder for Outliner {
 
 #[cfg(test)]
 mod tests {
-    use super::{outline, width};
     use crate::plot::scene::{Anchor, Text};
+
+    use super::{outline, width};
 
     #[test]
     fn letters_of_every_label_are_there() {

@@ -94,9 +94,10 @@ impl Heatmap {
 
 #[cfg(test)]
 mod tests {
-    use super::{Heatmap, HeatmapCell};
     use crate::plot::scale::Scale;
     use crate::plot::style::Color;
+
+    use super::{Heatmap, HeatmapCell};
 
     #[test]
     fn every_cell_is_in_one_rectangle_of_its_colour() {

@@ -1,6 +1,6 @@
 //! Which line observations are of one wall.
 
-use surepose::{Line, Map, Point};
+use surepose::geometry::{Line, Map, Point};
 
 use super::line_observation::LineObservation;
 use super::model::{during, fraction, known_pose};

@@ -151,8 +151,9 @@ impl FrontalSolver {
 
 #[cfg(test)]
 mod tests {
-    use super::{FrontalSolver, Key, Singular};
     use nalgebra::{DMatrix, DVector};
+
+    use super::{FrontalSolver, Key, Singular};
 
     /// Each measurement depends on two of six unknowns; the dense solution is the reference.
     #[test]

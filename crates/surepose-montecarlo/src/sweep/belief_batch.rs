@@ -1,6 +1,6 @@
 //! What the trials of a batch believe, side by side, and how that is judged.
 
-use surepose::{Belief, Gate};
+use surepose::estimation::{Belief, Gate};
 use surepose_simd::{Element, LaneArray, Streams};
 
 use super::Start;
@@ -73,7 +73,7 @@ impl<T: Element> BeliefBatch<T> {
     /// Lane `lane` begins trial `number` at `start`, which it believes as well as it knows.
     pub(super) fn begin(&mut self, lane: usize, start: &Start, seed: u64, number: u64) {
         let [x, y, turn] = start_error(seed, number);
-        let pose = surepose::Pose::new(start.x + x, start.y + y, start.heading.rotated_by(turn));
+        let pose = surepose::geometry::Pose::new(start.x + x, start.y + y, start.heading.rotated_by(turn));
         let (upper, diagonal) = Belief::new(pose, START_STD).covariance.factors();
         self.x.0[lane] = T::from_f64(pose.x);
         self.y.0[lane] = T::from_f64(pose.y);

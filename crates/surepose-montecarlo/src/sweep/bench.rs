@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Deadband, DiffDrive, Direction, HybridLaw, Law, Limits};
+use surepose::control::{Deadband, Direction, HybridLaw, Law, Limits};
+use surepose::geometry::Angle;
+use surepose::kinematics::DiffDrive;
 use surepose_simd::uniform;
 
 use super::Start;

@@ -1,7 +1,6 @@
 //! The full loop in lanes: consistent, and the same trials whatever the threads.
 
-use surepose::Direction;
-
+use surepose::control::Direction;
 use surepose_sim::CancelToken;
 
 use super::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise, SweepReport, fitted_law};

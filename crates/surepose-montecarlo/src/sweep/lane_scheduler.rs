@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use surepose_sim::CancelToken;
 use surepose_simd::Element;
 
 use super::any_held::any_held;
@@ -11,7 +12,6 @@ use super::filter::PoseSource;
 use super::trial::TrialResult;
 use super::trial_batch::{LANES, TrialBatch};
 use super::{Sweep, estimating, phases};
-use surepose_sim::CancelToken;
 
 /// How many lanes are looked at together for one whose trial ends.
 const GROUP: usize = 16;

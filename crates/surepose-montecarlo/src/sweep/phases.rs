@@ -3,10 +3,12 @@
 //! Each loop is compiled into vector instructions. They are short so that the processor can work on many turns of a
 //! loop at once: a trial's period is one long chain of operations that wait for each other.
 
-use surepose::{
-    ActiveMode, Angle, Body, DirectedError, Direction, Goal, HybridLaw, HybridState, Integration, Law, Mask,
-    Motion, NavigationVariables, Point, Pose, Scalar, Twist, WheelPair,
+use surepose::control::{
+    ActiveMode, DirectedError, Direction, HybridLaw, HybridState, Law, NavigationVariables,
 };
+use surepose::geometry::{Angle, Body, Goal, Point, Pose};
+use surepose::kinematics::{Integration, Motion, Twist, WheelPair};
+use surepose::scalar::{Mask, Scalar};
 use surepose_simd::{Element, Kernel, dispatch_simd};
 
 use super::bench::{DRIVE, HEADING_TOLERANCE, POSITION_TOLERANCE, SweepNoise, limits};

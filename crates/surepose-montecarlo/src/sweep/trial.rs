@@ -1,13 +1,13 @@
 //! What came of one trial.
 
 use serde::Serialize;
-use surepose::Angle;
+use surepose::geometry::Angle;
+use surepose_sim::optimal;
 
 use super::Sweep;
 use super::belief_batch::Consistency;
 use super::bench::{DRIVE, limits};
 use super::lane_scheduler::Termination;
-use surepose_sim::optimal;
 
 /// A trial that ended, in few numbers: what can be worked out from them waits until all have ended.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! What is tuned, as numbers of one kind: all are positive, and matter by their ratio.
 
-use surepose::{Gains, HybridLaw, Law, Tran2012Law};
+use surepose::control::{Gains, HybridLaw, Law, Tran2012Law};
 
 /// Gains, with the capture radius.
 #[derive(Clone, Copy, Debug, PartialEq)]

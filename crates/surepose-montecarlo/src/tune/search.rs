@@ -1,12 +1,13 @@
 //! The rounds of the search.
 
-use surepose::Law;
+use surepose::control::Law;
+use surepose_sim::CancelToken;
+
+use crate::sweep::{Starts, Sweep, SweepReport};
 
 use super::candidate::{GainCandidate, NUMBERS};
 use super::draw::{deviates, seed_of_round};
 use super::{Tune, slowest, stressed};
-use crate::sweep::{Starts, Sweep, SweepReport};
-use surepose_sim::CancelToken;
 
 /// Candidates that a round draws.
 const DRAWN: usize = 16;
@@ -177,7 +178,7 @@ fn mean(candidates: &[GainCandidate]) -> Option<[f64; NUMBERS]> {
 
 #[cfg(test)]
 mod tests {
-    use surepose::Gains;
+    use surepose::control::Gains;
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! Whether a place explains what was seen from it, whatever other places there are.
 
-use surepose::{Body, Point, Pose};
+use surepose::geometry::{Body, Point, Pose};
 use surepose_io::grid::Cells;
 
 use super::likelihood_field::LikelihoodField;

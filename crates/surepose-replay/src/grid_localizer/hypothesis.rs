@@ -1,6 +1,6 @@
 //! One place that the robot may be: its pose is put right by each scan, and what speaks for it adds up.
 
-use surepose::{Body, Point, Pose};
+use surepose::geometry::{Body, Point, Pose};
 use surepose_io::grid::Cells;
 
 use super::likelihood_field::{LikelihoodField, LikelihoodTable};

@@ -3,9 +3,8 @@
 //! What lies between the laser and the end of a beam is not asked: a door that stood open on the day of the map would
 //! stop every beam that passes there today, and hide what the beam says of the wall behind.
 
-use surepose::{Map, Point, Pose};
+use surepose::geometry::{Map, Point, Pose};
 use surepose_io::grid::{Cells, Grid};
-
 use surepose_mapping::from_grid::{is_free, is_solid};
 
 /// The part of the beams that end anywhere: on people, furniture, and doors that stand otherwise than on the map.

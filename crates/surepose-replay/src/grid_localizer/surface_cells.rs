@@ -7,11 +7,10 @@
 
 use std::collections::HashMap;
 
-use surepose::{Body, Map, Point, Pose};
-use surepose_io::recording::ScanRecord;
+use surepose::geometry::{Body, Map, Point, Pose};
+use surepose_io::recording::{ScanRecord, laser_extrinsics};
 
 use crate::laser_replay::{MAX_RANGE, MIN_RANGE};
-use surepose_io::recording::laser_extrinsics;
 
 /// The most beams of a scan that are looked at.
 const MAX_BEAMS: usize = 128;

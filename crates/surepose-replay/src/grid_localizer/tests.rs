@@ -1,11 +1,13 @@
 //! A robot sought in a corridor whose bays look alike, on grids and scans made for it.
 
-use surepose::{Angle, Body, Integration, Map, Motion, Point, Pose};
+use surepose::geometry::{Angle, Body, Map, Point, Pose};
+use surepose::kinematics::{Integration, Motion};
 use surepose_io::grid::{Grid, GridOrigin};
 use surepose_io::recording::{ScanRecord, SensorPose};
 
-use super::GridLocalizer;
 use crate::{LaserReplaySettings, cmu_wean};
+
+use super::GridLocalizer;
 
 const SIDE: f64 = 0.1;
 /// How far the laser sees \[m]: not to the ends of the corridor.

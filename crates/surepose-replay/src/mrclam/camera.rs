@@ -1,6 +1,7 @@
 //! What the robot's camera measures: depth along its axis, and bearing, with errors that last.
 
-use surepose::{Angle, Map, Point, RangeBearingMeasurement};
+use surepose::estimation::RangeBearingMeasurement;
+use surepose::geometry::{Angle, Map, Point};
 
 /// The camera that reads the barcodes.
 ///

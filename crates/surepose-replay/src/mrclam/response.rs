@@ -1,6 +1,6 @@
 //! What the robot makes of a commanded velocity: MRCLAM records commands, not wheel ticks.
 
-use surepose::Twist;
+use surepose::kinematics::Twist;
 
 /// The base's response to commands: nothing for a dead time, then a steady twist.
 ///

@@ -1,7 +1,9 @@
-use super::{Clutter, LaserModel};
+use surepose::geometry::{Angle, Body, Map, Pose};
+
 use crate::arena::{Arena, WallSegment};
 use crate::random::Seed;
-use surepose::{Angle, Body, Map, Pose};
+
+use super::{Clutter, LaserModel};
 
 fn exact(beams: usize) -> LaserModel {
     LaserModel { range_std: 0.0, bearing_std: 0.0, ..LaserModel::half_circle(beams) }

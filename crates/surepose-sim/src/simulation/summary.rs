@@ -24,6 +24,9 @@ pub struct SimulationSummary {
     /// Why it was stopped: `wall`, or the supervisor's reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_reason: Option<&'static str>,
+    /// The same; `stop_reason` is its name of old.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<&'static str>,
     /// How long it took, the hold time included.
     pub time_s: f64,
     /// True distance to the goal at the end.

@@ -1,9 +1,12 @@
-use super::{SensorOutput, Timing, World, WorldModel};
+use surepose::geometry::{Angle, Pose};
+use surepose::kinematics::{Integration, Twist, WheelPair};
+
 use crate::arena::Arena;
 use crate::fault::{Fault, FaultKind, Sensor};
 use crate::random::Seed;
 use crate::slip::Slip;
-use surepose::{Angle, Integration, Pose, Twist, WheelPair};
+
+use super::{SensorOutput, Timing, World, WorldModel};
 
 fn world(model: WorldModel, seed: u64) -> World {
     World::new(model, Pose::new(2.0, 1.0, Angle::zero()), Seed(seed))

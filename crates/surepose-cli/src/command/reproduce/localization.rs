@@ -9,14 +9,14 @@ use surepose_experiments::picture::{self, LocalizationRun};
 use surepose_experiments::reproduce::{
     Accuracy, Comparison, Configuration, DeviationSample, Extraction, LoopWorld, comparison, deviations,
 };
-use surepose_sim::CancelToken;
-use surepose_sim::{Clutter, Seed};
+use surepose_sim::{CancelToken, Clutter, Seed};
 
-use super::Outcome;
 use crate::error::CliError;
 use crate::output::Output;
 use crate::output_dir::OutputDir;
 use crate::progress;
+
+use super::Outcome;
 
 /// The experiment: one run for the pictures, many for the figures.
 pub(super) struct LocalizationRuns {
