@@ -34,6 +34,20 @@ pub struct MonitorConfig<S> {
     pub local_search_interval: f64,
 }
 
+impl<S: Float> Default for MonitorConfig<S> {
+    /// For a map whose walls are exact but for rounding, and sensors at 10 Hz.
+    fn default() -> Self {
+        let scan_std = [0.002, 0.002, 0.000_872_664_626].map(S::from_f64);
+        Self {
+            supervisor: SupervisorConfig::default(),
+            acceptance: AcceptanceCriteria::default(),
+            local_search: LocalSearch::from_scan_std(scan_std),
+            relocalization_std: [S::from_f64(0.0); 3],
+            local_search_interval: 0.8,
+        }
+    }
+}
+
 /// Supervisor and relocalization of one robot.
 ///
 /// `HYPOTHESES` and `KEYFRAMES` are the capacities of the global search.

@@ -1,7 +1,8 @@
 //! Constants of the navigator.
 
 use crate::control::Controller;
-use crate::safety::{CollisionConfig, ObstacleConfig};
+use crate::safety::{CollisionConfig, Footprint, ObstacleConfig};
+use crate::scalar::Float;
 
 /// Constants of a [`Navigator`](super::Navigator); those of the estimate are in its
 /// [`Localizer`](crate::localization::Localizer).
@@ -19,4 +20,18 @@ pub struct NavigatorConfig<S> {
     pub goal_timeout: f64,
     /// Whether a reached pose is held, and driven to again after a push, until the next goal.
     pub hold_goal: bool,
+}
+
+impl<S: Float> NavigatorConfig<S> {
+    /// Default thresholds for a robot with this controller and outline.
+    pub fn new(controller: Controller<S>, footprint: Footprint<S>) -> Self {
+        Self {
+            controller,
+            collision: CollisionConfig::new(footprint),
+            obstacles: ObstacleConfig::default(),
+            search_turn_rate: S::from_f64(0.8),
+            goal_timeout: 10.0,
+            hold_goal: false,
+        }
+    }
 }

@@ -96,6 +96,18 @@ pub struct Intent<'a, S> {
 }
 
 impl<S: Float> CollisionConfig<S> {
+    /// 5 cm free around the outline, distances 20 % longer than commanded, a drive that responds within 50 ms.
+    pub fn new(footprint: Footprint<S>) -> Self {
+        let clearance = S::from_f64(0.05);
+        Self {
+            footprint,
+            wall_clearance: clearance,
+            obstacle_clearance: clearance,
+            travel_factor: S::from_f64(1.2),
+            response_time: S::from_f64(0.05),
+        }
+    }
+
     /// The largest cap, out of a few fractions of the desired speed, from which the robot stops before every wall and
     /// obstacle. A robot that already stands too close may drive away.
     ///

@@ -48,6 +48,9 @@ pub struct ObstacleMonitor<S, const BEAMS: usize> {
 impl<S: Float, const BEAMS: usize> ObstacleMonitor<S, BEAMS> {
     /// Monitor that has seen no scan.
     pub fn new(config: ObstacleConfig<S>) -> Self {
+        // Without beams there is no laser to wait for.
+        let enabled = config.enabled && BEAMS > 0;
+        let config = ObstacleConfig { enabled, ..config };
         Self { config, points: [Point::default(); BEAMS], len: 0, scanned: None }
     }
 

@@ -1,17 +1,19 @@
-//! A robot parks: the closed loop of the core between made-up sensors and made-up wheels, in single precision.
+//! A robot parks: the navigator between simulated sensors and simulated wheels, in single precision.
 //!
-//! The world is as plain as it can be, and written with the core's own motion and lines: what is shown is that the same
-//! source gives the same bits here and there, not how good it is.
+//! The world is as plain as it can be, and uses the core's own motion and lines. The drive shows that the same source gives the
+//! same bits on the host and on the microcontroller, and what a step costs.
 
 use core::fmt::{Display, Formatter};
 
-use surepose::closed_loop::tick;
-use surepose::control::{Controller, ControllerState, Direction, GoalStatus, Limits, Tolerance};
+use surepose::control::{Controller, Direction, Limits, Tolerance};
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, HeadingMeasurement, LineMeasurement, Measurement};
-use surepose::geometry::{Angle, Body, Line, Map, Pose};
-use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::geometry::{Angle, Body, Line, Map, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist, WheelPair};
 use surepose::lidar::ScanProcessor;
-use surepose::localization::{Localizer, SensorInput, SensorReading};
+use surepose::localization::{Localizer, MonitorConfig, Odometry, SensorInput, SensorReading};
+use surepose::map::{MapView, Wall};
+use surepose::navigator::{GoalResult, Navigator, NavigatorConfig};
+use surepose::safety::Footprint;
 use surepose::time::{Stamp, Stamped};
 
 /// Time between ticks \[ms].
@@ -33,6 +35,13 @@ pub(crate) struct Parked {
     refused: u32,
     /// Of the bits of every tick's belief and twist.
     hash: u64,
+}
+
+impl Parked {
+    /// A drive that did not begin.
+    fn nowhere(truth: Pose<Map, Body, f32>, belief: Belief<f32>) -> Self {
+        Self { ticks: 0, reached: false, truth, belief, refused: 0, hash: 0 }
+    }
 }
 
 impl Display for Parked {
@@ -61,15 +70,23 @@ pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
     let goal = Pose::new(4.0, 2.5, Angle::from_degrees(90.0));
     let belief = Belief::new(truth, [0.01, 0.01, 0.01]);
     let start = Stamp::from_nanoseconds(0);
-    let mut localizer = Localizer::<f32, 8, 0> {
-        estimator: DelayedEkf::new(ekf, Gate::new(0.999_999), 1.0, start, belief),
-        scan_processor: ScanProcessor::disabled(),
-    };
-    let walls = [(6.0, 0.0), (4.0, 90.0), (0.0, 180.0), (0.0, 270.0)]
-        .map(|(distance, degrees)| Line::new(distance, Angle::from_degrees(degrees)));
+    let estimator = DelayedEkf::new(ekf, Gate::new(0.999_999), 1.0, start, belief);
+    // No laser: no beams, and no hypotheses of a global search.
+    let localizer =
+        Localizer::<f32, 8, 0, 1, 1>::new(estimator, ScanProcessor::disabled(), MonitorConfig::default());
+    let mut navigator = Navigator::new(NavigatorConfig::new(controller, Footprint::Circle(0.35)), localizer);
+    let corners = [(6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0)].map(|(x, y)| Point::new(x, y));
+    let room = [0, 1, 2, 3].map(|k| Wall::between(corners[k], corners[k + 1]));
+    let [Ok(east), Ok(north), Ok(west), Ok(south)] = room else { return Parked::nowhere(truth, belief) };
+    let room = [east, north, west, south];
+    let map = MapView::from_walls(&room);
+    let walls = room.map(|wall| *wall.line());
+    if navigator.set_goal(&map, goal).is_err() {
+        return Parked::nowhere(truth, belief);
+    }
 
     let (mut noise, mut hash) = (Noise(1), Hash::new());
-    let (mut state, mut rolled) = (ControllerState::new(), WheelPair::zero());
+    let mut rolled = WheelPair::zero();
     let (mut ticks, mut reached) = (0, false);
     while ticks < MOST_TICKS && !reached {
         ticks += 1;
@@ -87,33 +104,29 @@ pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
             direction_variance: WALL[1] * WALL[1],
             covariance: 0.0,
         });
-        let signals = [compass, sighting]
+        let readings = [compass, sighting]
             .map(|measurement| Stamped::new(stamp, SensorReading::Measurement(measurement)));
-        let sensed = SensorInput {
-            stamp,
-            travel: localizer.estimator.wheel_odometry(stamp, rolled),
-            readings: &signals,
-        };
+        let input = SensorInput { stamp, odometry: Odometry::Travel(rolled), readings: &readings };
 
         clock();
-        let now = tick(&controller, &mut localizer, &[], state, &sensed, goal, &mut ());
+        let report = navigator.step(&map, &input);
         clock();
 
-        state = now.step.state;
-        rolled = drive.wheel_speeds_from_twist(now.step.limited).scaled(period);
+        let twist = report.command.map_or(Twist::zero(), |command| command.twist);
+        rolled = drive.wheel_speeds_from_twist(twist).scaled(period);
         let slipping = WheelPair::new(
             rolled.right * (1.0 + SLIP * noise.draw()),
             rolled.left * (1.0 + SLIP * noise.draw()),
         );
         truth = truth.integrate(drive.motion_from_travel(slipping), Integration::Arc);
-        reached = now.status == GoalStatus::Reached;
-        let (pose, twist) = (now.belief.pose, now.step.limited);
+        reached = report.result == Some(GoalResult::Reached);
+        let pose = report.belief.pose;
         for number in [pose.x, pose.y, pose.heading.radians(), twist.v, twist.omega] {
             hash.add(number);
         }
     }
-    let (belief, refused) =
-        (localizer.estimator.belief(), localizer.estimator.measurement_stats().rejected_total());
+    let localizer = navigator.localizer();
+    let (belief, refused) = (localizer.belief(), localizer.measurement_stats().rejected_total());
     Parked { ticks, reached, truth, belief, refused, hash: hash.0 }
 }
 
