@@ -8,7 +8,7 @@ mod ros2;
 mod run;
 mod tidy;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
@@ -23,7 +23,7 @@ fn main() -> ExitCode {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let outcome = match arguments.first().map(String::as_str) {
-        Some("ci") => run::ci(&root),
+        Some("ci") => ci(&root),
         Some("tidy") => tidy::check(&root),
         Some("instructions") => instructions::check(&root),
         Some("microcontroller") => microcontroller::check(&root),
@@ -38,4 +38,17 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs every check; the first that fails ends the gate.
+fn ci(root: &Path) -> Result<(), String> {
+    run::cargo(root, &["fmt", "--all", "--check"], &[])?;
+    tidy::check(root)?;
+    run::cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+    run::cargo(root, &["doc", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    run::cargo(root, &["check", "--manifest-path", "fuzz/Cargo.toml", "--target-dir", "target/fuzz"], &[])?;
+    run::cargo(root, &["test", "--workspace", "--release"], &[])?;
+    instructions::check(root)?;
+    microcontroller::check(root)?;
+    ros2::check(root)
 }

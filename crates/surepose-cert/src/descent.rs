@@ -8,12 +8,11 @@ use surepose::scalar::Scalar;
 
 use crate::branching::explore_branches;
 use crate::controller::SampledController;
-use crate::discrete_state::DiscreteState;
+use crate::discrete_state::{DiscreteState, first_shown};
 use crate::interval::Interval;
 use crate::lyapunov::{LyapunovFunction, Truth, window};
 use crate::noise::NoiseBounds;
 use crate::region::{Region, half_turns};
-use crate::search::first_shown;
 
 /// Ways through the law beyond which a region is cut rather than followed: it is too large.
 const MAX_BRANCHES: usize = 64;

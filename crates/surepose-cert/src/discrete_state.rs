@@ -107,3 +107,19 @@ impl DiscreteState {
         Self { local_mode: memory.local_mode, reverse: memory.reverse, turn_direction, drive_direction }
     }
 }
+
+/// Whether `shown` holds for all of `discrete_states`, of which one for which it does not moves to the front: in the halves of
+/// the same region it most likely is the one again, and the others need not be looked at.
+///
+/// `shown` is given a place to note what it has seen for the discrete states before.
+pub(crate) fn first_shown<K>(
+    discrete_states: &mut [DiscreteState],
+    mut shown: impl FnMut(DiscreteState, &mut Vec<K>) -> bool,
+) -> bool {
+    let mut known = Vec::new();
+    let failed = discrete_states.iter().position(|discrete_state| !shown(*discrete_state, &mut known));
+    if let Some(failed) = failed {
+        discrete_states[..=failed].rotate_right(1);
+    }
+    failed.is_none()
+}

@@ -3,8 +3,9 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use surepose::control::NavigationVariables;
-use surepose::geometry::Angle;
-use surepose::scalar::Scalar;
+use surepose::geometry::{Angle, Body, Point, Pose};
+use surepose::kinematics::{Integration, Twist};
+use surepose::scalar::{Dual, Scalar};
 
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
@@ -127,4 +128,21 @@ impl Region {
 /// `turns` half turns.
 pub(crate) fn half_turns(count: i8) -> Interval {
     PI_ENCLOSED() * Interval::point(f64::from(count))
+}
+
+/// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.
+pub(crate) fn seen_moving(
+    ahead: Interval,
+    aside: Interval,
+    twist: Twist<Interval>,
+    time: Interval,
+) -> (Interval, Interval) {
+    type Moving = Dual<Interval, 1>;
+    let time = Moving::parameter(time, 0);
+    let twist = Twist::new(Moving::constant(twist.v), Moving::constant(twist.omega));
+    let start: Pose<Body, Body, Moving> = Pose::identity();
+    let moved = start.integrate(twist.integrate_for(time), Integration::Arc);
+    let goal: Point<Body, Moving> = Point::new(Moving::constant(ahead), Moving::constant(aside));
+    let seen = moved.inverse() * goal;
+    (seen.x.value, seen.x.slope[0])
 }

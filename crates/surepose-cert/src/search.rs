@@ -2,7 +2,6 @@
 
 use crate::controller::SampledController;
 use crate::descent::Descent;
-use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
 use crate::region::Region;
 
@@ -45,20 +44,4 @@ pub(crate) fn search<L: SampledController>(
         }
     }
     SearchResult { rate: Some(rate), boxes, stuck: None }
-}
-
-/// Whether `shown` holds for all of `discrete_states`, of which one for which it does not moves to the front: in the halves of
-/// the same region it most likely is the one again, and the others need not be looked at.
-///
-/// `shown` is given a place to note what it has seen for the discrete states before.
-pub(crate) fn first_shown<K>(
-    discrete_states: &mut [DiscreteState],
-    mut shown: impl FnMut(DiscreteState, &mut Vec<K>) -> bool,
-) -> bool {
-    let mut known = Vec::new();
-    let failed = discrete_states.iter().position(|discrete_state| !shown(*discrete_state, &mut known));
-    if let Some(failed) = failed {
-        discrete_states[..=failed].rotate_right(1);
-    }
-    failed.is_none()
 }

@@ -11,8 +11,7 @@ use crate::descent::Descent;
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
 use crate::prioritized_box::PrioritizedBox;
-use crate::region::Region;
-use crate::terminal_phase::seen_moving;
+use crate::region::{Region, seen_moving};
 
 /// Into how many distances the seen goal is cut.
 const RINGS: usize = 256;

@@ -3,18 +3,15 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use surepose::control::NavigationVariables;
-use surepose::geometry::{Body, Point, Pose};
-use surepose::kinematics::{Integration, Twist};
-use surepose::scalar::{Dual, Scalar};
+use surepose::scalar::Scalar;
 
 use crate::controller::SampledController;
 use crate::counterexample::{Counterexample, Rng};
 use crate::descent::{BranchOutcome, Descent};
-use crate::discrete_state::DiscreteState;
+use crate::discrete_state::{DiscreteState, first_shown};
 use crate::disturbed_state::DisturbedState;
 use crate::interval::Interval;
-use crate::region::Region;
-use crate::search::first_shown;
+use crate::region::{Region, seen_moving};
 
 /// What was shown of the neighbourhood of the goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,23 +216,6 @@ fn falls<L: SampledController>(
             (turning + ahead * rate * per_square).hi() < 0.0
         })
     })
-}
-
-/// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.
-pub(crate) fn seen_moving(
-    ahead: Interval,
-    aside: Interval,
-    twist: Twist<Interval>,
-    time: Interval,
-) -> (Interval, Interval) {
-    type Moving = Dual<Interval, 1>;
-    let time = Moving::parameter(time, 0);
-    let twist = Twist::new(Moving::constant(twist.v), Moving::constant(twist.omega));
-    let start: Pose<Body, Body, Moving> = Pose::identity();
-    let moved = start.integrate(twist.integrate_for(time), Integration::Arc);
-    let goal: Point<Body, Moving> = Point::new(Moving::constant(ahead), Moving::constant(aside));
-    let seen = moved.inverse() * goal;
-    (seen.x.value, seen.x.slope[0])
 }
 
 impl Region {

@@ -7,6 +7,7 @@ mod command;
 mod error;
 mod exit;
 mod interrupt;
+mod interrupt_flags;
 mod maps;
 mod output;
 mod output_dir;

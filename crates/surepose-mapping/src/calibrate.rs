@@ -25,10 +25,12 @@
 
 mod association;
 mod clock;
+mod error;
 mod fit;
 mod frontal;
 mod line_observation;
 mod model;
+mod options;
 mod outcome;
 mod parameter;
 mod recording;
@@ -36,167 +38,17 @@ pub mod simulated;
 mod trajectory;
 mod uncertainty;
 
-use surepose::estimation::HeadingMeasurement;
-use surepose_config::Config;
-use surepose_io::mines_rover::{ROVER, Rover};
-
+pub use error::CalibrationError;
+pub use options::Options;
 pub use outcome::{Calibration, ParameterEstimate};
 pub use parameter::{COUNT, CalibrationParameter, Geometry};
 pub use recording::{CalibrationRecording, StampedHeading};
 
 use association::AssociationThresholds;
+use error::MIN_RECORDS;
 use fit::Fit;
-use frontal::Singular;
 use surepose_sim::CancelToken;
 use uncertainty::{Uncertainty, uncertainty};
-
-/// The fewest line observations of walls that are worth a try.
-const MIN_RECORDS: usize = 50;
-
-/// What is known beforehand.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// Where to begin; within some 10 % of the truth, and the laser's heading within some 20°.
-    pub nominal: Geometry<f64>,
-    /// Where δ begins.
-    pub delta: f64,
-    /// Standard deviation of a range \[m].
-    pub range_std: f64,
-    /// Standard deviation of a beam's direction \[rad].
-    pub bearing_std: f64,
-    /// Nearer returns are none \[m].
-    pub range_min: f64,
-    /// Farther returns are none \[m].
-    pub range_max: f64,
-    /// How a wall's distance scatters from scan to scan beyond what the beams' noise explains \[m]: walls that are not
-    /// quite straight, ranges that depend on what is met.
-    pub wall_distance_std: f64,
-    /// How a wall's direction does \[rad].
-    pub wall_direction_std: f64,
-    /// How long the mirror takes for one turn \[s]; 0 for scans that are taken at one moment.
-    pub sweep_period: f64,
-    /// Whether the scanner turns evenly and the stamps do not, because the host noted scans when it had the time.
-    pub scans_are_even: bool,
-    /// Standard deviation of the compass \[rad].
-    pub compass_std: f64,
-    /// The robot's heading in the map at the first record, where it is known.
-    pub start_heading: Option<HeadingMeasurement<f64>>,
-}
-
-/// Why there is no calibration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CalibrationError {
-    /// A number in the options is not finite, or a standard deviation or radius not positive.
-    #[error(
-        "the options hold a number that is not finite, or a radius, track, tick count or noise that is not positive"
-    )]
-    BadOptions,
-    /// The wheels' counters have no two records of different times.
-    #[error("the wheel counters have no two records of different times; are the stamps right?")]
-    NoTicks,
-    /// Too few walls were seen.
-    #[error(
-        "walls were seen {found} times, and it takes {MIN_RECORDS}: calibration needs a laser among walls"
-    )]
-    FewWalls {
-        /// How often.
-        found: usize,
-    },
-    /// Something is not determined at all.
-    #[error("the measurements determine no solution")]
-    Singular,
-    /// The fit left what a robot can be.
-    #[error("the fit diverged: begin nearer to the truth")]
-    Diverged,
-    /// Somebody ended it before it was done.
-    #[error("ended before it was done")]
-    Stopped,
-    /// The fit did not settle.
-    #[error("the fit did not settle: walls and odometry contradict each other")]
-    Unsettled,
-}
-
-impl From<Singular> for CalibrationError {
-    fn from(_: Singular) -> Self {
-        Self::Singular
-    }
-}
-
-impl Options {
-    /// What a configuration says.
-    pub fn from_config(config: &Config) -> Self {
-        let (drive, laser, compass) = (config.drive(), config.laser(), config.compass());
-        let mount = laser.body_from_laser;
-        Self {
-            nominal: Geometry([
-                drive.radius.left,
-                drive.radius.right,
-                drive.wheel_separation,
-                mount.x,
-                mount.y,
-                mount.heading.radians(),
-                laser.latency,
-                compass.offset.radians(),
-                compass.latency,
-            ]),
-            delta: config.ekf().delta,
-            range_std: laser.range_std,
-            bearing_std: laser.bearing_std,
-            range_min: 0.02,
-            range_max: 50.0,
-            wall_distance_std: 0.0,
-            wall_direction_std: 0.0,
-            sweep_period: 0.0,
-            scans_are_even: false,
-            compass_std: compass.std,
-            start_heading: None,
-        }
-    }
-
-    /// What is known of the `mines_rover` recordings and their Hokuyo URG-04LX: 600 turns a minute, 5.6 m.
-    ///
-    /// Its ranges scatter by 5 to 10 mm and are up to 1 % off by what they meet: hence the scatter of walls.
-    pub fn rover() -> Self {
-        let Rover { wheel_radius, wheel_separation, mount, .. } = ROVER;
-        Self {
-            nominal: Geometry([
-                wheel_radius,
-                wheel_radius,
-                wheel_separation,
-                mount.x,
-                mount.y,
-                mount.heading,
-                0.1,
-                0.0,
-                0.0,
-            ]),
-            range_std: 0.015,
-            bearing_std: 0.15_f64.to_radians(),
-            range_max: 5.6,
-            wall_distance_std: 0.01,
-            wall_direction_std: 0.5_f64.to_radians(),
-            sweep_period: 0.1,
-            scans_are_even: true,
-            ..Self::from_config(&Config::default())
-        }
-    }
-
-    fn are_sound(&self) -> bool {
-        let positive = [
-            self.nominal.get(CalibrationParameter::LeftWheelRadius),
-            self.nominal.get(CalibrationParameter::RightWheelRadius),
-            self.nominal.get(CalibrationParameter::WheelSeparation),
-            self.delta,
-            self.range_std,
-            self.compass_std,
-        ];
-        let rest = [self.bearing_std, self.wall_distance_std, self.wall_direction_std, self.sweep_period];
-        positive.iter().all(|v| v.is_finite() && *v > 0.0)
-            && rest.iter().all(|v| v.is_finite() && *v >= 0.0)
-            && self.nominal.0.iter().all(|v| v.is_finite())
-            && self.start_heading.is_none_or(|s| s.heading.radians().is_finite() && s.std.is_finite())
-    }
-}
 
 /// How many stages a calibration has.
 pub const STAGES: usize = 9;

@@ -10,8 +10,8 @@
 //! no trial may be lost of as many that start near the goal with [`STRESS`] times the noise either.
 
 mod candidate;
-mod draw;
 mod search;
+mod spec;
 #[cfg(test)]
 mod tests;
 
@@ -20,25 +20,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use surepose::control::Law;
 
 pub use candidate::GainCandidate;
+pub use spec::{STRESS, Tune};
 
 use search::Search;
+use spec::{slowest, stressed};
 
 use crate::sweep::{Starts, Sweep, SweepReport};
-
-/// What to tune.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tune {
-    /// The trials by which gains are judged in the end, with the law to begin from. The search has seeds of its own.
-    pub sweep: Sweep,
-    /// Other gains to begin from where the law's are not certified.
-    pub fallback: GainCandidate,
-    /// Least gains and capture radius that are tried.
-    pub least: GainCandidate,
-    /// The largest.
-    pub most: GainCandidate,
-    /// Rounds of the search.
-    pub rounds: usize,
-}
 
 /// What tuning found.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,18 +54,6 @@ pub struct TuneResult {
 pub struct TuneProgress {
     sweeps: surepose_sim::CancelToken,
     steps: AtomicUsize,
-}
-
-/// How much larger the noise is under which no trial may be lost either.
-pub const STRESS: f64 = 1.3;
-
-/// As many trials from near the goal, with [`STRESS`] times the noise.
-fn stressed(sweep: &Sweep) -> Sweep {
-    Sweep {
-        starts: Starts::near_goal(sweep.starts.len(), sweep.seed),
-        noise: sweep.noise.scaled(STRESS),
-        ..sweep.clone()
-    }
 }
 
 /// Trials that judge the result of a search that was stopped: whoever stopped it does not want to wait.
@@ -168,9 +143,4 @@ fn no_worse(report: &SweepReport, than: &SweepReport) -> bool {
         && now.p50 <= then.p50
         && now.p95 <= then.p95
         && slowest(report) <= slowest(than)
-}
-
-/// The longest time of a trial that arrived \[s].
-fn slowest(report: &SweepReport) -> Option<f64> {
-    report.time_s.map(|time| time.max)
 }

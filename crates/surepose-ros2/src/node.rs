@@ -6,6 +6,7 @@ mod action;
 mod diagnostics;
 mod parameters;
 mod publishers;
+mod settings;
 mod subscriptions;
 
 use std::time::{Duration, Instant};
@@ -26,29 +27,12 @@ use surepose::time::{Stamp, Stamped};
 
 use crate::convert::{MessageError, belief_of, pose_of, stamp_of};
 use crate::dds::{self, NodeError, spinning};
-use crate::driver::{DriverReport, NodeDriver, NodeDriverSettings, START_STD};
+use crate::driver::{DriverReport, NodeDriver, START_STD};
 use crate::extrinsics::ExtrinsicsResolver;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
-use crate::names::Names;
-use crate::network::Network;
 use crate::sense;
 
-/// Everything that a node is told at its start.
-#[derive(Clone, Debug)]
-pub struct NodeSettings {
-    /// What the driver flies by.
-    pub driver: NodeDriverSettings,
-    /// What its topics are called.
-    pub names: Names,
-    /// The frame of the map.
-    pub map_frame: String,
-    /// Whether `cmd_vel` is a `TwistStamped`, as since Jazzy, or a `Twist`.
-    pub stamped: bool,
-    /// The network.
-    pub network: Network,
-    /// What is to be said of the configuration in diagnostics: that it is not certified, for example.
-    pub warnings: Vec<String>,
-}
+pub use settings::NodeSettings;
 
 /// How often the node looks at the clock on the wall.
 const TIMER_PERIOD: Duration = Duration::from_millis(100);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::Source;
+use super::source::Source;
 
 pub(super) fn check(root: &Path, files: &[Source], findings: &mut Vec<String>) -> Result<(), String> {
     let text = |path: &str| files.iter().find(|file| file.path == path).map(|file| file.text.as_str());

@@ -1,9 +1,6 @@
-//! The shape of source files: their length, and what the core must not contain.
+//! What the sources of the core must not contain.
 
-use super::Source;
-
-/// The most lines a file may have: one idea fits.
-const LONGEST: usize = 400;
+use super::source::Source;
 
 /// What the core must not name, and why.
 const NOT_IN_CORE: [(&str, &str); 8] = [
@@ -18,12 +15,8 @@ const NOT_IN_CORE: [(&str, &str); 8] = [
 ];
 
 pub(super) fn check(files: &[Source], findings: &mut Vec<String>) {
-    for file in files.iter().filter(|file| file.is_rust()) {
-        let lines = file.text.lines().count();
-        if lines > LONGEST {
-            findings.push(format!("{}: {lines} lines, more than {LONGEST}: split the ideas", file.path));
-        }
-        if file.in_core() && !file.path.contains("tests") {
+    for file in files.iter().filter(|file| file.is_rust() && file.in_core()) {
+        if !file.path.contains("tests") {
             core(file, findings);
         }
     }

@@ -6,8 +6,8 @@ use surepose::geometry::{Angle, Laser, Line, Point};
 use surepose::lidar::{LineExtractor, RangeFinder, Scan};
 use surepose_io::recording::ScanRecord as Recorded;
 
-use super::Options;
 use super::model::{during, known_pose, motion};
+use super::options::Options;
 use super::parameter::Geometry;
 use super::recording::{OdometryStep, locate};
 

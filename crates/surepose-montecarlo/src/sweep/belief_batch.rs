@@ -3,7 +3,7 @@
 use surepose::estimation::{Belief, Gate};
 use surepose_simd::{Element, LaneArray, Streams};
 
-use super::Start;
+use super::bench::Start;
 use super::filter::{Filter, START_STD};
 use super::trial_batch::{BatchArray, Deviates};
 

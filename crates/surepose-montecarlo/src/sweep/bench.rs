@@ -7,7 +7,8 @@ use surepose::geometry::Angle;
 use surepose::kinematics::DiffDrive;
 use surepose_simd::uniform;
 
-use super::Start;
+/// A start pose, seen from the goal.
+pub type Start = surepose::geometry::Pose<surepose::geometry::Goal, surepose::geometry::Body, f64>;
 
 /// The robot's geometry.
 pub const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
@@ -65,9 +66,25 @@ pub const POSITION_TOLERANCE: f64 = 0.01;
 /// How far turned counts as there \[rad].
 pub const HEADING_TOLERANCE: f64 = PI / 180.0;
 /// How long the pose must be held \[s].
-pub(super) const HOLD: f64 = 1.0;
+const HOLD: f64 = 1.0;
 /// When a trial is given up \[s].
-pub(super) const TIMEOUT: f64 = 120.0;
+const TIMEOUT: f64 = 120.0;
+
+/// When a trial ends, in periods.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Termination {
+    /// Instants in a row inside the tolerance that are success.
+    pub(super) held: f64,
+    /// Periods after which the trial is given up.
+    pub(super) most: u64,
+}
+
+impl Termination {
+    /// The bench's.
+    pub(super) fn for_benchmark(period: f64) -> Self {
+        Self { held: (HOLD / period - 1e-9).ceil() + 1.0, most: (TIMEOUT / period).round() as u64 }
+    }
+}
 
 /// Whether a trial that begins so begins on the goal.
 pub(super) fn is_inside(start: &Start) -> bool {

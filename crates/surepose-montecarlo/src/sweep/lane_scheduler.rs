@@ -7,33 +7,18 @@ use surepose_simd::Element;
 
 use super::any_held::any_held;
 use super::belief_batch::BeliefBatch;
-use super::bench::{HOLD, TIMEOUT};
+use super::bench::Termination;
 use super::filter::PoseSource;
+use super::spec::Sweep;
 use super::trial::TrialResult;
 use super::trial_batch::{LANES, TrialBatch};
-use super::{Sweep, estimating, phases};
+use super::{estimating, phases};
 
 /// How many lanes are looked at together for one whose trial ends.
 const GROUP: usize = 16;
 
 /// For how many results there is room before the first one comes: Ctrl-C may end a sweep that asks for far more.
 const MAX_RESERVED: usize = 1 << 20;
-
-/// When a trial ends, in periods.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Termination {
-    /// Instants in a row inside the tolerance that are success.
-    pub(super) held: f64,
-    /// Periods after which the trial is given up.
-    pub(super) most: u64,
-}
-
-impl Termination {
-    /// The bench's.
-    pub(super) fn for_benchmark(period: f64) -> Self {
-        Self { held: (HOLD / period - 1e-9).ceil() + 1.0, most: (TIMEOUT / period).round() as u64 }
-    }
-}
 
 /// The trial that a lane is driving.
 #[derive(Clone, Copy, Debug)]

@@ -4,10 +4,9 @@ use serde::Serialize;
 use surepose::geometry::Angle;
 use surepose_sim::optimal;
 
-use super::Sweep;
 use super::belief_batch::Consistency;
-use super::bench::{DRIVE, limits};
-use super::lane_scheduler::Termination;
+use super::bench::{DRIVE, Termination, limits};
+use super::spec::Sweep;
 
 /// A trial that ended, in few numbers: what can be worked out from them waits until all have ended.
 #[derive(Clone, Debug)]

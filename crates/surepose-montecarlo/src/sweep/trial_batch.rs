@@ -2,8 +2,7 @@
 
 use surepose_simd::{Element, LaneArray, Lanes, Streams};
 
-use super::Start;
-use super::bench::is_inside;
+use super::bench::{Start, is_inside};
 
 /// How many trials run side by side: enough that a loop over them is worth beginning, few enough for the nearest caches, and not
 /// a power of two, so that columns do not share the lower bits of their addresses.

@@ -5,9 +5,8 @@ use surepose_sim::CancelToken;
 
 use crate::sweep::{Starts, Sweep, SweepReport};
 
-use super::candidate::{GainCandidate, NUMBERS};
-use super::draw::{deviates, seed_of_round};
-use super::{Tune, slowest, stressed};
+use super::candidate::{GainCandidate, NUMBERS, deviates, seed_of_round};
+use super::spec::{Tune, slowest, stressed};
 
 /// Candidates that a round draws.
 const DRAWN: usize = 16;

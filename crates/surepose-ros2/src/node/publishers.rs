@@ -16,7 +16,7 @@ use crate::message::{
 };
 use crate::velocity::CmdVelPublisher;
 
-use super::NodeSettings;
+use super::settings::NodeSettings;
 
 /// Where odometry's frame is on the map holds for so long \[s] after it was found, so that readers need not wait for the
 /// next.

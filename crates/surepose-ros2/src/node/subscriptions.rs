@@ -9,8 +9,8 @@ use serde::de::DeserializeOwned;
 use crate::dds::{NodeError, global_name, latched, refused, reliable, sensor, subscribe};
 use crate::message::{Empty, Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 
-use super::NodeSettings;
 use super::action::{CancelRequest, NewGoal, Served, cancels, goals};
+use super::settings::NodeSettings;
 
 /// Something happened.
 pub(super) enum NodeEvent {
