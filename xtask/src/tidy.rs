@@ -1,4 +1,4 @@
-//! Checks that no compiler makes: documents that name what exists, and a house that keeps its shape.
+//! Consistency checks of documents, dependencies, and source files.
 
 mod dependencies;
 mod documents;
@@ -6,7 +6,7 @@ mod sources;
 
 use std::path::{Path, PathBuf};
 
-/// Runs every check and lists every finding.
+/// Runs all checks and lists all findings.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     let mut findings = Vec::new();
     let files = files(root)?;
@@ -14,14 +14,14 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     documents::check(root, &files, &mut findings)?;
     dependencies::check(root, &mut findings)?;
     if findings.is_empty() {
-        println!("tidy: {} files, nothing to say", files.len());
+        println!("tidy: {} files, no findings", files.len());
         Ok(())
     } else {
         Err(format!("tidy: {} findings\n{}", findings.len(), findings.join("\n")))
     }
 }
 
-/// A file of the project, with its path from the root.
+/// A text file of the project; its path is relative to the root.
 struct Source {
     path: String,
     text: String,
@@ -37,7 +37,7 @@ impl Source {
     }
 }
 
-/// The text files that are the project's own: sources, manifests, documents.
+/// Reads all text files of the project: sources, manifests, and documents.
 fn files(root: &Path) -> Result<Vec<Source>, String> {
     let mut sources = Vec::new();
     let mut folders = vec![PathBuf::new()];
