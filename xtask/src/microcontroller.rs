@@ -54,17 +54,17 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     }
     let host = on_host(root)?;
     let board = printed(root, "board", &mut compiler.command())?;
-    let Some((told, cost)) = board.trim_end().rsplit_once('\n') else {
+    let Some((results, cost)) = board.trim_end().rsplit_once('\n') else {
         return Err(format!(
             "microcontroller: incomplete output of the board (expected results and cost):\n{board}"
         ));
     };
-    if told.trim_end() != host.trim_end() {
+    if results.trim_end() != host.trim_end() {
         return Err(format!(
             "microcontroller: results differ from the host:\nhost:\n{host}\nboard:\n{board}"
         ));
     }
-    println!("{told}\n{cost}, budget {BUDGET}");
+    println!("{results}\n{cost}, budget {BUDGET}");
     let instructions = cost.rsplit(' ').next().and_then(|count| count.parse::<u64>().ok());
     match instructions {
         Some(count) if count <= BUDGET => Ok(()),

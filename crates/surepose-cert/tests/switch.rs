@@ -227,14 +227,14 @@ impl SampledController for Mutant {
 fn false_claims_are_not_certified() {
     // Other tests show that the law without a fault is certified.
     let plain = hybrid(0.02);
-    let told = HybridLaw { deadband: Some(Deadband::from_noise(0.005, 0.02)), ..plain };
+    let with_deadband = HybridLaw { deadband: Some(Deadband::from_noise(0.005, 0.02)), ..plain };
     let judged = |law: HybridLaw<f64>, fault: Fault, bounds| {
         certify(&request(&Mutant { law: deployed(law), fault }, law.gains.h, 0.02, bounds))
     };
     let (small, large) = (noise(0.007, 0.25), noise(0.02, 1.2));
     for fault in [Fault::NarrowHysteresis, Fault::NoHysteresis] {
         // The refusal is correct: the mode switch does chatter.
-        for law in [plain, told] {
+        for law in [plain, with_deadband] {
             let mutant = Mutant { law: deployed(law), fault };
             let (least, changes) = provoked(&mutant, 0.02, &small, (3, 100_000));
             println!("{fault:?}: left the local mode after {least} ticks, {changes} mode switches in 100000");
@@ -254,9 +254,9 @@ fn false_claims_are_not_certified() {
         terminal_phase.is_none_or(|terminal_phase| terminal_phase.heading_bound.is_none()),
         "{terminal_phase:?}"
     );
-    let stops = certify(&request(&deployed(told), told.gains.h, 0.02, small)).final_position_bound;
+    let stops = certify(&request(&deployed(with_deadband), with_deadband.gains.h, 0.02, small)).final_position_bound;
     let stops = stops.expect("shown");
-    let backs = judged(told, Fault::BacksAwayAtRest, small);
+    let backs = judged(with_deadband, Fault::BacksAwayAtRest, small);
     let stays = backs.final_position_bound.filter(|_| backs.certified);
     assert!(stays.is_none_or(|bound| bound > 2.0 * stops), "{stops} m without the fault; {backs:?}");
 }

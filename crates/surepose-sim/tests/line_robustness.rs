@@ -57,9 +57,9 @@ fn legs_are_not_extracted_as_walls() {
     assert!(count > 490.0 && nees / count < 2.5, "NEES {} over {count}", nees / count);
 }
 
-/// Polygon with 24 sides, which approximates a circle around `centre`.
-fn round(centre: Point<Map, f64>, radius: f64) -> Vec<WallSegment> {
-    let corner = |k: u32| at(centre.x, centre.y, 15.0 * f64::from(k)) * Point::new(radius, 0.0);
+/// Polygon with 24 sides, which approximates a circle around `center`.
+fn round(center: Point<Map, f64>, radius: f64) -> Vec<WallSegment> {
+    let corner = |k: u32| at(center.x, center.y, 15.0 * f64::from(k)) * Point::new(radius, 0.0);
     (0..24).map(|k| WallSegment { start: corner(k), end: corner(k + 1) }).collect()
 }
 

@@ -217,6 +217,6 @@ fn close_parallel_walls_are_disambiguated_by_neighbors() {
     let (left_segment, left) = wall((0.3, 1.6), (1.6, 1.8));
     let (right_segment, right) = wall((0.3, -0.7), (1.8, -1.9));
     let world = [front_segment, left_segment, right_segment];
-    let told = numbers(at(0.0, 0.0, 0.0), vague, &laser, &world, &[front, recess, left, right]);
-    assert_eq!(told, [Some(3), Some(0), Some(2)]);
+    let resolved = numbers(at(0.0, 0.0, 0.0), vague, &laser, &world, &[front, recess, left, right]);
+    assert_eq!(resolved, [Some(3), Some(0), Some(2)]);
 }
