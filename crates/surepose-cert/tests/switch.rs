@@ -254,7 +254,8 @@ fn false_claims_are_not_certified() {
         terminal_phase.is_none_or(|terminal_phase| terminal_phase.heading_bound.is_none()),
         "{terminal_phase:?}"
     );
-    let stops = certify(&request(&deployed(with_deadband), with_deadband.gains.h, 0.02, small)).final_position_bound;
+    let stops =
+        certify(&request(&deployed(with_deadband), with_deadband.gains.h, 0.02, small)).final_position_bound;
     let stops = stops.expect("shown");
     let backs = judged(with_deadband, Fault::BacksAwayAtRest, small);
     let stays = backs.final_position_bound.filter(|_| backs.certified);
