@@ -1,5 +1,5 @@
-//! Chores of the project: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`,
-//! `cargo xtask microcontroller`, `cargo xtask ros2`, `cargo xtask bits`.
+//! Project tasks: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`, `cargo xtask
+//! microcontroller`, `cargo xtask ros2`, `cargo xtask bits`.
 
 mod bits;
 mod instructions;
@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-cargo xtask ci              everything the gate checks: format, lints, tidy, documentation, tests
-cargo xtask tidy            whether documents and code still say the same
-cargo xtask instructions    instruction counts of law and filter against their budgets (needs valgrind, x86-64)
-cargo xtask microcontroller whether an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
-cargo xtask ros2            whether rclpy, real ROS 2, can talk to the node (needs python3.11 and the network)
-cargo xtask bits            whether two versions of the program give the same results: `record` and `compare`";
+cargo xtask ci              run all CI checks: format, lints, tidy, documentation, tests, and the checks below
+cargo xtask tidy            check the consistency of documents and code
+cargo xtask instructions    check instruction counts against their budgets (needs valgrind on x86-64)
+cargo xtask microcontroller check that an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
+cargo xtask ros2            test the node against rclpy of ROS 2 (needs python3.11 and the network)
+cargo xtask bits            compare the results of two versions of the program: `record` and `compare`";
 
 fn main() -> ExitCode {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");

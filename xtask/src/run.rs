@@ -1,4 +1,4 @@
-//! Runs cargo.
+//! Subprocesses, and the sequence of CI checks.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,6 +8,6 @@ pub(crate) fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)
     eprintln!("== cargo {}", arguments.join(" "));
     let mut command = Command::new(env!("CARGO"));
     command.current_dir(root).args(arguments).envs(environment.iter().copied());
-    let status = command.status().map_err(|error| format!("cargo does not start: {error}"))?;
-    if status.success() { Ok(()) } else { Err(format!("cargo {} failed", arguments.join(" "))) }
+    let status = command.status().map_err(|error| format!("cargo: start failed: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("cargo {}: failed", arguments.join(" "))) }
 }

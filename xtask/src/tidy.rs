@@ -1,4 +1,4 @@
-//! Checks that no compiler makes: documents that name what exists, and a house that keeps its shape.
+//! Consistency checks of documents, dependencies, and source files.
 
 mod dependencies;
 mod documents;
@@ -12,7 +12,7 @@ mod vocabulary;
 
 use std::path::Path;
 
-/// Runs every check and lists every finding.
+/// Runs all checks and lists all findings.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     let mut findings = Vec::new();
     let files = source::files(root)?;
@@ -24,7 +24,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     documents::check(root, &files, &mut findings)?;
     dependencies::check(root, &mut findings)?;
     if findings.is_empty() {
-        println!("tidy: {} files, nothing to say", files.len());
+        println!("tidy: {} files, no findings", files.len());
         Ok(())
     } else {
         Err(format!("tidy: {} findings\n{}", findings.len(), findings.join("\n")))

@@ -1,7 +1,7 @@
-//! One piece of work, many times: for counting instructions under callgrind, see `cargo xtask instructions`.
+//! Repeats one operation for instruction counts under callgrind; see `cargo xtask instructions`.
 //!
-//! `instructions NAME COUNT` does the work NAME (`extract181`, `extract361`, `match181`) COUNT times, on 600 scans from all
-//! round the loop world.
+//! `instructions NAME COUNT` runs operation NAME (`extract181`, `extract361`, `match181`) COUNT times. The
+//! inputs are 600 scans along the course of the loop world.
 
 use std::hint::black_box;
 use std::process::ExitCode;

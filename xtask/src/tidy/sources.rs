@@ -2,7 +2,7 @@
 
 use super::source::Source;
 
-/// What the core must not name, and why.
+/// Code that is forbidden in the core, with the reason.
 const NOT_IN_CORE: [(&str, &str); 8] = [
     ("std::", "the core is no_std"),
     ("extern crate alloc", "the core does not allocate"),
@@ -11,7 +11,7 @@ const NOT_IN_CORE: [(&str, &str); 8] = [
     (".expect(", "the core cannot panic"),
     ("panic!(", "the core cannot panic"),
     ("unreachable!(", "the core cannot panic"),
-    ("Instant", "the core reads no clock"),
+    ("Instant", "the core does not read clocks"),
 ];
 
 pub(super) fn check(files: &[Source], findings: &mut Vec<String>) {
@@ -23,8 +23,9 @@ pub(super) fn check(files: &[Source], findings: &mut Vec<String>) {
     let forbids = |file: &Source| file.text.contains("#![forbid(unsafe_code)]");
     let root = files.iter().find(|file| file.path == "crates/surepose/src/lib.rs");
     if !root.is_some_and(|file| forbids(file) && file.text.contains("#![no_std]")) {
-        findings
-            .push("crates/surepose/src/lib.rs: must say #![no_std] and #![forbid(unsafe_code)]".to_owned());
+        findings.push(
+            "crates/surepose/src/lib.rs: must contain #![no_std] and #![forbid(unsafe_code)]".to_owned(),
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the tests of lines share: scans as the core sees them, and errors by the truth.
+//! Shared helpers of the line tests: core types from simulated scans, and true errors.
 
 use surepose::geometry::{Angle, Body, Map, Point, Pose};
 use surepose::lidar::{ExtractedLine, LineExtractor, RangeFinder, Scan};
@@ -30,7 +30,7 @@ pub(crate) fn lines(laser: &LaserModel, scan: &surepose_sim::SimulatedScan) -> V
     extractor.extract(&range_finder(laser), &view(scan)).unwrap().lines.to_vec()
 }
 
-/// The error (r, ψ) of a line, and its normalised square.
+/// Error (r, ψ) of a line, and its normalized square.
 pub(crate) fn error(
     line: &ExtractedLine<f64>,
     wall: &Wall<f64>,
