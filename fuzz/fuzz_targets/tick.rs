@@ -4,8 +4,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use surepose::{Angle, HeadingMeasurement, Measurement, Pose, Stamp, Stamped};
-use surepose_sim::robot::Scenario;
 use surepose_ros2::{LaserScan, NodeDriver, NodeDriverSettings, SensorMessage};
+use surepose_sim::robot::Scenario;
 
 /// Takes numbers from bytes: any bits make a number, and NaN and infinity are among them.
 struct Bytes<'a>(&'a [u8]);

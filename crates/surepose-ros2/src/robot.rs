@@ -2,6 +2,7 @@
 //!
 //! Its world is that of `surepose run`, in real time: motors with lag, slip, quantised encoders, noisy sensors.
 
+mod cmd_vel_subscriber;
 pub(crate) mod messages;
 
 use std::time::{Duration, Instant};
@@ -22,7 +23,7 @@ use crate::message::{Imu, LaserScan, Odometry, PoseStamped, TfMessage};
 use crate::names::Names;
 use crate::network::Network;
 use crate::pilot::Odom;
-use crate::velocity::CmdVelSubscriber;
+use cmd_vel_subscriber::CmdVelSubscriber;
 
 /// From one odometry to the next \[s].
 const PERIOD: f64 = 0.02;
