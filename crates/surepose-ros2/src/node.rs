@@ -14,8 +14,8 @@ use futures::future::LocalBoxFuture;
 use futures::stream::{FuturesUnordered, StreamExt};
 use futures::{FutureExt, select};
 use ros2_client::RmwRequestId;
+use surepose::optimal::fastest;
 use surepose::{Goal, Map, Pose, Stamp, Stamped, Twist};
-use surepose_sim::optimal::fastest;
 
 use crate::convert::{MessageError, belief_of, pose_of, stamp_of};
 use crate::dds::{self, NodeError, spinning};

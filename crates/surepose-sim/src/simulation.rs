@@ -11,12 +11,12 @@ mod summary;
 mod tests;
 
 use surepose::closed_loop::{Controller, ControllerState, Tick};
+use surepose::optimal::fastest;
 use surepose::{
     FaultReason, Goal, GoalStatus, Map, NavigationVariables, Pose, SafetyAction, Twist, WheelPair, param,
 };
 
 use crate::ErrorAccumulator;
-use crate::optimal::fastest;
 use crate::robot::{Scenario, SimulatedRobot};
 
 pub use collision::stopping_trajectory;

@@ -18,6 +18,7 @@
 //! | `supervisor` | how far that can be trusted: beside the loop |
 //! | [`closed_loop`] | all of it, one tick |
 //! | [`path`](Path) | what else a robot may follow: the paths of Fig. 6 |
+//! | [`optimal`] | the least time in which any controller could drive: a bound to compare with |
 //! | [`param`] | every parameter with its unit, its range and the reason for it |
 //!
 //! # Frames and units
@@ -52,6 +53,7 @@ mod limit;
 mod line;
 mod matrix;
 mod navigation;
+pub mod optimal;
 pub mod param;
 mod path;
 mod pid;

@@ -7,7 +7,7 @@ use super::Sweep;
 use super::belief_batch::Consistency;
 use super::bench::{DRIVE, limits};
 use super::lane_scheduler::Termination;
-use surepose_sim::optimal;
+use surepose::optimal;
 
 /// A trial that ended, in few numbers: what can be worked out from them waits until all have ended.
 #[derive(Clone, Debug)]
