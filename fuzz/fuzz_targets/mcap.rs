@@ -5,6 +5,7 @@
 use libfuzzer_sys::fuzz_target;
 use surepose_config::{Config, ScanMethod};
 use surepose_ros2::{Names, NodeDriverSettings, bag};
+use surepose_sim::robot::ScanMethod;
 
 fuzz_target!(|bytes: &[u8]| {
     let path = std::env::temp_dir().join(format!("surepose-fuzz-{}.mcap", std::process::id()));

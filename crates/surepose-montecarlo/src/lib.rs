@@ -5,7 +5,7 @@
 //! | [`sweep`] | millions of seeded trials from many start poses, with and without a filter |
 //! | [`tune`] | a seeded search for the gains that reach the goal soonest |
 //!
-//! A trial's time is compared with the time-optimal bound, [`surepose_sim::optimal`].
+//! A trial's time is compared with the time-optimal bound, [`surepose::optimal`].
 
 pub mod sweep;
 pub mod tune;

@@ -6,7 +6,8 @@ mod files;
 mod mcap;
 mod reader;
 mod replay;
-#[cfg(all(test, feature = "simulate"))]
+#[cfg(test)]
+#[cfg(feature = "simulate")]
 mod tests;
 
 use std::fmt;

@@ -84,6 +84,7 @@ impl Names {
     }
 
     /// Whether `own` is called otherwise.
+    #[cfg(feature = "bag")]
     pub(crate) fn is_remapped(&self, own: &str) -> bool {
         self.others.iter().any(|(from, _)| from == own)
     }

@@ -2,10 +2,12 @@
 //!
 //! Its world is that of `surepose run`, in real time: motors with lag, slip, quantised encoders, noisy sensors.
 
+mod cmd_vel_subscriber;
 pub(crate) mod messages;
 
 use std::time::{Duration, Instant};
 
+use cmd_vel_subscriber::CmdVelSubscriber;
 use futures::select;
 use futures::stream::StreamExt;
 use ros2_client::builtin_interfaces::Time;
@@ -24,7 +26,6 @@ use crate::driver::Odom;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, TfMessage};
 use crate::names::Names;
 use crate::network::Network;
-use crate::velocity::CmdVelSubscriber;
 
 /// From one odometry to the next \[s].
 const PERIOD: f64 = 0.02;

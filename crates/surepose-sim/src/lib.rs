@@ -10,7 +10,6 @@ mod errors;
 mod fault;
 mod laser;
 mod motor;
-pub mod optimal;
 mod random;
 pub mod robot;
 pub mod simulation;

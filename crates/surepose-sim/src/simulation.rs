@@ -11,11 +11,11 @@ use surepose::control::{Controller, GoalStatus, NavigationVariables};
 use surepose::geometry::{Goal, Map, Pose};
 use surepose::kinematics::{Twist, WheelPair};
 use surepose::navigator::{AbortReason, GoalResult, StepReport};
+use surepose::optimal::fastest;
 use surepose::param;
 use surepose::safety::SafetyAction;
 
 use crate::ErrorAccumulator;
-use crate::optimal::fastest;
 use crate::robot::{Scenario, SimulatedRobot};
 
 pub use sample::{ControlMode, Sample};

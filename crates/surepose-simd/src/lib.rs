@@ -1,6 +1,6 @@
 //! SIMD scalar type for simulations of millions of trials.
 //!
-//! [`Lanes`] is a [`Scalar`](surepose::Scalar) of `N` numbers; [`LaneArray`] stores one number per robot. The
+//! [`Lanes`] is a [`Scalar`](surepose::scalar::Scalar) of `N` numbers; [`LaneArray`] stores one number per robot. The
 //! generic control law, limits, and motion model of `surepose` run on `N` robots at a time, without branches
 //! or calls. The compiler turns such a loop into vector instructions. [`dispatch_simd`] compiles it for
 //! AVX-512, AVX2, and the baseline processor, and selects one at run time.

@@ -18,6 +18,7 @@
 //! | `supervisor` | how far that can be trusted: beside the loop |
 //! | [`closed_loop`] | all of it, one tick |
 //! | [`path`](Path) | what else a robot may follow: the paths of Fig. 6 |
+//! | [`optimal`] | the least time in which any controller could drive: a bound to compare with |
 //! | [`param`] | every parameter with its unit, its range and the reason for it |
 //!
 //! # Frames and units
@@ -49,6 +50,7 @@ pub mod linalg;
 pub mod localization;
 pub mod map;
 pub mod navigator;
+pub mod optimal;
 pub mod param;
 pub mod safety;
 pub mod scalar;

@@ -4,9 +4,10 @@ mod circles;
 mod modules;
 mod resolve;
 
-use super::source::Source;
 use modules::Crate;
 use resolve::Uses;
+
+use super::source::Source;
 
 /// Reports each set of files of one crate that reach each other through imports.
 ///

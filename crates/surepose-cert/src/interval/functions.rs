@@ -97,7 +97,7 @@ impl Interval {
     /// Angle of the vector (`x`, `self`) \[rad].
     ///
     /// The result is the full circle if the box contains the origin or crosses the negative x axis. A vector
-    /// on that axis has the angle π (−π only for the float −0, which [`surepose::Angle`] maps to π).
+    /// on that axis has the angle π (−π only for the float −0, which [`surepose::geometry::Angle`] maps to π).
     pub(super) fn angle(self, x: Self) -> Self {
         let circle = padded(-PI, PI, 1.0);
         let origin = self.contains(0.0) && x.contains(0.0);

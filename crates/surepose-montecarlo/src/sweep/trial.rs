@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use surepose::geometry::Angle;
-use surepose_sim::optimal;
+use surepose::optimal;
 
 use super::belief_batch::Consistency;
 use super::bench::{DRIVE, Termination, limits};

@@ -1,7 +1,8 @@
 //! What to tune, and the trials and figures that candidates are judged by.
 
-use super::candidate::GainCandidate;
 use crate::sweep::{Starts, Sweep, SweepReport};
+
+use super::candidate::GainCandidate;
 
 /// What to tune.
 #[derive(Clone, Debug, PartialEq)]
