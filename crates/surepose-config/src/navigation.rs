@@ -100,10 +100,12 @@ impl Config {
         stamp: Stamp,
         belief: Belief<f64>,
     ) -> Box<RobotNavigator> {
-        let estimator = self.estimator(stamp, belief);
-        let scan_processor = self.scan_processor(setup.scan_method);
-        let localizer = Localizer::new(estimator, scan_processor, self.monitor(setup));
-        Box::new(Navigator::new(self.navigator_config(setup), localizer))
+        on_large_stack(|| {
+            let estimator = self.estimator(stamp, belief);
+            let scan_processor = self.scan_processor(setup.scan_method);
+            let localizer = Localizer::new(estimator, scan_processor, self.monitor(setup));
+            Box::new(Navigator::new(self.navigator_config(setup), localizer))
+        })
     }
 
     /// The localizer of a robot without supervision: for experiments that judge the estimate alone.
@@ -112,8 +114,10 @@ impl Config {
         scan_method: ScanMethod,
         belief: Belief<f64>,
     ) -> Box<RobotLocalizer> {
-        let estimator = self.estimator(Stamp::default(), belief);
-        Box::new(Localizer::unsupervised(estimator, self.scan_processor(scan_method)))
+        on_large_stack(|| {
+            let estimator = self.estimator(Stamp::default(), belief);
+            Box::new(Localizer::unsupervised(estimator, self.scan_processor(scan_method)))
+        })
     }
 
     /// Distance from the robot's middle that stays free of obstacles unless it is given \[m].
@@ -181,4 +185,17 @@ impl Config {
             local_search_interval: LOCAL_SEARCH_INTERVAL,
         }
     }
+}
+
+/// Runs `build` on a thread with room for a navigator on its stack, from where it is moved to the heap.
+///
+/// Without allocation the core keeps all buffers, half a megabyte, in the value itself, and an unoptimized build copies it
+/// several times. A thread that cannot be started leaves the work to the caller's.
+fn on_large_stack<T: Send>(build: impl Fn() -> T + Sync) -> T {
+    const STACK: usize = 32 << 20;
+    let built = std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, &build);
+        thread.ok().and_then(|thread| thread.join().ok())
+    });
+    built.unwrap_or_else(build)
 }

@@ -13,7 +13,7 @@ use surepose::kinematics::{Twist, WheelPair};
 use surepose::navigator::{AbortReason, GoalResult, StepReport};
 use surepose::optimal::fastest;
 use surepose::param;
-use surepose::safety::SafetyAction;
+use surepose::safety::{BlockReason, SafetyAction};
 
 use crate::ErrorAccumulator;
 use crate::robot::{Scenario, SimulatedRobot};
@@ -59,7 +59,8 @@ impl Simulation {
         let goal_from_start = scenario.goal().inverse() * scenario.start();
         let fastest = fastest(goal_from_start, &controller.drive, controller.limits.wheel_speed);
         let mut robot = SimulatedRobot::new(scenario, seed);
-        let accepted = robot.set_goal(scenario.goal());
+        // A goal without room is blocked by a wall from the start.
+        let refused = robot.set_goal(scenario.goal()).is_err();
         Self {
             robot,
             controller,
@@ -67,10 +68,10 @@ impl Simulation {
             wheels: WheelPair::zero(),
             commanded: Twist::zero(),
             status: GoalStatus::Approaching,
-            aborted: None,
+            aborted: refused.then_some(AbortReason::Blocked(BlockReason::Wall)),
             timeout: scenario.config.number(&param::TIMEOUT),
             optimal_time: fastest.time,
-            outcome: accepted.is_err().then_some(SimulationOutcome::Stopped),
+            outcome: refused.then_some(SimulationOutcome::Stopped),
             errors: ErrorAccumulator::default(),
             path_length: 0.0,
             closest_wall: f64::INFINITY,
