@@ -1,24 +1,28 @@
-//! Calibration: wheel radii, track, noise factor, sensor mountings and latencies, from a recording.
+//! Calibration of wheel radii, wheel separation, noise factor, sensor mountings and latencies from a
+//! recording.
 //!
-//! Wheel ticks say how far the wheels turned, walls seen again say how far the robot came. Poses, walls and parameters
-//! are found together, by maximum likelihood:
+//! Wheel ticks measure how far the wheels turned; walls that are observed repeatedly measure how far the
+//! robot moved. Poses, walls and parameters are estimated jointly by maximum likelihood:
 //!
-//! 1. *line observations*: the lines of every scan, as the core finds them, each with its covariance;
-//! 2. *association*: a line near where a wall was last seen is that wall; a wall out of sight for 1.5 s is forgotten, so
-//!    no map is needed and a place that looks like another does no harm;
-//! 3. *fit*: Gauss–Newton over all poses, walls and parameters at once. Unknowns leave in the order of time, so the cost
-//!    grows with the length of the recording only. Residuals far out count less [Huber1964];
-//! 4. *scatter*: δ and the scatter of the walls by restricted maximum likelihood [Harville1977], and 2 to 4 once more;
-//! 5. *standard errors*: the inverse normal matrix, enlarged where stretches of the recording disagree by more [White1980].
+//! 1. *line observations*: the core extracts lines from every scan, each with its covariance;
+//! 2. *association*: a line near the last observation of a wall belongs to that wall. Walls expire 1.5 s
+//!    after their last observation, so no map is needed and places that look alike are not confused;
+//! 3. *fit*: Gauss–Newton over all poses, walls and parameters. Variables are eliminated in order of time, so
+//!    the cost is linear in the length of the recording. Outliers have reduced weight [Huber1964];
+//! 4. *scatter*: δ and the scatter of the walls by restricted maximum likelihood [Harville1977]. Steps 2 to 4
+//!    run twice;
+//! 5. *standard errors*: the inverse normal matrix, enlarged where segments of the recording disagree by more
+//!    [White1980].
 //!
-//! # What it cannot tell
-//! All lengths are in the laser's metres: a laser whose ranges are 1 % long makes wheels and track 1 % too large.
-//! The standard errors do not contain that.
+//! # Limitations
+//! All lengths are scaled by the laser's ranges: ranges that are 1 % long make radii and wheel separation 1 %
+//! too large. The standard errors do not include this scale error.
 //!
-//! The compass' offset is that against the map, so a heading in the map must be known: [`Options::start_heading`].
-//! Without scans nothing is known but the ratio of radii to track, and only with a compass: scans are required.
+//! The compass offset is relative to the map, so it requires a known map heading: [`Options::start_heading`].
+//! Scans are required. Without them only the ratio of radii to wheel separation is observable, and only with
+//! a compass.
 //!
-//! δ belongs to the period of the wheel counters: see `Slip` of `surepose-sim`.
+//! δ applies to the sampling period of the wheel counters; see `Slip` of `surepose-sim`.
 //!
 //! # Tested by
 //! `true_values_lie_in_their_intervals`, `two_runs_of_the_rover_agree`.
@@ -51,69 +55,69 @@ use uncertainty::{Uncertainty, uncertainty};
 
 use crate::CancelToken;
 
-/// The fewest line observations of walls that are worth a try.
+/// Minimum number of line observations for a calibration.
 const MIN_RECORDS: usize = 50;
 
-/// What is known beforehand.
+/// Initial values and sensor noise of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Where to begin; within some 10 % of the truth, and the laser's heading within some 20°.
+    /// Initial geometry: within about 10 % of the truth, and the laser's heading within about 20°.
     pub nominal: Geometry<f64>,
-    /// Where δ begins.
+    /// Initial δ.
     pub delta: f64,
     /// Standard deviation of a range \[m].
     pub range_std: f64,
     /// Standard deviation of a beam's direction \[rad].
     pub bearing_std: f64,
-    /// Nearer returns are none \[m].
+    /// Minimum range of a valid return \[m].
     pub range_min: f64,
-    /// Farther returns are none \[m].
+    /// Maximum range of a valid return \[m].
     pub range_max: f64,
-    /// How a wall's distance scatters from scan to scan beyond what the beams' noise explains \[m]: walls that are not
-    /// quite straight, ranges that depend on what is met.
+    /// Standard deviation of a wall's distance from scan to scan, beyond the noise of the beams \[m]. Causes
+    /// are uneven walls and ranges that depend on the surface.
     pub wall_distance_std: f64,
-    /// How a wall's direction does \[rad].
+    /// Standard deviation of a wall's direction from scan to scan, beyond the noise of the beams \[rad].
     pub wall_direction_std: f64,
-    /// How long the mirror takes for one turn \[s]; 0 for scans that are taken at one moment.
+    /// Duration of one mirror turn \[s]; 0 if all beams of a scan are taken at once.
     pub sweep_period: f64,
-    /// Whether the scanner turns evenly and the stamps do not, because the host noted scans when it had the time.
+    /// Whether scans are evenly spaced in time although their stamps, taken by the host, are not.
     pub scans_are_even: bool,
     /// Standard deviation of the compass \[rad].
     pub compass_std: f64,
-    /// The robot's heading in the map at the first record, where it is known.
+    /// Heading of the robot in the map at the first record; `None` if it is not known.
     pub start_heading: Option<HeadingMeasurement<f64>>,
 }
 
-/// Why there is no calibration.
+/// Reasons for which a calibration fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CalibrationError {
-    /// A number in the options is not finite, or a standard deviation or radius not positive.
+    /// A number in the options is not finite, or a standard deviation or radius is not positive.
     #[error(
-        "the options hold a number that is not finite, or a radius, track, tick count or noise that is not positive"
+        "options: every number must be finite, and radii, track, tick count and noise positive; check the configuration"
     )]
     BadOptions,
-    /// The wheels' counters have no two records of different times.
-    #[error("the wheel counters have no two records of different times; are the stamps right?")]
+    /// The wheel counters have no two records at different times.
+    #[error("wheel counters: no two records with different stamps; check the stamps")]
     NoTicks,
-    /// Too few walls were seen.
+    /// Too few wall observations.
     #[error(
-        "walls were seen {found} times, and it takes {MIN_RECORDS}: calibration needs a laser among walls"
+        "walls: too few observations (got {found}, expected at least {MIN_RECORDS}); record scans near walls"
     )]
     FewWalls {
-        /// How often.
+        /// Number of wall observations.
         found: usize,
     },
-    /// Something is not determined at all.
-    #[error("the measurements determine no solution")]
+    /// The normal matrix is singular.
+    #[error("fit: the measurements do not determine a solution; record more motion in sight of walls")]
     Singular,
-    /// The fit left what a robot can be.
-    #[error("the fit diverged: begin nearer to the truth")]
+    /// The fit left the range of plausible geometries.
+    #[error("fit: diverged; start with nominal values nearer to the truth")]
     Diverged,
-    /// Somebody ended it before it was done.
-    #[error("ended before it was done")]
+    /// Canceled before completion.
+    #[error("calibration: canceled before completion")]
     Stopped,
-    /// The fit did not settle.
-    #[error("the fit did not settle: walls and odometry contradict each other")]
+    /// The fit did not converge.
+    #[error("fit: did not converge, walls and odometry contradict each other; check the nominal geometry and the stamps")]
     Unsettled,
 }
 
@@ -124,7 +128,7 @@ impl From<Singular> for CalibrationError {
 }
 
 impl Options {
-    /// What a configuration says.
+    /// Takes the initial values from a configuration.
     pub fn from_config(config: &Config) -> Self {
         let (drive, laser, compass) = (config.drive(), config.laser(), config.compass());
         let mount = laser.body_from_laser;
@@ -154,9 +158,10 @@ impl Options {
         }
     }
 
-    /// What is known of the `mines_rover` recordings and their Hokuyo URG-04LX: 600 turns a minute, 5.6 m.
+    /// Returns the options for the `mines_rover` recordings and their Hokuyo URG-04LX: 10 scans per second,
+    /// 5.6 m.
     ///
-    /// Its ranges scatter by 5 to 10 mm and are up to 1 % off by what they meet: hence the scatter of walls.
+    /// Its ranges scatter by 5 to 10 mm and depend on the surface by up to 1 %, hence the scatter of walls.
     pub fn rover() -> Self {
         let Rover { wheel_radius, wheel_separation, mount, .. } = ROVER;
         Self {
@@ -199,14 +204,14 @@ impl Options {
     }
 }
 
-/// How many stages a calibration has.
+/// Number of stages of a calibration.
 pub const STAGES: usize = 9;
 
-/// Fits the parameters to a recording; `cancel` counts the [`STAGES`], and may end it between two.
+/// Fits the parameters to a recording; `cancel` counts the [`STAGES`] and is polled between them.
 ///
 /// # Errors
-/// A recording that does not allow it, see [`CalibrationError`]. A parameter that the motion did not excite is no error:
-/// its [`ParameterEstimate`] says so.
+/// [`CalibrationError`], if the recording does not allow a calibration. A parameter that the motion does not
+/// excite is not an error: its [`ParameterEstimate`] reports it.
 pub fn calibrate(
     recording: &CalibrationRecording,
     options: &Options,

@@ -1,14 +1,14 @@
-//! The cells of a distance field of a map, see [`DistanceField`].
+//! Storage of a distance field of a map, see [`DistanceField`].
 
 use surepose::{DistanceField, GridSpec, Wall};
 
-/// The side of a cell \[m].
+/// Side of a cell \[m].
 const CELL_SIDE: f64 = 0.1;
 
-/// The most cells: a square kilometre. A map that is larger has no field.
+/// Maximum number of cells: 1 km². Larger maps have no field.
 const MAX_CELLS: usize = 100_000_000;
 
-/// How far from the walls each place of a map is.
+/// Distances to the nearest wall for the cells of a map.
 #[derive(Clone, Debug)]
 pub struct OwnedDistanceField {
     grid: GridSpec<f64>,
@@ -16,7 +16,7 @@ pub struct OwnedDistanceField {
 }
 
 impl OwnedDistanceField {
-    /// The distance field of a map with these walls.
+    /// Computes the distance field of a map with these walls.
     pub fn from_walls(walls: &[Wall<f64>]) -> Self {
         let grid = GridSpec::from_walls(walls, CELL_SIDE);
         let mut cells = Vec::new();
@@ -27,7 +27,7 @@ impl OwnedDistanceField {
         Self { grid, cells }
     }
 
-    /// The field; `None` where there is no wall, or too large a map.
+    /// Returns the field; `None` if the map has no walls or is too large.
     pub fn field(&self) -> Option<DistanceField<'_, f64>> {
         DistanceField::from_cells(self.grid, &self.cells).filter(|_| !self.cells.is_empty())
     }

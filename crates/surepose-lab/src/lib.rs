@@ -1,5 +1,4 @@
-//! Experiments: replays of recordings, wall maps and calibration from them, metrics, sweeps, tuning,
-//! the paper's figures.
+//! Experiments on the core: replays, mapping, calibration, sweeps, tuning and the paper's figures.
 
 pub mod calibrate;
 mod cancel;

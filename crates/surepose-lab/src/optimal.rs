@@ -1,23 +1,24 @@
-//! The shortest time in which any controller could have driven: [BalkcomMason2002].
+//! Time-optimal trajectories of a differential drive with bounded wheel speed: [BalkcomMason2002].
 //!
-//! Each wheel's speed is bounded by V, acceleration is not. A robot of track 2b that drives straight by s and turns
-//! on the spot by a needs (|s| + b·|a|)/V, and a fastest trajectory is made of nothing else: [BalkcomMason2002], with
-//! at most 4 actions of which at most 2 are straight. The words of this form are turn–straight–turn–straight
-//! and its mirror image in time; shorter words are these with an action of length 0.
+//! Each wheel's speed is bounded by V, acceleration is unbounded. Let 2b be the wheel separation. A straight
+//! of length s and a turn in place by a take (|s| + b·|a|)/V. A fastest trajectory consists of these only:
+//! [BalkcomMason2002], with at most 4 actions of which at most 2 are straights. The words of this form are
+//! turn–straight–turn–straight and its time reversal; shorter words have actions of length 0.
 //!
-//! One action's direction is then free, and the time is made of pieces in it. Seen from the goal, whose x axis is the
-//! direction of the last straight, with (x, y) still to go and β the direction of the first straight:
+//! One direction then remains free, and the time is piecewise smooth in it. Coordinates are relative to the
+//! goal, with the x axis along the last straight, (x, y) the remaining displacement, and β the direction of
+//! the first straight:
 //!
 //! T(β)·V = |y / sin β| + |x − y / tan β| + b·(|β − β₀| + |β|)
 //!
-//! Its least value is at an end of a piece, or where its derivative is 0: |y|·(1 ∓ cos β)/sin²β = 2b, which
-//! is |cos β| = |1 − |y|/2b|. All of these are tried.
+//! The minimum is at a boundary of a piece, or where the derivative is 0: |y|·(1 ∓ cos β)/sin²β = 2b, which
+//! is |cos β| = |1 − |y|/2b|. All candidates are evaluated.
 
 use std::f64::consts::PI;
 
 use surepose::{Angle, Body, DiffDrive, Goal, Pose};
 
-/// One of the two ways to move that a fastest trajectory is made of.
+/// An action of a time-optimal trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OptimalAction {
     /// Turn on the spot, counter-clockwise \[rad].
@@ -26,22 +27,22 @@ pub enum OptimalAction {
     Straight(f64),
 }
 
-/// A fastest trajectory.
+/// A time-optimal trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Optimal {
-    /// How long it takes \[s].
+    /// Duration \[s].
     pub time: f64,
-    /// What to do, in this order; some are of length 0.
+    /// Actions in order; some have length 0.
     pub actions: [OptimalAction; 4],
 }
 
-/// The fastest trajectory from `start`, seen from the goal, to rest on the goal.
+/// Returns the time-optimal trajectory from `start`, relative to the goal, to rest at the goal.
 ///
-/// `wheel_speed` bounds the speed of each wheel's rim \[m/s], and is positive.
+/// `wheel_speed` is the maximum rim speed of each wheel \[m/s], positive.
 pub fn fastest(start: Pose<Goal, Body, f64>, drive: &DiffDrive<f64>, wheel_speed: f64) -> Optimal {
     let half_separation = 0.5 * drive.wheel_separation;
     let ends_straight = turn_straight_turn_straight(start, half_separation);
-    // Driven backwards in time, the mirror image is a trajectory from the goal to the start.
+    // In reversed time, the mirror image is a trajectory from the goal to the start.
     let back: Pose<Goal, Body, f64> = {
         let goal_from_start = start.inverse();
         Pose::new(goal_from_start.x, goal_from_start.y, goal_from_start.heading)
@@ -52,7 +53,7 @@ pub fn fastest(start: Pose<Goal, Body, f64>, drive: &DiffDrive<f64>, wheel_speed
     Optimal { time: cost(&actions) / wheel_speed, actions }
 }
 
-/// The best word that ends with a straight.
+/// Returns the best word that ends with a straight.
 fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_separation: f64) -> [OptimalAction; 4] {
     let (x, y, first) = (-start.x, -start.y, start.heading);
     let along = libm::atan2(y, x);
@@ -81,10 +82,11 @@ fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_separation: f6
     best.0
 }
 
-/// Turn from `first` to `direction`, straight, turn to the goal's heading, straight: over (`x`, `y`) \[m].
+/// Turn from `first` to `direction`, straight, turn to the goal's heading, straight: covers (`x`, `y`) \[m].
 fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[OptimalAction; 4]> {
     let (sin, cos) = direction.sin_cos();
-    // A straight along the goal's axis cannot go aside; one nearly along it would go without end.
+    // A straight along the goal's axis cannot move sideways; one nearly parallel to it would be arbitrarily
+    // long.
     let (one, two) = if y.abs() <= 1e-12 {
         (0.0, x)
     } else if sin.abs() < 1e-9 {
@@ -100,7 +102,7 @@ fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[Opt
     ])
 }
 
-/// The same trajectory from its end to its start.
+/// Reverses a trajectory in time.
 fn undone(word: [OptimalAction; 4]) -> [OptimalAction; 4] {
     let [a, b, c, d] = word.map(|action| match action {
         OptimalAction::Turn(angle) => OptimalAction::Turn(-angle),
@@ -109,7 +111,7 @@ fn undone(word: [OptimalAction; 4]) -> [OptimalAction; 4] {
     [d, c, b, a]
 }
 
-/// What the faster wheel rolls \[m].
+/// Returns the rim travel of the faster wheel \[m].
 fn length(word: &[OptimalAction; 4], half_separation: f64) -> f64 {
     word.iter()
         .map(|action| match action {
@@ -147,7 +149,7 @@ mod tests {
         })
     }
 
-    /// The wheel's way over the word with `direction` of the first straight, written anew from geometry.
+    /// Minimum rim travel over a scan of the direction of the first straight, computed independently.
     fn scanned(x: f64, y: f64, first: f64, samples: usize) -> f64 {
         let turn = |a: f64| Angle::from_radians(a).radians().abs();
         (0..samples)
@@ -161,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn known_trajectories() {
+    fn known_trajectories_have_their_closed_form_time() {
         let cases = [
             (pose(-1.0, 0.0, 0.0), 1.0 / SPEED, "straight on"),
             (pose(1.0, 0.0, 0.0), 1.0 / SPEED, "straight back"),
@@ -169,7 +171,7 @@ mod tests {
             (pose(0.0, 0.0, PI), PI * HALF / SPEED, "half a turn"),
             (pose(-1.0, -1.0, PI / 4.0), (2f64.sqrt() + HALF * PI / 4.0) / SPEED, "straight, turn"),
             (pose(-3.0, 0.0, PI / 2.0), (3.0 + HALF * PI / 2.0) / SPEED, "turn, straight"),
-            // A metre aside: turn by 90°, drive, turn back.
+            // 1 m aside: turn by 90°, drive, turn back.
             (pose(0.0, -1.0, 0.0), (1.0 + HALF * PI) / SPEED, "aside"),
         ];
         for (start, expected, what) in cases {
@@ -179,7 +181,7 @@ mod tests {
         assert!(fastest(pose(0.0, 0.0, 0.0), &DRIVE, SPEED).time.abs() < 1e-12);
     }
 
-    /// A little aside, two straights with a small turn between beat turning round twice.
+    /// For a small sideways offset, two straights with a small turn between them beat two large turns.
     #[test]
     fn parallel_parking_uses_two_straights() {
         let best = fastest(pose(0.0, -0.05, 0.0), &DRIVE, SPEED);
@@ -189,9 +191,9 @@ mod tests {
         assert_eq!(straights.count(), 2, "{best:?}");
     }
 
-    /// What is claimed can be driven.
+    /// The returned actions are feasible and end at the goal.
     #[test]
-    fn the_trajectory_ends_on_the_goal() {
+    fn the_trajectory_ends_at_the_goal() {
         for start in random(1, 3.0, 2000).chain(random(2, 0.2, 2000)) {
             let best = fastest(start, &DRIVE, SPEED);
             let (mut at, mut rolled) = (start, 0.0);
@@ -208,7 +210,7 @@ mod tests {
         }
     }
 
-    /// The candidates miss no minimum: a scan over the free direction finds nothing faster, and comes close.
+    /// A scan over the free direction finds no faster trajectory, and confirms the minimum.
     #[test]
     fn no_direction_is_faster() {
         for start in random(3, 3.0, 300).chain(random(4, 0.2, 300)) {
@@ -217,14 +219,14 @@ mod tests {
             let last = start.heading.radians();
             let scan =
                 scanned(-start.x, -start.y, last, 20_000).min(scanned(-back.x, -back.y, -last, 20_000));
-            assert!(found <= scan + 1e-12, "{start:?}: {found} m, and the scan finds {scan} m");
-            assert!(scan - found < 0.003, "{start:?}: {found} m is more than {scan} m allow");
+            assert!(found <= scan + 1e-12, "{start:?}: {found} m, but the scan finds {scan} m");
+            assert!(scan - found < 0.003, "{start:?}: {found} m is too far below the scan's {scan} m");
         }
     }
 
-    /// No trajectory is shorter than the straight line, or turns less than the headings differ.
+    /// No trajectory is shorter than the straight line, or turns by less than the heading difference.
     #[test]
-    fn it_is_no_less_than_distance_and_turn() {
+    fn time_is_at_least_that_of_distance_and_of_turn() {
         for start in random(5, 3.0, 2000) {
             let found = fastest(start, &DRIVE, SPEED).time * SPEED;
             let least = start.x.hypot(start.y).max(HALF * start.heading.radians().abs());
@@ -237,7 +239,7 @@ mod tests {
         for start in random(6, 3.0, 2000) {
             let (x, y, h) = (start.x, start.y, start.heading.radians());
             let found = time(x, y, h);
-            // Reflected in the goal's axis, and driven backwards in space.
+            // Reflected in the goal's axis, and driven backward.
             assert!((time(x, -y, -h) - found).abs() < 1e-9);
             assert!((time(-x, y, -h) - found).abs() < 1e-9);
         }
