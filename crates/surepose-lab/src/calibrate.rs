@@ -117,7 +117,9 @@ pub enum CalibrationError {
     #[error("calibration: canceled before completion")]
     Stopped,
     /// The fit did not converge.
-    #[error("fit: did not converge, walls and odometry contradict each other; check the nominal geometry and the stamps")]
+    #[error(
+        "fit: did not converge, walls and odometry contradict each other; check the nominal geometry and the stamps"
+    )]
     Unsettled,
 }
 

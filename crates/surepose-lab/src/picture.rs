@@ -1,4 +1,4 @@
-//! Pictures of drives and of the paper's figures.
+//! Pictures of drives, sweeps, maps and the paper's figures.
 
 mod building_map;
 mod downsampled;

@@ -1,14 +1,15 @@
-//! Many closed-loop drives to one goal at once: the bench trial that laws are compared by.
+//! Batches of closed-loop drives to one goal: the benchmark trial that compares control laws.
 //!
-//! One trial: a unicycle that moves on exact arcs, with wheels of 0.05 m on a track of 0.60 m that obey a speed limit of
-//! 0.3 m/s and no acceleration limit. The goal is the origin, heading 0. The trial succeeds once the true pose has
-//! been within 1 cm and 1° for 1 s without a break, and fails after 120 s. With bench noise the law sees the pose with
-//! white Gaussian noise of 5 mm in x and y and 0.3°, and each wheel's speed is off by 5 % of itself (1 σ).
+//! In a trial a unicycle moves on exact arcs. Its wheels have a radius of 0.05 m and a separation of 0.60 m,
+//! a speed limit of 0.3 m/s and no acceleration limit. The goal is the origin with heading 0. A trial
+//! succeeds once the true pose has been within 1 cm and 1° for 1 s without interruption, and fails after 120
+//! s. With bench noise the law receives the pose with white Gaussian noise of 5 mm in x and y and 0.3°. Each
+//! wheel's speed has a relative error of 5 % (1 σ).
 //!
-//! In the full loop ([`PoseSource::Filtered`]) the law sees the belief of the core's filter instead. It begins with an error
-//! of 1 cm in x and y and 0.5° (1 σ, known), is carried on by the encoders, which read what the wheels were told, and
-//! is corrected each period by a compass (0.1°) and by two walls at x = 5 m and y = 5 m, each seen within 5 mm and 0.25°.
-//! The report then says whether the filter is consistent.
+//! In the full loop ([`PoseSource::Filtered`]) the law receives the belief of the core's filter. Its initial
+//! error is 1 cm in x and y and 0.5° (1 σ, known). Encoders, which read the commanded wheel speeds, predict
+//! it. A compass (0.1°) and two walls at x = 5 m and y = 5 m, each measured to 5 mm and 0.25°, correct it in
+//! every period. The report then includes the consistency of the filter.
 //!
 //! Every trial draws from its own stream of the seed: results do not depend on the number of threads.
 
@@ -42,21 +43,21 @@ pub use trial::Trial;
 use lane_scheduler::Termination;
 use trial::TrialResult;
 
-/// A start pose, seen from the goal.
+/// Start pose, relative to the goal.
 pub type Start = surepose::Pose<surepose::Goal, surepose::Body, f64>;
 
-/// Where the trials start.
+/// Start poses of the trials.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Starts {
-    /// This many, uniform in [−3, 3]² × [−180°, 180°].
+    /// A number of poses, uniform in [−3, 3]² × [−180°, 180°].
     Random(usize),
-    /// These.
+    /// Given poses.
     Given(Vec<Start>),
 }
 
 impl Starts {
-    /// This many within 20 cm of the goal in x and y, at any heading: where laws hand over, and where a random start is
-    /// once in 225 times.
+    /// Draws `count` starts within 20 cm of the goal in x and y, at any heading. There the laws switch; one
+    /// of 225 random starts lies in this area.
     pub fn near_goal(count: usize, seed: u64) -> Self {
         let near = |number| {
             let far = bench::random_start(seed, number);
@@ -65,7 +66,7 @@ impl Starts {
         Self::Given((0..count).map(near).collect())
     }
 
-    /// How many.
+    /// Returns the number of starts.
     pub fn len(&self) -> usize {
         match self {
             Self::Random(count) => *count,
@@ -73,7 +74,7 @@ impl Starts {
         }
     }
 
-    /// The start of trial `number`, if there is one.
+    /// Returns the start of trial `number`; `None` if there is none.
     fn nth(&self, seed: u64, number: usize) -> Option<Start> {
         match self {
             Self::Random(count) => (number < *count).then(|| bench::random_start(seed, number)),
@@ -81,50 +82,50 @@ impl Starts {
         }
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no starts.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// The numbers that the loop is computed with, in SIMD lanes.
+/// Number format of the loop, in SIMD lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Four bytes: the microcontroller's.
+    /// Four bytes: microcontrollers.
     F32,
-    /// Eight bytes: the robot's.
+    /// Eight bytes: robots with an application processor.
     #[default]
     F64,
 }
 
-/// What to sweep.
+/// Parameters of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Where the trials start.
+    /// Start poses.
     pub starts: Starts,
-    /// The law, its gains included.
+    /// Control law with its gains.
     pub law: Law<f64>,
-    /// Time between ticks \[s], positive.
+    /// Control period \[s], positive.
     pub period: f64,
-    /// What is wrong with the estimate and the wheels.
+    /// Noise of the estimate and of the wheels.
     pub noise: SweepNoise,
-    /// Where the pose comes from that the law sees.
+    /// Source of the pose that the law receives.
     pub estimate: PoseSource,
-    /// What the loop is computed with.
+    /// Number format.
     pub precision: Precision,
-    /// How many threads, at least 1.
+    /// Number of threads, at least 1.
     pub threads: usize,
-    /// What all randomness comes from.
+    /// Seed of all randomness.
     pub seed: u64,
 }
 
 impl Sweep {
-    /// Runs every trial, or those up to where `cancel` stops it. The trials come in the order of their starts; of a sweep that
-    /// is stopped, up to the first that has not ended: those that end late are the ones that fail.
+    /// Runs all trials, or those before cancellation, ordered by start. A canceled sweep keeps the trials
+    /// before the first unfinished one: unfinished trials are often failures, so other selections are biased.
     pub fn run(&self, cancel: &CancelToken) -> SweepReport {
         let termination = Termination::for_benchmark(self.period);
         let (ended, wall) = self.drive(termination, cancel);
-        // The least times take as long to work out as many periods in lanes take to drive: all threads do it.
+        // Optimal times take as long to compute as many simulated periods, so all threads share them.
         let share = ended.len().div_ceil(self.threads.max(1)).max(1);
         let bounded = |thread: usize| {
             let mine = ended.chunks(share).nth(thread).unwrap_or_default();
@@ -133,14 +134,14 @@ impl Sweep {
         SweepReport::from_trials(self.on_threads(bounded).concat(), wall, self.seed)
     }
 
-    /// How many periods a second are driven if every trial goes on for `periods`, on the goal too.
+    /// Measures the periods per second if every trial runs for `periods`, including time at the goal.
     pub fn periods_per_second(&self, periods: u64) -> f64 {
         let termination = Termination { held: f64::INFINITY, most: periods };
         let (ended, wall) = self.drive(termination, &CancelToken::default());
         ended.iter().map(|ended| ended.steps).sum::<u64>() as f64 / wall
     }
 
-    /// Drives every trial to its end, in the order of the starts; also, how long that took \[s].
+    /// Runs every trial to its end, ordered by start; also returns the duration \[s].
     fn drive(&self, termination: Termination, cancel: &CancelToken) -> (Vec<TrialResult>, f64) {
         let begin = Instant::now();
         let next = AtomicUsize::new(0);
@@ -156,7 +157,7 @@ impl Sweep {
         (ended, wall)
     }
 
-    /// What `work` gives on each thread.
+    /// Returns the results of `work` on each thread.
     fn on_threads<T: Send>(&self, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
         std::thread::scope(|scope| {
             let work = &work;

@@ -33,8 +33,12 @@ fn symmetric_places_remain_ambiguous() {
     let area = SpawnArea::anywhere(Arena::open());
     let sum = run_trials(&area, &setup(false, 0.0), 1..=30);
     assert_eq!((sum.ambiguous, sum.wrongly_found, sum.confidently_wrong), (30, 0, 0), "{sum:?}");
-    let told = run_trials(&area, &setup(true, 0.0), 1..=30);
-    assert_eq!((told.recovered, told.ambiguous, told.wrongly_found), (30, 0, 0), "{told:?}");
+    let with_compass = run_trials(&area, &setup(true, 0.0), 1..=30);
+    assert_eq!(
+        (with_compass.recovered, with_compass.ambiguous, with_compass.wrongly_found),
+        (30, 0, 0),
+        "{with_compass:?}"
+    );
 }
 
 /// A hall of 10 × 7 m whose walls are steps and pillars of 0.5 m: a line has only a few beams.

@@ -1,16 +1,16 @@
-//! Odometry that comes as poses, as the motion between them.
+//! Motion between recorded odometry poses.
 
 use surepose::{Angle, Body, Frame, Integration, Map, Motion, Point, Pose};
 use surepose_data::recording::StampedPose;
 
-/// A recorded pose in the core's form.
+/// Converts a recorded pose to the core's type.
 pub(crate) fn pose_of(at: &StampedPose) -> Pose<Map, Body, f64> {
     Pose::new(at.x, at.y, Angle::from_radians(at.heading))
 }
 
-/// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::integrate`].
+/// Returns the motion along the arc from one pose to the other: the inverse of [`Pose::integrate`].
 ///
-/// What the second pose lies beside that arc is no motion of wheels, and is left out.
+/// Displacement off the arc is not a motion of wheels and is dropped.
 pub fn motion_between<In: Frame>(from: Pose<In, Body, f64>, to: Pose<In, Body, f64>) -> Motion<f64> {
     let turn = (to.heading - from.heading).radians();
     let (sin, cos) = from.heading.rotated_by(0.5 * turn).sin_cos();
@@ -19,7 +19,7 @@ pub fn motion_between<In: Frame>(from: Pose<In, Body, f64>, to: Pose<In, Body, f
     Motion { length: chord / unit.origin().distance(Point::new(0.0, 0.0)), turn }
 }
 
-/// The pose after `count` records, between two of them along the arc that joins them.
+/// Returns the pose after `count` records, interpolated on the arc between two of them.
 pub(super) fn pose_after(records: &[StampedPose], count: f64) -> Option<Pose<Map, Body, f64>> {
     let whole = libm::floor(count);
     let last = records.len().checked_sub(1)?;
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_motion_between_poses_leads_from_one_to_the_other() {
+    fn motion_between_poses_inverts_integrate() {
         let from: Pose<Map, Body, f64> = Pose::new(1.0, -2.0, Angle::from_degrees(170.0));
         for motion in [(0.3, 0.5), (-0.2, -3.0), (0.4, 0.0), (0.0, 1.0)] {
             let motion = Motion { length: motion.0, turn: motion.1 };
@@ -46,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn between_records_the_pose_is_on_the_arc() {
+    fn interpolated_poses_are_on_the_arc() {
         let at = |x: f64| StampedPose { time: 0.0, x, y: 0.0, heading: 0.0 };
         let records = [at(0.0), at(1.0), at(3.0)];
         let x = |count: f64| pose_after(&records, count).map(|pose| pose.x);
