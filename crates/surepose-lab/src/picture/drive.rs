@@ -256,6 +256,6 @@ mod tests {
         let width = svg.split("width=\"").nth(1).and_then(|rest| rest.split('"').next());
         let width: f64 = width.and_then(|width| width.parse().ok()).expect("a width");
         assert!(width <= 830.0 / 0.8, "{width}");
-        assert!(svg.contains("dashed: hand-over, arrival"));
+        assert!(svg.contains("dashed: switch, arrival"));
     }
 }
