@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::carmen;
-use surepose_data::lines::LineReader;
+use surepose_io::carmen;
+use surepose_io::lines::LineReader;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(log) = carmen::parse(LineReader::from_bytes(Path::new("input"), bytes)) {

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::Config;
+use surepose_config::Config;
 
 fuzz_target!(|bytes: &[u8]| {
     let _ = Config::default().with_text(Path::new("input"), bytes);

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::LineReader;
+use surepose_io::lines::LineReader;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut lines = LineReader::from_bytes(Path::new("input"), bytes);

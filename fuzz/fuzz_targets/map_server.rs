@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::map_server;
+use surepose_io::map_server;
 
 fuzz_target!(|bytes: &[u8]| {
     let _ = map_server::parse(Path::new("input"), bytes);

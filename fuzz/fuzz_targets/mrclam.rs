@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::LineReader;
-use surepose_data::mrclam::{self, Files};
+use surepose_io::lines::LineReader;
+use surepose_io::mrclam::{self, Files};
 
 fuzz_target!(|bytes: &[u8]| {
     // A byte that no text has parts the five files.

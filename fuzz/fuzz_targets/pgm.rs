@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::pgm;
+use surepose_io::pgm;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(image) = pgm::parse(Path::new("input"), bytes) {

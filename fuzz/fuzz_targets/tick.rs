@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use surepose::{Angle, HeadingMeasurement, Measurement, Pose, Stamp, Stamped};
-use surepose_lab::robot::Scenario;
+use surepose_sim::robot::Scenario;
 use surepose_ros2::{LaserScan, NodeDriver, NodeDriverSettings, SensorMessage};
 
 /// Takes numbers from bytes: any bits make a number, and NaN and infinity are among them.

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::wall_map;
+use surepose_io::wall_map;
 
 fuzz_target!(|bytes: &[u8]| {
     let name = Path::new("input");

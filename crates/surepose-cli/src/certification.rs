@@ -5,7 +5,7 @@ use surepose::{Law, param};
 use surepose_cert::{
     Certificate, DeployedController, Drift, Margins, NoiseBounds, Request, certify, drift, margins,
 };
-use surepose_data::Config;
+use surepose_config::Config;
 
 /// Largest distance from which the robot starts \[m].
 const WORKSPACE: f64 = 5.0;

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use miette::{Diagnostic, GraphicalReportHandler};
-use surepose_data::{ConfigError, DataError, Problem};
-use surepose_lab::picture::PlotError;
+use surepose_config::ConfigError;
+use surepose_figures::PlotError;
+use surepose_io::{DataError, Problem};
 
 use crate::exit::Exit;
 use crate::output::WIDTH;

@@ -7,8 +7,8 @@ use std::str::FromStr;
 
 use clap::Args;
 use surepose::{Angle, Body, Map, Pose, param};
-use surepose_data::Config;
-use surepose_data::config::{Setting, Value, ValueSource};
+use surepose_config::Config;
+use surepose_config::{Setting, Value, ValueSource};
 use surepose_ros2::Names;
 
 use crate::error::CliError;

@@ -6,7 +6,7 @@ mod files;
 mod mcap;
 mod reader;
 mod replay;
-#[cfg(test)]
+#[cfg(all(test, feature = "simulate"))]
 mod tests;
 
 use std::fmt;

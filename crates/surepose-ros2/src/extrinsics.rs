@@ -5,7 +5,7 @@ use std::fmt;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use surepose::{Angle, Body, Laser, Pose};
-use surepose_data::Config;
+use surepose_config::Config;
 
 use crate::convert::{MessageError, pose_of};
 use crate::message::{self, TfMessage, TransformStamped};
@@ -214,7 +214,7 @@ mod tests {
     use crate::convert::header;
     use crate::message::{Transform, Vector3};
     use surepose::Stamp;
-    use surepose_data::Config;
+    use surepose_config::Config;
 
     /// A joint at x, y, z, turned by so many degrees about x and then about z.
     fn static_transform(

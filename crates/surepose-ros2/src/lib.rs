@@ -10,10 +10,11 @@
 //! | [`NodeDriver`] | the loop: no ROS, no clock |
 //! | [`network`] | which domain, and how far it reaches |
 //! | [`node`] | topics, the action, the service, parameters and diagnostics |
-//! | [`bag`] | recordings, heard as the node would have |
-//! | [`robot`] | a simulated robot to try it on |
+//! | `bag` | recordings, heard as the node would have; feature `bag` |
+//! | `robot` | a simulated robot to try it on; feature `simulate` |
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "bag")]
 pub mod bag;
 pub mod convert;
 mod dds;
@@ -23,6 +24,7 @@ mod names;
 pub mod network;
 pub mod node;
 mod pilot;
+#[cfg(feature = "simulate")]
 pub mod robot;
 mod sense;
 mod velocity;

@@ -15,7 +15,7 @@ use futures::stream::{FuturesUnordered, StreamExt};
 use futures::{FutureExt, select};
 use ros2_client::RmwRequestId;
 use surepose::{Goal, Map, Pose, Stamp, Stamped, Twist};
-use surepose_lab::optimal::fastest;
+use surepose_sim::optimal::fastest;
 
 use crate::convert::{MessageError, belief_of, pose_of, stamp_of};
 use crate::dds::{self, NodeError, spinning};

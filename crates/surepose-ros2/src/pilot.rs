@@ -17,8 +17,8 @@ use surepose::{
     Belief, Body, FaultReason, Goal, Health, Map, MeasurementStats, NavigationVariables, Pose, SafetyAction,
     Stamp, Stamped, SupervisorConfig, Twist, WheelOdometry, WheelPair,
 };
-use surepose_lab::robot::{LocalizationMonitor, SimLocalizer, new_localizer};
 use surepose_sim::WallSegment;
+use surepose_sim::robot::{LocalizationMonitor, SimLocalizer, new_localizer};
 
 use crate::convert::MessageError;
 

@@ -11,7 +11,7 @@ use futures::stream::StreamExt;
 use ros2_client::builtin_interfaces::Time;
 use ros2_client::{Node, NodeOptions, Publisher};
 use surepose::{Angle, Body, Integration, Pose, Stamp, Stamped, Twist};
-use surepose_lab::robot::Scenario;
+use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, SimulatedScan, World};
 
 use crate::convert::{header, pose_message};

@@ -1,7 +1,7 @@
 //! What sensors' messages say to the driver.
 
 use surepose::{Body, HeadingMeasurement, Measurement, Pose, Stamped};
-use surepose_data::config::CompassParameters;
+use surepose_config::CompassParameters;
 
 use crate::convert::{MessageError, heading_of, pose_of, stamp_of};
 use crate::extrinsics::LaserExtrinsics;

@@ -20,7 +20,6 @@ use ros2_client::{
     ActionTypeName, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, Subscription,
 };
 use surepose::{Angle, Goal, Map, Pose, param};
-use surepose_lab::robot::Scenario;
 use surepose_ros2::convert::{header, pose_message, pose_of};
 use surepose_ros2::message::{
     NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped, TwistStamped,
@@ -29,6 +28,7 @@ use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
 use surepose_ros2::robot::{self, RobotSettings};
 use surepose_ros2::{Names, NodeDriverSettings};
+use surepose_sim::robot::Scenario;
 
 type Client = ActionClient<NavigateToPoseGoal, NavigateToPoseResult, NavigateToPoseFeedback>;
 

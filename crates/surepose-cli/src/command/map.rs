@@ -5,10 +5,10 @@ mod output;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
-use surepose_data::{carmen, map_server, wall_map};
-use surepose_lab::mapping::{MapReport, MappingResult, from_grid, from_log};
-use surepose_lab::picture::{self, MapBackground};
-use surepose_lab::replay::carmen::{map_from_log, views};
+use surepose_figures::{self as picture, MapBackground};
+use surepose_io::{carmen, map_server, wall_map};
+use surepose_mapping::{MapReport, MappingResult, from_grid, from_log};
+use surepose_replay::carmen::{map_from_log, views};
 
 use crate::error::CliError;
 use crate::exit::Exit;

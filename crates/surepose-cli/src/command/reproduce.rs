@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
-use surepose_data::Config;
-use surepose_lab::{picture, reproduce};
+use surepose_config::Config;
+use surepose_experiments::{picture, reproduce};
 
 use crate::error::CliError;
 use crate::exit::Exit;

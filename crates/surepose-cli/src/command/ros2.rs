@@ -5,13 +5,13 @@ use std::thread;
 
 use clap::{Args, ValueEnum};
 use surepose::Belief;
-use surepose_data::Config;
-use surepose_data::wall_map::WallMap;
-use surepose_lab::robot::{ScanMethod, Scenario};
+use surepose_config::Config;
+use surepose_io::wall_map::WallMap;
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
 use surepose_ros2::robot::{self, RobotSettings};
 use surepose_ros2::{Names, NodeDriverSettings, NodeError, START_STD};
+use surepose_sim::robot::{ScanMethod, Scenario};
 
 use crate::certification;
 use crate::error::CliError;
@@ -213,7 +213,7 @@ fn failure(error: &NodeError) -> CliError {
 
 #[cfg(test)]
 mod tests {
-    use surepose_data::wall_map::{MapWall, WallMap};
+    use surepose_io::wall_map::{MapWall, WallMap};
 
     use super::{PoseArg, outside};
 

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value as Json};
-use surepose_data::start_poses;
-use surepose_lab::sweep::{Precision, Quantiles, Starts, Sweep, SweepReport};
-use surepose_lab::{CancelToken, picture};
+use surepose_figures as picture;
+use surepose_io::start_poses;
+use surepose_montecarlo::sweep::{Precision, Quantiles, Starts, Sweep, SweepReport};
+use surepose_sim::CancelToken;
 
 use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
 use crate::error::CliError;

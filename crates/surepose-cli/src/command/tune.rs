@@ -10,10 +10,10 @@ use serde_json::{Map, Value as Json, json};
 use surepose::param::{self, Kind, Parameter};
 use surepose::{Gains, Law};
 use surepose_cert::NoiseBounds;
-use surepose_data::Config;
-use surepose_data::config::ValueSource;
-use surepose_lab::sweep::{Precision, Quantiles, Starts, SweepReport};
-use surepose_lab::tune::{GainCandidate, STRESS, Tune, TuneProgress, TuneResult};
+use surepose_config::Config;
+use surepose_config::ValueSource;
+use surepose_montecarlo::sweep::{Precision, Quantiles, Starts, SweepReport};
+use surepose_montecarlo::tune::{GainCandidate, STRESS, Tune, TuneProgress, TuneResult};
 
 use super::certify::NoiseArgs;
 use super::trials::{NoiseName, TrialArgs, Trials};

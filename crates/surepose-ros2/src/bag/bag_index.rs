@@ -1,9 +1,9 @@
 //! What is to be known of a recording before it is heard from its beginning.
 
 use surepose::{Body, Map, Pose, Stamp};
-use surepose_data::Config;
-use surepose_data::recording::StampedPose;
-use surepose_lab::replay::Reference;
+use surepose_config::Config;
+use surepose_io::recording::StampedPose;
+use surepose_replay::Reference;
 
 use super::BagError;
 use super::reader::{Bag, BagMessage};

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use surepose::closed_loop::Controller;
 use surepose::{Angle, HeadingMeasurement, Measurement, Stamp, Stamped, WheelPair};
-use surepose_data::Config;
-use surepose_data::config::CompassParameters;
-use surepose_data::recording::{ScanRecord, SensorPose, StampedTicks};
-use surepose_lab::calibrate::{CalibrationRecording, Options, StampedHeading};
+use surepose_config::CompassParameters;
+use surepose_config::Config;
+use surepose_io::recording::{ScanRecord, SensorPose, StampedTicks};
+use surepose_mapping::calibrate::{CalibrationRecording, Options, StampedHeading};
 
 use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
 use serde::de::DeserializeOwned;
-use surepose_data::read_plain;
+use surepose_io::read_plain;
 
 use super::files::files_of;
 use super::mcap::{Ending, Limits, McapError, ReadError, Record, read_records};

@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
-use surepose::{Belief, Body, Health, Map, Pose, Stamp};
-use surepose_data::recording::StampedPose;
-use surepose_lab::replay::{ErrorAccumulator, Reference, ReplayReport, motion_between};
+use surepose::{Belief, Body, Health, Map, Motion, Pose, Stamp};
+use surepose_io::recording::StampedPose;
+use surepose_replay::{Reference, ReplayReport};
+use surepose_sim::ErrorAccumulator;
 
 use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};
@@ -105,7 +106,7 @@ impl<'a> Judge<'a> {
     fn rolled(&mut self, stamp: Stamp, odometry: Pose<Odom, Body, f64>, report: &mut ReplayReport) {
         report.steps += 1;
         if let Some((_, last)) = self.last {
-            report.distance_m += motion_between(last, odometry).length.abs();
+            report.distance_m += Motion::between(last, odometry).length.abs();
         }
         self.first = self.first.or(Some(stamp));
         self.last = Some((stamp, odometry));

@@ -8,11 +8,11 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use surepose::{DiffDrive, Pose, Stamp, Twist, param};
-use surepose_lab::CancelToken;
-use surepose_lab::calibrate::calibrate;
-use surepose_lab::replay::ReplayReport;
-use surepose_lab::robot::Scenario;
+use surepose_mapping::calibrate::calibrate;
+use surepose_replay::ReplayReport;
+use surepose_sim::CancelToken;
 use surepose_sim::SimulatedScan;
+use surepose_sim::robot::Scenario;
 
 use super::*;
 use crate::message::Quaternion;

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use ros2_client::{NodeOptions, ParameterValue};
-use surepose_data::Config;
-use surepose_data::config::Value;
+use surepose_config::{Config, Value};
 
 /// Every parameter of the table under `section.key`, with the value in use.
 pub(super) fn declared(config: &Config) -> NodeOptions {

@@ -3,12 +3,12 @@
 use surepose::closed_loop::Controller;
 use surepose::closed_loop::{ControllerState, SensorInput, Tick, tick};
 use surepose::{Goal, GoalStatus, Map, NavigationVariables, Pose, Stamp, Twist, Wall};
-use surepose_lab::robot::{LocalizationMonitor, SimLocalizer};
-use surepose_lab::simulation::{CommandGate, limit_command};
+use surepose_sim::robot::{LocalizationMonitor, SimLocalizer};
+use surepose_sim::simulation::{CommandGate, limit_command};
 
 use super::environment::Environment;
 
-pub(super) use surepose_lab::simulation::GOAL_TIMEOUT;
+pub(super) use surepose_sim::simulation::GOAL_TIMEOUT;
 
 /// How a goal ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,8 @@
 //! What is around the robot: the walls of its map, and what stands there besides.
 
 use surepose::{Body, Goal, Map, Pose, Stamp, Wall};
-use surepose_data::wall_map::WallMap;
-use surepose_lab::replay::walls_from_map;
-use surepose_lab::robot::SimLocalizer;
+use surepose_io::wall_map::{WallMap, walls_from_map};
+use surepose_sim::robot::SimLocalizer;
 use surepose_sim::{Arena, WallSegment};
 
 use super::measurement_queue::LaserScan;

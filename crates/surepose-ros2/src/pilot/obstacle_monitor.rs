@@ -4,8 +4,8 @@
 
 use surepose::closed_loop::Controller;
 use surepose::{Angle, Body, Laser, Map, Point, Pose, Stamp, Twist};
-use surepose_lab::simulation::stopping_trajectory;
 use surepose_sim::Arena;
+use surepose_sim::simulation::stopping_trajectory;
 
 use super::measurement_queue::LaserScan;
 

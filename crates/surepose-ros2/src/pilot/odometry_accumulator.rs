@@ -1,8 +1,7 @@
 //! From odometry's poses to how far the rims rolled in a period.
 
 use surepose::closed_loop::Controller;
-use surepose::{Body, Frame, Pose, Stamp, Stamped, Twist, WheelPair};
-use surepose_lab::replay::motion_between;
+use surepose::{Body, Frame, Motion, Pose, Stamp, Stamped, Twist, WheelPair};
 
 use crate::convert::MessageError;
 
@@ -60,7 +59,7 @@ impl OdometryAccumulator {
         if dt <= 0.0 {
             return Err(MessageError::OutOfOrder);
         }
-        let motion = motion_between(self.last.value, at.value);
+        let motion = Motion::between(self.last.value, at.value);
         let rims = controller.drive.wheel_speeds_from_twist(Twist::new(motion.length, motion.turn));
         let possible =
             rims.max_abs() <= MAX_SPEED_FACTOR * controller.limits.wheel_speed * dt.max(controller.period);

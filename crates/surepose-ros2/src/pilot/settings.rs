@@ -1,9 +1,9 @@
 //! What a driver is told before it flies.
 
 use surepose::Belief;
-use surepose_data::Config;
-use surepose_data::wall_map::WallMap;
-use surepose_lab::robot::{ScanMethod, Scenario, wall_map_from_arena};
+use surepose_config::Config;
+use surepose_io::wall_map::WallMap;
+use surepose_sim::robot::{ScanMethod, Scenario, wall_map_from_arena};
 
 /// How well a start that somebody named is known: standard deviations of x, y \[m] and heading \[rad].
 pub const START_STD: [f64; 3] = [0.1, 0.1, 0.1];

@@ -1,7 +1,7 @@
 //! The driver in the simulated world, with odometry at its own rate, without ROS.
 
 use surepose::{Angle, Body, HeadingMeasurement, Integration, Measurement, Point, Pose};
-use surepose_lab::robot::Scenario;
+use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, World};
 
 use super::*;

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
-use surepose_data::Config;
-use surepose_lab::CancelToken;
-use surepose_lab::picture::{self, LocalizationRun};
-use surepose_lab::reproduce::{
+use surepose_config::Config;
+use surepose_experiments::picture::{self, LocalizationRun};
+use surepose_experiments::reproduce::{
     Accuracy, Comparison, Configuration, DeviationSample, Extraction, LoopWorld, comparison, deviations,
 };
+use surepose_sim::CancelToken;
 use surepose_sim::{Clutter, Seed};
 
 use super::Outcome;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use surepose::Law;
 use surepose_cert::NoiseBounds;
-use surepose_data::Config;
+use surepose_config::Config;
 
 use crate::certification::{self, CertifiedBounds};
 use crate::interrupt;

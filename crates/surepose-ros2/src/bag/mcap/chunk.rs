@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Read;
 
 use lz4_flex::frame::FrameDecoder;
-use surepose_data::ZstdReader;
+use surepose_io::ZstdReader;
 
 use super::content::Content;
 use super::{MAX_RECORD_LENGTH, McapError};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use byteorder::LittleEndian;
 use serde::Serialize;
 use surepose::{Body, DiffDrive, Integration, Pose, Stamp, Twist};
-use surepose_lab::robot::Scenario;
+use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, World};
 
 use super::super::mcap::writer::{Packing, Writer};

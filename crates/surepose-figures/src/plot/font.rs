@@ -1,0 +1,108 @@
+//! Widths and outlines of text in DejaVu Sans, which is embedded.
+
+use std::sync::LazyLock;
+
+use tiny_skia::{Path, PathBuilder};
+use ttf_parser::{Face, OutlineBuilder};
+
+use crate::plot::scene::{Anchor, Text};
+
+/// `None` only if the embedded font were broken.
+static FACE: LazyLock<Option<Face<'static>>> = LazyLock::new(|| Face::parse(dejavu::sans::regular(), 0).ok());
+
+/// Returns the width of a text \[px] at this size of the font.
+pub(crate) fn width(text: &str, size: f64) -> f64 {
+    let Some(face) = FACE.as_ref() else { return 0.0 };
+    let units: u32 = text.chars().map(|letter| u32::from(advance(face, letter))).sum();
+    f64::from(units) * size / f64::from(face.units_per_em())
+}
+
+/// Returns the outlines of a text's letters relative to its position; `None` if there is nothing to draw.
+pub(crate) fn outline(text: &Text) -> Option<Path> {
+    let face = FACE.as_ref()?;
+    let start = match text.anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => -0.5 * width(&text.content, text.size),
+        Anchor::End => -width(&text.content, text.size),
+    };
+    let scale = text.size as f32 / f32::from(face.units_per_em());
+    let mut outliner =
+        Outliner { path: PathBuilder::new(), scale, left: start as f32, upright: text.upright };
+    for letter in text.content.chars() {
+        if let Some(glyph) = face.glyph_index(letter) {
+            face.outline_glyph(glyph, &mut outliner);
+        }
+        outliner.left += scale * f32::from(advance(face, letter));
+    }
+    outliner.path.finish()
+}
+
+fn advance(face: &Face, letter: char) -> u16 {
+    face.glyph_index(letter).and_then(|glyph| face.glyph_hor_advance(glyph)).unwrap_or_default()
+}
+
+/// Collects glyphs, which have their y axis upwards and come in units of the font.
+struct Outliner {
+    path: PathBuilder,
+    scale: f32,
+    left: f32,
+    upright: bool,
+}
+
+impl Outliner {
+    fn at(&self, x: f32, y: f32) -> (f32, f32) {
+        let (along, above) = (self.left + self.scale * x, self.scale * y);
+        if self.upright { (-above, -along) } else { (along, -above) }
+    }
+}
+
+impl OutlineBuilder for Outliner {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let ((x1, y1), (x, y)) = (self.at(x1, y1), self.at(x, y));
+        self.path.quad_to(x1, y1, x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let ((x1, y1), (x2, y2), (x, y)) = (self.at(x1, y1), self.at(x2, y2), self.at(x, y));
+        self.path.cubic_to(x1, y1, x2, y2, x, y);
+    }
+
+    fn close(&mut self) {
+        self.path.close();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{outline, width};
+    use crate::plot::scene::{Anchor, Text};
+
+    #[test]
+    fn letters_of_every_label_are_there() {
+        for letter in "Az09 °²σωαφρθΔ·×−–±∞≤√ẋ⁻⁰¹⁵".chars() {
+            assert!(width(&letter.to_string(), 12.0) > 2.0, "{letter}");
+        }
+        assert!(width("iiii", 12.0) < width("mmmm", 12.0));
+    }
+
+    #[test]
+    fn an_upright_text_is_a_lying_one_turned() {
+        let lying = Text::new((0.0, 0.0), "speed v [m/s]", 12.0, Anchor::Middle);
+        let upright = Text { upright: true, ..lying.clone() };
+        let (flat, turned) = (outline(&lying).unwrap().bounds(), outline(&upright).unwrap().bounds());
+        assert!(
+            (flat.width() - turned.height()).abs() < 1e-3 && (flat.left() + turned.bottom()).abs() < 1e-3
+        );
+        assert!(outline(&Text::new((0.0, 0.0), "", 12.0, Anchor::End)).is_none());
+    }
+}
