@@ -184,7 +184,7 @@ impl Iterator for Run<'_> {
 
 /// Returns the derivative of the range of a wall at beam `i` \[m/rad], from the neighbor on the same wall.
 fn slope(ranges: &[f64], i: usize, step: f64) -> f64 {
-    let neighbours = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
-    let steps = neighbours.filter_map(|k| ranges.get(k)).map(|range| (range - ranges[i]).abs() / step);
+    let neighbors = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+    let steps = neighbors.filter_map(|k| ranges.get(k)).map(|range| (range - ranges[i]).abs() / step);
     steps.filter(|slope| slope.is_finite()).fold(0.0, f64::max)
 }
