@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use surepose::Limits;
+use surepose::control::Limits;
 use surepose::param::{START_HEADING, START_X, START_Y};
 use surepose_config::Config;
 use surepose_sim::robot::Scenario;

@@ -2,11 +2,11 @@
 //! `cargo run --release -p surepose-experiments --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml] [FIRST SEED] [SENSORS]`
 //! with SENSORS `laser` or `laser+compass`; by default both in turn.
 
-use surepose::{Body, Map, Pose};
-use surepose_config::Config;
+use surepose::geometry::{Body, Map, Pose};
+use surepose_config::{Config, ScanMethod};
 use surepose_experiments::kidnapping::{KidnappingSetup, SpawnArea, run_trial, run_trials};
 use surepose_io::map_server;
-use surepose_sim::robot::{ScanMethod, Sensors};
+use surepose_sim::robot::Sensors;
 use surepose_sim::{Arena, Clutter};
 
 fn main() {

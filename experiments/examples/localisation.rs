@@ -6,8 +6,7 @@ use std::process::ExitCode;
 use surepose::param::LASER_BEAMS;
 use surepose_config::Config;
 use surepose_experiments::reproduce::{Configuration, LoopWorld, extraction, localization};
-use surepose_sim::CancelToken;
-use surepose_sim::Clutter;
+use surepose_sim::{CancelToken, Clutter};
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<u64>().ok());

@@ -3,6 +3,7 @@
 
 #[cfg(target_os = "none")]
 mod board;
+#[path = "../../crates/surepose/examples/firmware_loop/parking.rs"]
 mod parking;
 
 #[cfg(not(target_os = "none"))]

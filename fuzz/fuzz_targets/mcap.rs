@@ -3,8 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use surepose_config::Config;
-use surepose_sim::robot::ScanMethod;
+use surepose_config::{Config, ScanMethod};
 use surepose_ros2::{Names, NodeDriverSettings, bag};
 
 fuzz_target!(|bytes: &[u8]| {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
 use surepose_io::lines::LineReader;
-use surepose_io::mrclam::{self, Files};
+use surepose_io::mrclam::{Files, self};
 
 fuzz_target!(|bytes: &[u8]| {
     // A byte that no text has parts the five files.

@@ -3,9 +3,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use surepose::{Angle, HeadingMeasurement, Measurement, Pose, Stamp, Stamped};
-use surepose_sim::robot::Scenario;
+use surepose::estimation::{HeadingMeasurement, Measurement};
+use surepose::geometry::{Angle, Pose};
+use surepose::time::{Stamp, Stamped};
 use surepose_ros2::{LaserScan, NodeDriver, NodeDriverSettings, SensorMessage};
+use surepose_sim::robot::Scenario;
 
 /// Takes numbers from bytes: any bits make a number, and NaN and infinity are among them.
 struct Bytes<'a>(&'a [u8]);

@@ -1,7 +1,8 @@
 //! What the certificate says of the loop in use: for `certify`, and for the commands that warn without it.
 
 use serde::Serialize;
-use surepose::{Law, param};
+use surepose::control::Law;
+use surepose::param;
 use surepose_cert::{
     Certificate, DeployedController, Drift, Margins, NoiseBounds, Request, certify, drift, margins,
 };

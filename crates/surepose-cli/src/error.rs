@@ -8,7 +8,9 @@ use surepose_figures::PlotError;
 use surepose_io::{DataError, Problem};
 
 use crate::exit::Exit;
-use crate::output::WIDTH;
+
+/// Columns of a message.
+pub(crate) const WIDTH: u16 = 110;
 
 /// Why a command could not do its work.
 #[derive(Debug, thiserror::Error, Diagnostic)]

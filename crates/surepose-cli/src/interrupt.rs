@@ -1,18 +1,16 @@
 //! Ctrl-C, and a request to terminate: a command that keeps what was done is asked to stop, and a second Ctrl-C ends it at once; any other ends.
 
 use std::io::Write;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Map, Value, json};
 
 use crate::error::CliError;
 use crate::exit::Exit;
+use crate::interrupt_flags::{self, listens};
 use crate::output::{Output, text, warning};
 
-static LISTENS: AtomicBool = AtomicBool::new(false);
-static ASKED: OnceLock<Instant> = OnceLock::new();
+pub(crate) use crate::interrupt_flags::{asked, listen};
 
 /// The key that says so in a result.
 const INTERRUPTED: &str = "interrupted";
@@ -26,8 +24,8 @@ const SAME: Duration = Duration::from_millis(300);
 /// From now on Ctrl-C ends the program with the exit code that says so, and with a result in which nothing else is, until a command
 /// listens.
 pub(crate) fn install(output: Output) {
-    let heard = ctrlc::set_handler(move || {
-        let asks_again = ASKED.get_or_init(Instant::now).elapsed() > SAME;
+    let installed = ctrlc::set_handler(move || {
+        let asks_again = interrupt_flags::ask() > SAME;
         if !listens() {
             warning(NOTHING);
             // Held until the end: there is one result.
@@ -43,21 +41,7 @@ pub(crate) fn install(output: Output) {
         }
     });
     // Where there is no such signal, Ctrl-C ends the program as it always did.
-    drop(heard);
-}
-
-/// From now on the first Ctrl-C only asks.
-pub(crate) fn listen() {
-    LISTENS.store(true, Ordering::Relaxed);
-}
-
-fn listens() -> bool {
-    LISTENS.load(Ordering::Relaxed)
-}
-
-/// Whether the user asked to stop.
-pub(crate) fn asked() -> bool {
-    ASKED.get().is_some()
+    drop(installed);
 }
 
 /// Ends a command that stopped when it was asked to, with nothing to keep.

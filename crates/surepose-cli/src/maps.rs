@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use surepose_config::ScanMethod;
 use surepose_io::grid::Grid;
 use surepose_io::wall_map::{self, WallMap};
 use surepose_io::{DataError, map_server};
 use surepose_mapping::from_grid;
-use surepose_sim::robot::ScanMethod;
 
 use crate::output::warning;
 

@@ -6,11 +6,8 @@ use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::error::CliError;
-use crate::interrupt;
-
-/// Columns of a message.
-pub(crate) const WIDTH: u16 = 110;
+use crate::error::{CliError, WIDTH};
+use crate::interrupt_flags;
 
 /// How results are printed.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +49,7 @@ pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
 /// What else can be wrong with standard output: a full disk takes a result away, and a script must not go on without it.
 pub(crate) fn text(text: &str) -> Result<(), CliError> {
     // A result that is being printed is the one that there is.
-    interrupt::listen();
+    interrupt_flags::listen();
     let mut out = std::io::stdout().lock();
     printed(out.write_all(text.as_bytes()))
 }

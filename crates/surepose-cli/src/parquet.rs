@@ -13,7 +13,6 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde_json::{Map, Value};
-
 use thrift::{Struct, varint};
 
 /// Rows that are held in memory, and written together.

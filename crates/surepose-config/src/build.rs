@@ -2,13 +2,15 @@
 
 use std::f64::consts::PI;
 
-use surepose::closed_loop::Controller;
-use surepose::param;
-use surepose::{
-    ActuatorLimits, Angle, Belief, Body, BrakingProfile, Deadband, DelayedEkf, DiffDrive, Direction, Ekf,
-    Gains, Gate, Goal, HybridLaw, Integration, Laser, Law, Limits, Map, Pose, Stamp, Tolerance, Tran2012Law,
-    WheelPair,
+use surepose::control::{
+    ActuatorLimits, BrakingProfile, Controller, Deadband, Direction, Gains, HybridLaw, Law, Limits,
+    Tolerance, Tran2012Law,
 };
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
+use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::param;
+use surepose::time::Stamp;
 
 use super::{Config, ValueSource};
 

@@ -8,8 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::key::{self, UnknownKey};
 use super::problem::{ConfigError, Problems, line_of};
-use super::{Setting, Value, ValueSource};
-use crate::number::plain;
+use super::setting::{Setting, Value, ValueSource, plain};
 
 /// Longest file that is read \[bytes]: a configuration of every parameter, with comments, is a hundredth of it.
 pub(super) const MAX_BYTES: usize = 1 << 20;

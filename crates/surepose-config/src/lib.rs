@@ -8,86 +8,30 @@
 mod build;
 mod file;
 mod key;
-mod number;
+mod navigation;
 mod problem;
+mod setting;
 #[cfg(test)]
 mod tests;
 mod warnings;
 
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use surepose::param::{self, Kind, Parameter};
 
 pub use build::{CompassParameters, LaserParameters};
 pub use key::parameter;
+pub use navigation::{HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod};
 pub use problem::{ConfigError, ConfigProblem};
+pub use setting::{Setting, Value, ValueSource};
 
-use crate::number::exact;
+use setting::exact;
 
 /// Every parameter's value, with where it came from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
     /// In the order of the table.
     settings: Vec<Setting>,
-}
-
-/// One parameter's value.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
-    /// Which parameter.
-    pub parameter: &'static Parameter,
-    /// Its value, in the unit of its key.
-    pub value: Value,
-    /// Where the value came from.
-    pub origin: ValueSource,
-}
-
-/// The value of a parameter, in the unit of its key.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// A number inside the parameter's range.
-    Number(f64),
-    /// One of the parameter's options.
-    Choice(&'static str),
-}
-
-/// Where a value came from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ValueSource {
-    /// The table of parameters.
-    Default,
-    /// What fits a format of recordings, or a scenario, better than the default.
-    Preset(&'static str),
-    /// A configuration file.
-    File {
-        /// Which.
-        path: PathBuf,
-        /// Where, from 1.
-        line: usize,
-    },
-    /// An option.
-    CommandLine,
-}
-
-impl fmt::Display for Value {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(number) => write!(f, "{number}"),
-            Self::Choice(name) => f.write_str(name),
-        }
-    }
-}
-
-impl fmt::Display for ValueSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Default => f.write_str("default"),
-            Self::Preset(name) => write!(f, "preset {name}"),
-            Self::File { path, line } => write!(f, "{}:{line}", path.display()),
-            Self::CommandLine => f.write_str("command line"),
-        }
-    }
 }
 
 impl Default for Config {

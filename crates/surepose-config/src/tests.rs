@@ -21,7 +21,7 @@ fn every_value_knows_where_it_came_from() {
     let config = read(text).expect("right").with_option("law.k_v=3.5").expect("right");
     assert!((config.controller().drive.wheel_separation - 0.5).abs() < 1e-15);
     assert!((config.controller().tolerance.heading - 2f64.to_radians()).abs() < 1e-15);
-    assert_eq!(config.direction(), surepose::Direction::Reverse);
+    assert_eq!(config.direction(), surepose::control::Direction::Reverse);
     let line = |line| ValueSource::File { path: "robot.toml".into(), line };
     assert_eq!(config.origin(&param::WHEEL_SEPARATION), line(2));
     assert_eq!(config.origin(&param::HEADING_TOLERANCE), line(5));
@@ -35,7 +35,7 @@ fn radii_have_the_mean_and_the_ratio_that_were_set() {
     let apart = radius("[robot]\nwheel_radius_m = 0.06\nwheel_radius_ratio = 1.04\n");
     assert!((0.5 * (apart.right + apart.left) - 0.06).abs() < 1e-15, "{apart:?}");
     assert!((apart.right / apart.left - 1.04).abs() < 1e-15, "{apart:?}");
-    assert_eq!(radius("[robot]\nwheel_radius_m = 0.07\n"), surepose::WheelPair::new(0.07, 0.07));
+    assert_eq!(radius("[robot]\nwheel_radius_m = 0.07\n"), surepose::kinematics::WheelPair::new(0.07, 0.07));
 }
 
 #[test]
@@ -117,8 +117,9 @@ fn the_papers_law_has_a_capture_radius_of_its_own_unless_one_is_set() {
         let config = options
             .iter()
             .fold(Config::default(), |config, option| config.with_option(option).expect("valid"));
-        let (surepose::Law::Hybrid(surepose::HybridLaw { capture_radius, .. })
-        | surepose::Law::Tran2012(surepose::Tran2012Law { capture_radius, .. })) = config.law();
+        let (surepose::control::Law::Hybrid(surepose::control::HybridLaw { capture_radius, .. })
+        | surepose::control::Law::Tran2012(surepose::control::Tran2012Law { capture_radius, .. })) =
+            config.law();
         assert!((config.fitted().number(&param::CAPTURE_RADIUS) - capture_radius).abs() < 1e-15);
         capture_radius
     };

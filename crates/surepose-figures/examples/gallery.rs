@@ -1,4 +1,4 @@
-//! Draws one picture of each kind from made-up numbers into the folder that is given.
+//! Draws one picture of each kind from synthetic data into the given directory.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -23,8 +23,8 @@ fn main() -> Result<(), surepose_figures::PlotError> {
     let map = MapPlot::new("From start to goal")
         .walls(walls)
         .outlines("3σ of the estimate", ellipses(), Stroke::thin(Color::Blue))
-        .trace("true way", way.clone(), Stroke::wide(Color::Silver))
-        .trace("estimated way", seen, Stroke::thin(Color::Vermilion))
+        .trace("true path", way.clone(), Stroke::wide(Color::Silver))
+        .trace("estimated path", seen, Stroke::thin(Color::Vermilion))
         .pose("start", (0.0, 0.0), 0.0, Color::Green)
         .pose("goal", (2.0, 2.0), 0.5, Color::Purple);
     let close = MapPlot::new("At the goal")
@@ -40,19 +40,19 @@ fn main() -> Result<(), surepose_figures::PlotError> {
     XyPlot::over("time [s]")
         .panel(
             Panel::new("Speed", "v [m/s]")
-                .series("wanted", over(&|t| 0.3 * (-t / 4.0).exp()), Stroke::thin(Color::Vermilion))
-                .series("driven", over(&|t| 0.3 * (-t / 5.0).exp()), Stroke::solid(Color::Blue))
-                .marks([Mark::At(9.0, "local law".to_owned()), Mark::Level(0.0)])
+                .series("commanded", over(&|t| 0.3 * (-t / 4.0).exp()), Stroke::thin(Color::Vermilion))
+                .series("measured", over(&|t| 0.3 * (-t / 5.0).exp()), Stroke::solid(Color::Blue))
+                .marks([Mark::At(9.0, "local mode".to_owned()), Mark::Level(0.0)])
                 .shaded([(9.0, 12.0)], Color::Sky),
         )
         .panel(Panel::new("Turn rate", "ω [°/s]").series(
-            "driven",
+            "measured",
             over(&|t| 20.0 * t.sin()),
             Stroke::solid(Color::Blue),
         ))
         .panel(
             Panel::new("Lyapunov function", "V")
-                .series("V of the law in charge", over(&|t| 4.0 * (-t).exp()), Stroke::solid(Color::Green))
+                .series("V of the active mode", over(&|t| 4.0 * (-t).exp()), Stroke::solid(Color::Green))
                 .logarithmic(),
         )
         .picture()

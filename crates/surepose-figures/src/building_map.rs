@@ -1,12 +1,13 @@
 //! Picture of a replay on an occupancy grid, with the scans at the estimated poses.
 
-use crate::plot::{Color, MapPlot as Drawing, Picture, Stroke};
-use surepose::{Body, Map, Point, Pose};
+use surepose::geometry::{Body, Map, Point, Pose};
 use surepose_io::recording::{Recording, ScanRecord, StampedPose, laser_extrinsics};
-
-use super::walls::{Bounds, grid_keys};
 use surepose_replay::BuildingMap;
 use surepose_replay::cmu_wean::WeanReplay;
+
+use crate::plot::{Color, MapPlot as Drawing, Picture, Stroke};
+
+use super::walls::{Bounds, grid_keys};
 
 /// Every n-th scan is drawn.
 const EVERY: usize = 10;
@@ -30,7 +31,7 @@ pub fn building_map(building: &BuildingMap, log: &Recording<StampedPose>, follow
         bounds.include((x + MARGIN, y + MARGIN));
     };
     if seen.is_empty() {
-        building.walls().iter().flat_map(surepose::Wall::ends).for_each(|end| include((end.x, end.y)));
+        building.walls().iter().flat_map(surepose::map::Wall::ends).for_each(|end| include((end.x, end.y)));
     } else {
         seen.iter().chain(&before).for_each(|at| include(*at));
     }

@@ -13,9 +13,10 @@ pub fn downsampled(samples: &[Sample]) -> Vec<Sample> {
 
 #[cfg(test)]
 mod tests {
-    use super::{MAX_SAMPLES, downsampled};
     use surepose_sim::robot::Scenario;
     use surepose_sim::simulation::simulate;
+
+    use super::{MAX_SAMPLES, downsampled};
 
     #[test]
     fn only_long_drives_are_downsampled() {

@@ -2,11 +2,11 @@
 
 use core::f64::consts::TAU;
 
-use crate::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, Subplot, XyPlot, hstack, hstack_column};
 use surepose::param;
-
 use surepose_sim::robot::Scenario;
 use surepose_sim::simulation::{ControlMode, Sample};
+
+use crate::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, Subplot, XyPlot, hstack, hstack_column};
 
 /// Interval between two ellipses \[s].
 const ELLIPSE_EVERY: f64 = 1.0;
@@ -230,9 +230,10 @@ fn estimated_way(samples: &[Sample]) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{local_law_intervals, overview, stretches};
     use surepose_sim::robot::Scenario;
     use surepose_sim::simulation::{ControlMode, simulate};
+
+    use super::{local_law_intervals, overview, stretches};
 
     /// V_l is plotted from the switch to the end of the drive, including the holding time.
     #[test]

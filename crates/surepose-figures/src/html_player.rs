@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 use surepose::param;
-
-use super::drive::enlargement;
 use surepose_sim::robot::Scenario;
 use surepose_sim::simulation::Sample;
+
+use super::drive::enlargement;
 
 /// The page, and the placeholder that the drive replaces.
 const PAGE: &str = include_str!("film.html");
@@ -60,8 +60,9 @@ fn rounded(degrees: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use surepose_sim::simulation::simulate;
+
+    use super::*;
 
     #[test]
     fn the_page_contains_the_drive() {

@@ -2,13 +2,14 @@
 
 use core::f64::consts::PI;
 
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Goal, Map as MapFrame, Pose};
+use surepose_cert::{DisturbedState, MarginMap, Margins};
+use surepose_montecarlo::sweep::Quantiles;
+
 use crate::plot::{
     Color, DotPaint, Heatmap, HeatmapCell, MapPlot, Panel, Picture, Scale, Stroke, XyPlot, hstack,
 };
-use surepose::{Angle, Body, Goal, Map as MapFrame, NavigationVariables, Pose};
-use surepose_cert::{DisturbedState, MarginMap, Margins};
-
-use surepose_montecarlo::sweep::Quantiles;
 
 const NOT_SHOWN: Color = Color::Vermilion;
 

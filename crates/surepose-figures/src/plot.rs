@@ -1,7 +1,7 @@
-//! Pictures: maps with equal axes, heat maps among them, and time series and histograms over one axis; SVG and PNG.
+//! Plots as SVG and PNG: maps with equal axes, heat maps, time series, and histograms.
 //!
-//! The same numbers give the same bytes: no clock, no system font, no system library. Values come in the units that
-//! the axes show; nothing here knows what they mean.
+//! The output is deterministic: equal input gives equal bytes, without a clock, system fonts, or system
+//! libraries. Values are in the units shown on the axes; this crate does not interpret them.
 
 mod axes;
 mod chart;

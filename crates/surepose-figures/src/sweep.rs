@@ -2,13 +2,14 @@
 
 use core::f64::consts::{PI, TAU};
 
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Goal, Map as MapFrame, Pose};
+use surepose_montecarlo::sweep::{HEADING_TOLERANCE, POSITION_TOLERANCE, Quantiles, Trial};
+
 use crate::plot::{
     Color, DotPaint, Heatmap, HeatmapCell, MapPlot, Panel, Picture, Scale, Stroke, Subplot, XyPlot, hstack,
     vstack,
 };
-use surepose::{Angle, Body, Goal, Map as MapFrame, NavigationVariables, Pose};
-
-use surepose_montecarlo::sweep::{HEADING_TOLERANCE, POSITION_TOLERANCE, Quantiles, Trial};
 
 /// Number of trials below which each is a dot; above, trials are binned into cells.
 const CROWD: usize = 400;
@@ -279,8 +280,9 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::histogram;
     use crate::plot::vstack;
+
+    use super::histogram;
 
     /// The legend lists lines on the axis; the title lists lines beyond it.
     #[test]

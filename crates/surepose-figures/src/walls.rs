@@ -1,11 +1,11 @@
 //! Picture of a wall map over its source data.
 
-use crate::plot::{Color, Heatmap, HeatmapCell, MapPlot, Picture};
 use surepose_io::grid::Grid;
 use surepose_io::wall_map::WallMap;
-
 use surepose_mapping::MapReport;
 use surepose_mapping::from_grid::{is_free, is_solid};
+
+use crate::plot::{Color, Heatmap, HeatmapCell, MapPlot, Picture};
 
 /// Background of a wall map.
 #[derive(Clone, Copy, Debug)]
@@ -155,9 +155,10 @@ impl Bounds {
 
 #[cfg(test)]
 mod tests {
-    use crate::plot::HeatmapCell;
     use surepose_io::grid::{Grid, GridOrigin};
     use surepose_io::wall_map::WallMap;
+
+    use crate::plot::HeatmapCell;
 
     use super::{MAX_CELLS_PER_SIDE, SOLID, grid_tiles};
 

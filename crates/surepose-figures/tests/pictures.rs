@@ -1,4 +1,4 @@
-//! Pictures are the same bytes every time, and come out whatever the numbers are.
+//! Tests of deterministic output and of robustness to unusual data.
 
 use surepose_figures::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, XyPlot, hstack};
 
@@ -32,7 +32,7 @@ fn is_png(bytes: &[u8]) -> bool {
 }
 
 #[test]
-fn the_same_numbers_give_the_same_bytes() {
+fn equal_input_gives_equal_bytes() {
     assert_eq!(map().svg(), map().svg());
     assert_eq!(map().png().unwrap(), map().png().unwrap());
     assert_eq!(chart(way()).svg(), chart(way()).svg());
@@ -40,7 +40,7 @@ fn the_same_numbers_give_the_same_bytes() {
 }
 
 #[test]
-fn text_is_escaped_and_legends_are_there() {
+fn text_is_escaped_and_legends_are_drawn() {
     let svg = map().svg();
     assert!(svg.contains("a &lt; b &amp; c") && !svg.contains("a < b"));
     for label in ["walls", "way", "goal", "x [m]", "y [m]"] {
@@ -49,8 +49,8 @@ fn text_is_escaped_and_legends_are_there() {
 }
 
 #[test]
-fn metres_are_as_long_upwards_as_sideways() {
-    // A square stays one: its four corners are drawn at equal distances.
+fn map_axes_have_equal_scales() {
+    // The four corners of a square are drawn at equal distances.
     let square = vec![(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let far = vec![(0.0, 0.0), (7.0, 2.0)];
     let drawn = MapPlot::new("square")
@@ -64,9 +64,9 @@ fn metres_are_as_long_upwards_as_sideways() {
     assert!(width > 10.0 && (width - height).abs() < 0.1, "{width} × {height}");
 }
 
-/// A longer one would run over what stands beside it.
+/// A longer label would overlap adjacent elements.
 #[test]
-fn ticks_of_tiny_and_of_huge_values_are_short() {
+fn tick_labels_of_tiny_and_huge_values_are_short() {
     for size in [2e-5, 3e-7, 0.3, 3e7, 2e200] {
         let svg = chart(vec![(0.0, 0.0), (1.0, 0.5 * size), (2.0, size)]).svg();
         let texts = svg.split(['<', '>']).map(|text| text.replace('−', "-"));
@@ -77,14 +77,14 @@ fn ticks_of_tiny_and_of_huge_values_are_short() {
 }
 
 #[test]
-fn few_counts_are_numbered_by_whole_ones() {
+fn small_counts_have_integer_tick_labels() {
     let panel = Panel::new("", "trials").bars(vec![10.0, 20.0, 30.0], vec![3.0, 1.0], Color::Sky);
     let svg = XyPlot::over("x").panel(panel).picture().svg();
     assert!(svg.contains(">2<") && svg.contains(">3<") && !svg.contains(">1.5<"), "{svg}");
 }
 
 #[test]
-fn no_numbers_break_it() {
+fn unusual_data_gives_valid_images() {
     let odd = [
         vec![],
         vec![(0.0, 0.0)],

@@ -26,7 +26,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use surepose::{Angle, Body, Map, Pose};
+use surepose::geometry::{Angle, Body, Map, Pose};
 
 use crate::error::{DataError, Problem, excerpt};
 use crate::half_circle;

@@ -18,7 +18,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use surepose::{Angle, Body, Laser, Map, Pose};
+use surepose::geometry::{Angle, Body, Laser, Map, Pose};
 
 use crate::error::{DataError, Problem, excerpt};
 use crate::grid::{Grid, GridOrigin, MAX_CELLS};
@@ -115,7 +115,9 @@ fn wrong_columns(line: TextLine<'_>, found: usize) -> DataError {
 }
 
 /// A pose in the frame of odometry, which is a map that drifts.
-fn pose<From: surepose::Frame>([x, y, heading]: [&Field<'_>; 3]) -> Result<Pose<Map, From, f64>, DataError> {
+fn pose<From: surepose::geometry::Frame>(
+    [x, y, heading]: [&Field<'_>; 3],
+) -> Result<Pose<Map, From, f64>, DataError> {
     let x = x.read_in("x", &POSITION, CENTIMETRE)?;
     let y = y.read_in("y", &POSITION, CENTIMETRE)?;
     Ok(Pose::new(x, y, Angle::from_radians(heading.read("heading", &ANGLE)?)))

@@ -1,6 +1,6 @@
 //! Occupancy grids, whatever file they come from.
 
-use surepose::{Angle, Frame, Map, Point, Pose};
+use surepose::geometry::{Angle, Frame, Map, Point, Pose};
 
 /// Most cells of a grid: 8192 by 8192, half a gigabyte.
 pub const MAX_CELLS: usize = 1 << 26;

@@ -49,6 +49,7 @@ pub mod lines;
 pub mod map_server;
 pub mod mines_rover;
 pub mod mrclam;
+pub mod owned_map;
 pub mod pgm;
 mod quantity;
 pub mod recording;

@@ -9,13 +9,14 @@ mod document;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use document::Document;
+
 use crate::document::{utf8, wrong};
 use crate::error::DataError;
 use crate::grid::{Grid, GridOrigin};
 use crate::pgm::{self, Image};
 use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION, plain};
 use crate::source::{MAX_DOCUMENT_BYTES, read_all};
-use document::Document;
 
 /// What the YAML file says about the image.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 //! quantity. Headings are as the format has them, so not always wrapped. Stamps are those of the recording, never going back within one
 //! list; their zero is the recording's own.
 
-use surepose::{Angle, Body, Laser, Pose};
+use surepose::geometry::{Angle, Body, Laser, Pose};
 
 /// What a robot with a laser recorded: odometry of some kind, scans, and a reference path where there is one.
 #[derive(Clone, Debug, PartialEq)]

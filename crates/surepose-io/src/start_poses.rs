@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use surepose::{Angle, Body, Goal, Pose};
+use surepose::geometry::{Angle, Body, Goal, Pose};
 
 use crate::error::{DataError, Problem};
 use crate::lines::LineReader;
@@ -51,10 +51,11 @@ pub fn parse(mut lines: LineReader<'_>) -> Result<Vec<Pose<Goal, Body, f64>>, Da
 mod tests {
     use std::path::Path;
 
-    use surepose::{Body, Goal, Pose};
+    use surepose::geometry::{Body, Goal, Pose};
+
+    use crate::lines::LineReader;
 
     use super::parse;
-    use crate::lines::LineReader;
 
     fn list(text: &str) -> Result<Vec<Pose<Goal, Body, f64>>, String> {
         parse(LineReader::from_bytes(Path::new("starts.csv"), text.as_bytes()))

@@ -16,12 +16,13 @@
 //!
 //! A wall is seen from both sides. Its `covariance`, where the map was measured, is that of (r, ψ) of the line through
 //! its end points, x cos ψ + y sin ψ = r, with the normal ψ to the *right* of the way from `from_m` to `to_m`: the line
-//! that `surepose::Line::through` gives.
+//! that `surepose::geometry::Line::through` gives.
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use surepose::{Point, Wall};
+use surepose::geometry::Point;
+use surepose::map::Wall;
 use toml::Spanned;
 
 use crate::document::{line_of, utf8, wrong};

@@ -1,6 +1,6 @@
 //! Extraction of walls from an occupancy grid.
 
-use surepose::Point;
+use surepose::geometry::Point;
 use surepose_io::grid::Grid;
 use surepose_io::wall_map::WallMap;
 

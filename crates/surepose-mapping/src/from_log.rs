@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use surepose::{Body, Frame, Map, Point, Pose};
-use surepose_io::recording::ScanRecord;
+use surepose::geometry::{Body, Frame, Map, Point, Pose};
+use surepose_io::recording::{ScanRecord, laser_extrinsics};
 use surepose_io::wall_map::WallMap;
 
 use super::fit_walls::{FittedWall, WallFitSettings, fit_walls};
 use super::point_cloud::{PointCloud, SurfacePoint};
 use super::{MapReport, MappingResult};
-use surepose_io::recording::laser_extrinsics;
 
 /// Settings of the extraction.
 #[derive(Clone, Copy, Debug, PartialEq)]

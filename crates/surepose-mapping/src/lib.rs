@@ -10,10 +10,9 @@ pub mod from_grid;
 pub mod from_log;
 pub mod point_cloud;
 
+use fit_walls::FittedWall;
 use serde::Serialize;
 use surepose_io::wall_map::WallMap;
-
-use fit_walls::FittedWall;
 
 /// A wall map with its quality figures.
 #[derive(Clone, Debug, PartialEq)]

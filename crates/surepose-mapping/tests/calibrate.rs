@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use surepose::HeadingMeasurement;
+use surepose::estimation::HeadingMeasurement;
 use surepose_config::Config;
 use surepose_io::mines_rover::{self, ROVER};
 use surepose_io::recording::StampedTicks;

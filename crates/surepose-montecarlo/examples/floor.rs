@@ -8,7 +8,7 @@
 
 use std::process::ExitCode;
 
-use surepose::{Direction, Gains, Law, Tran2012Law};
+use surepose::control::{Direction, Gains, Law, Tran2012Law};
 use surepose_montecarlo::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise, fitted_law};
 
 const PERIOD: f64 = 0.02;

@@ -11,35 +11,22 @@
 //! noise.
 
 mod candidate;
-mod draw;
 mod search;
+mod spec;
 #[cfg(test)]
 mod tests;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use surepose::Law;
+use surepose::control::Law;
 
 pub use candidate::GainCandidate;
-
-use crate::sweep::{Starts, Sweep, SweepReport};
+pub use spec::{STRESS, Tune};
 
 use search::Search;
+use spec::{slowest, stressed};
 
-/// Parameters of tuning.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tune {
-    /// Trials of the final evaluation, with the initial law; the search uses other seeds.
-    pub sweep: Sweep,
-    /// Initial gains if those of the law are not certified.
-    pub fallback: GainCandidate,
-    /// Lower bounds of gains and capture radius.
-    pub least: GainCandidate,
-    /// Upper bounds of gains and capture radius.
-    pub most: GainCandidate,
-    /// Number of rounds.
-    pub rounds: usize,
-}
+use crate::sweep::{Starts, Sweep, SweepReport};
 
 /// Result of tuning.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,18 +56,6 @@ pub struct TuneResult {
 pub struct TuneProgress {
     sweeps: surepose_sim::CancelToken,
     steps: AtomicUsize,
-}
-
-/// Noise factor of the stress trials, none of which may fail.
-pub const STRESS: f64 = 1.3;
-
-/// Returns an equal number of trials near the goal with [`STRESS`] times the noise.
-fn stressed(sweep: &Sweep) -> Sweep {
-    Sweep {
-        starts: Starts::near_goal(sweep.starts.len(), sweep.seed),
-        noise: sweep.noise.scaled(STRESS),
-        ..sweep.clone()
-    }
 }
 
 /// Number of trials that evaluate the result of a canceled search, for a quick end.
@@ -169,9 +144,4 @@ fn no_worse(report: &SweepReport, than: &SweepReport) -> bool {
         && now.p50 <= then.p50
         && now.p95 <= then.p95
         && slowest(report) <= slowest(than)
-}
-
-/// Returns the maximum time of the successful trials \[s]; `None` without one.
-fn slowest(report: &SweepReport) -> Option<f64> {
-    report.time_s.map(|time| time.max)
 }

@@ -1,9 +1,9 @@
 //! Map of a building for a replay: walls for localization, and a grid for global localization.
 
-use surepose::{Point, Wall};
+use surepose::geometry::Point;
+use surepose::map::Wall;
 use surepose_io::grid::{Grid, GridOrigin};
 use surepose_io::wall_map::{WallMap, walls_from_map};
-
 use surepose_mapping::from_grid;
 
 /// Cell side of a grid rasterized from walls \[m].
@@ -68,7 +68,7 @@ fn rasterize(walls: &[Wall<f64>]) -> Grid {
         let steps = (from.distance(to) / (0.5 * SIDE)).ceil().max(1.0) as usize;
         for step in 0..=steps {
             let part = step as f64 / steps as f64;
-            let at = Point::<surepose::Map, f64>::new(
+            let at = Point::<surepose::geometry::Map, f64>::new(
                 from.x + part * (to.x - from.x),
                 from.y + part * (to.y - from.y),
             );

@@ -5,18 +5,18 @@
 
 use std::time::Instant;
 
-use surepose::{Body, Map, Motion, Pose, Stamp};
+use surepose::geometry::{Body, Map, Pose};
+use surepose::kinematics::Motion;
+use surepose::time::Stamp;
 use surepose_config::Config;
 use surepose_io::recording::{Recording, ScanRecord, StampedPose};
-use surepose_io::wall_map::WallMap;
-use surepose_io::wall_map::walls_from_map;
+use surepose_io::wall_map::{WallMap, walls_from_map};
+use surepose_mapping::{MappingResult, from_log};
+use surepose_sim::{CancelToken, ErrorAccumulator};
 
 use super::laser_replay::{LaserReplay, LaserReplaySettings};
 use super::odometry::{pose_after, pose_of};
 use super::report::{ReplayError, ReplayReport};
-use surepose_mapping::{MappingResult, from_log};
-use surepose_sim::CancelToken;
-use surepose_sim::ErrorAccumulator;
 
 /// Settings of the replay, the same for all logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,7 +119,7 @@ pub fn replay_log(
         let stamp = Stamp::from_seconds(at);
         let seen = replay.correct(stamp, scan);
         report.skip(seen.skip_reason());
-        if let Some(belief) = replay.localizer.estimator.belief_at(stamp) {
+        if let Some(belief) = replay.localizer.estimator().belief_at(stamp) {
             score.add(belief.error(truth));
             score.add_nees(belief.nees(truth));
         }
@@ -132,7 +132,7 @@ pub fn replay_log(
     report.duration_s = log.duration();
     report.set_filter_errors(score.summary());
     report.set_odometry_errors(dead_reckoning.summary());
-    report.count(replay.localizer.estimator.measurement_stats());
+    report.count(replay.localizer.estimator().measurement_stats());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }

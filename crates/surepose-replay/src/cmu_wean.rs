@@ -4,16 +4,21 @@
 
 use std::time::Instant;
 
-use surepose::{Belief, Body, Map, Motion, Pose, ScanMatcher, Stamp, param};
+use surepose::estimation::Belief;
+use surepose::geometry::{Body, Map, Pose};
+use surepose::kinematics::Motion;
+use surepose::lidar::ScanMatcher;
+use surepose::param;
+use surepose::time::Stamp;
 use surepose_config::Config;
 use surepose_io::recording::{Recording, StampedPose};
+use surepose_sim::CancelToken;
 
 use super::building_map::BuildingMap;
 use super::grid_localizer::GridLocalizer;
 use super::laser_replay::{LaserReplay, LaserReplaySettings, ScanOverlap};
 use super::odometry::pose_of;
 use super::report::ReplayReport;
-use surepose_sim::CancelToken;
 
 /// Standard deviations of a start pose picked on a map: x \[m], y \[m], θ \[rad].
 const START_STD: [f64; 3] = [0.3, 0.3, 0.2];
@@ -100,7 +105,7 @@ pub fn replay(
                 report.found(scan.time - first, found);
                 found_trajectory = grid_localizer.trajectory();
                 let mut found_there = follow(stamp, found);
-                found_there.localizer.estimator.reset(stamp, Belief::new(found, FOUND_STD));
+                found_there.localizer.reset(stamp, Belief::new(found, FOUND_STD));
                 replay = Some(found_there);
             } else if replay.is_some() && grid_localizer.is_inconsistent() {
                 report.withdraw();
@@ -114,7 +119,7 @@ pub fn replay(
             let seen = replay.correct(stamp, scan);
             overlap.add(&seen);
             report.skip(seen.skip_reason());
-            replay.localizer.estimator.belief().pose
+            replay.localizer.estimator().belief().pose
         }));
     }
     report.beams_on_walls = overlap.mean();
@@ -124,7 +129,7 @@ pub fn replay(
         report.set_consistency(grid_localizer.shares());
     }
     if let Some(replay) = &replay {
-        report.count(replay.localizer.estimator.measurement_stats());
+        report.count(replay.localizer.estimator().measurement_stats());
     }
     report.wall_s = begun.elapsed().as_secs_f64();
     WeanReplay {

@@ -17,17 +17,18 @@ pub(super) use consistency::ConsistencyShares;
 
 use std::f64::consts::PI;
 
-use surepose::{Body, Integration, Map, Motion, Pose};
-use surepose_io::grid::Grid;
-use surepose_io::recording::ScanRecord;
-
-use super::laser_replay::LaserReplaySettings;
 use consistency::ConsistencyCheck;
 use hypothesis::{PoseHypothesis, PoseUncertainty, ScanScorer};
 use likelihood_field::{LikelihoodField, LikelihoodTable};
+use surepose::geometry::{Body, Map, Pose};
+use surepose::kinematics::{Integration, Motion};
+use surepose_io::grid::Grid;
+use surepose_io::recording::ScanRecord;
 use surface_cells::{ScanEndpoints, SurfaceCells};
 
-/// Minimum difference of log likelihood between the accepted pose and any other.
+use super::laser_replay::LaserReplaySettings;
+
+/// By how much the log likelihood of the place must be above that of any other.
 ///
 /// A surface cell that is not on the map costs at most 3, and a door has nine cells at 10 cm. The margin
 /// exceeds three doors that differ from the map and happen to match another pose.

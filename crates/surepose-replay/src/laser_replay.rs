@@ -1,11 +1,16 @@
 //! Laser replay shared by all formats: odometry predicts, scan matching corrects.
 
-use surepose::closed_loop::{Localizer, LoopObserver, ScanEvent, SensorInput, SensorReading};
-use surepose::{
-    Angle, Belief, Body, DelayedEkf, DiffDrive, Ekf, Gate, Integration, Map, Measurement, MeasurementOutcome,
-    Motion, Pose, RangeFinder, RejectReason, Scan, ScanMatch, ScanMatchResult, ScanMatcher, ScanModel,
-    ScanProcessor, Stamp, Stamped, Twist, Wall, WheelOdometry, WheelPair, param,
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, MeasurementOutcome, WheelOdometry};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
+use surepose::lidar::{
+    LaserGeometry, RangeFinder, Scan, ScanEvent, ScanMatch, ScanMatchResult, ScanMatcher, ScanModel,
+    ScanProcessor,
 };
+use surepose::localization::{Localizer, LoopObserver, Odometry, SensorInput, SensorReading};
+use surepose::map::{MapView, Wall};
+use surepose::param;
+use surepose::time::{Stamp, Stamped};
 use surepose_config::Config;
 use surepose_io::recording::{self, laser_extrinsics};
 
@@ -108,11 +113,9 @@ impl LaserReplaySettings {
 
 /// Converts a recorded scan to the core's type.
 pub(super) fn scan_view(scan: &recording::ScanRecord) -> Scan<'_, f64> {
-    Scan {
-        angle_min: Angle::from_radians(scan.angle_min),
-        angle_increment: scan.angle_increment,
-        ranges: &scan.ranges,
-    }
+    let body_from_laser = laser_extrinsics(scan.mount);
+    let geometry = LaserGeometry { body_from_laser, range_min: MIN_RANGE, range_max: MAX_RANGE };
+    Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &scan.ranges).with_geometry(geometry)
 }
 
 /// Estimator of a robot with a laser among known walls.
@@ -185,10 +188,10 @@ impl LaserReplay {
         // Unlimited in time, because some replays count records instead of seconds; the number of events
         // limits it.
         let estimator = DelayedEkf::new(settings.ekf(), gate, f64::INFINITY, stamp, belief);
-        // Each scan has its own mounting.
+        // Each scan brings the mounting of its laser.
         let laser = settings.laser(recording::SensorPose::default());
         let scan_processor = ScanProcessor::new(laser, ScanModel::ScanMatch(settings.scan_matcher));
-        Self { localizer: Box::new(Localizer { estimator, scan_processor }), settings, walls }
+        Self { localizer: Box::new(Localizer::unsupervised(estimator, scan_processor)), settings, walls }
     }
 
     /// Replaces the map.
@@ -200,17 +203,17 @@ impl LaserReplay {
     pub(super) fn predict(&mut self, stamp: Stamp, motion: Motion<f64>) {
         // The report includes rejections from the estimator's statistics.
         let travel = self.settings.wheel_odometry(motion);
-        self.localizer.update(&SensorInput { stamp, travel, readings: &[] }, travel, &[], &mut ());
+        let input = SensorInput { stamp, odometry: Odometry::WithVariance(travel), readings: &[] };
+        self.localizer.update(&input, travel, &MapView::empty(), &mut ());
     }
 
     /// Corrects the belief by a scan taken at `stamp`.
     pub(super) fn correct(&mut self, stamp: Stamp, scan: &recording::ScanRecord) -> ScanOutcome {
-        let is_remembered = self.localizer.estimator.belief_at(stamp).is_some();
-        self.localizer.scan_processor.laser.body_from_laser = laser_extrinsics(scan.mount);
+        let is_remembered = self.localizer.estimator().belief_at(stamp).is_some();
         let mut last_scan = LastScan::default();
         self.localizer.process(
             &Stamped::new(stamp, SensorReading::Scan(scan_view(scan))),
-            &self.walls,
+            &MapView::from_walls(&self.walls),
             &mut last_scan,
         );
         match (last_scan.scan_match, last_scan.outcome) {
@@ -230,21 +233,12 @@ struct LastScan {
     scan_match: Option<ScanMatch<f64>>,
 }
 
-impl<const N: usize> LoopObserver<f64, N> for LastScan {
-    fn on_odometry(
-        &mut self,
-        _: Stamp,
-        _: WheelPair<f64>,
-        _: WheelOdometry<f64>,
-        _: Result<(), RejectReason>,
-    ) {
-    }
-
+impl LoopObserver<f64> for LastScan {
     fn on_measurement(&mut self, _: &Stamped<Measurement<f64>>, outcome: MeasurementOutcome) {
         self.outcome = Some(outcome);
     }
 
-    fn on_scan(&mut self, _: &mut DelayedEkf<f64, N>, event: &ScanEvent<'_, f64>) {
+    fn on_scan(&mut self, event: &ScanEvent<'_, f64>) {
         self.scan_match = event.observation.scan_match;
     }
 }

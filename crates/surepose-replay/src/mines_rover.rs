@@ -6,16 +6,18 @@
 
 use std::time::Instant;
 
-use surepose::{Body, DiffDrive, Integration, Map, Motion, Pose, Stamp, WheelPair};
+use surepose::geometry::{Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Motion, WheelPair};
+use surepose::time::Stamp;
 use surepose_config::Config;
 use surepose_io::mines_rover as data;
 use surepose_io::recording::{Recording, ScanRecord, StampedTicks};
 use surepose_io::wall_map::walls_from_map;
+use surepose_mapping::{MappingResult, from_log};
+use surepose_sim::CancelToken;
 
 use super::laser_replay::{LaserReplay, LaserReplaySettings, ScanOverlap};
 use super::report::ReplayReport;
-use surepose_mapping::{MappingResult, from_log};
-use surepose_sim::CancelToken;
 
 /// Minimum travel \[m] or turn \[rad] between two scans that are added to the map.
 const NEW_VIEW: (f64, f64) = (0.3, 0.4);
@@ -70,7 +72,7 @@ pub fn replay_log(
             overlap.add(&seen);
             report.skip(seen.skip_reason());
         }
-        let pose = replay.localizer.estimator.belief().pose;
+        let pose = replay.localizer.estimator().belief().pose;
         way.push(pose);
         dead_reckoning.push(dead);
         let is_new = views.last().is_none_or(|(_, at)| {
@@ -83,7 +85,7 @@ pub fn replay_log(
         }
     }
     report.beams_on_walls = overlap.mean();
-    report.count(replay.localizer.estimator.measurement_stats());
+    report.count(replay.localizer.estimator().measurement_stats());
     report.wall_s = begun.elapsed().as_secs_f64();
     RoverReplay { report, mapped: from_log::extract_walls(views, &mapping), way, dead_reckoning }
 }

@@ -7,17 +7,19 @@ mod settings;
 use std::path::Path;
 use std::time::Instant;
 
-use surepose::closed_loop::{Localizer, SensorInput, SensorReading};
-use surepose::{
-    Belief, DelayedEkf, DiffDrive, Ekf, Gate, Integration, Measurement, Motion, Point, ScanProcessor, Stamp,
-    Stamped, Twist, WheelOdometry, WheelPair,
-};
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, WheelOdometry};
+use surepose::geometry::Point;
+use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
+use surepose::lidar::ScanProcessor;
+use surepose::localization::{Localizer, Odometry, SensorInput, SensorReading};
+use surepose::map::MapView;
+use surepose::time::{Stamp, Stamped};
 use surepose_io::mrclam::{self as data, LandmarkObservation, RobotLog, Target};
 use surepose_io::recording::StampedTwist;
+use surepose_sim::ErrorAccumulator;
 
 use super::reference::Reference;
 use super::report::{ReplayError, ReplayReport};
-use surepose_sim::ErrorAccumulator;
 
 pub use camera::Camera;
 pub use response::Response;
@@ -101,7 +103,7 @@ pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayRep
         replay.advance(effective);
         replay.command = twist(command);
         if let Some(truth) = reference.at(effective) {
-            let belief = replay.localizer.estimator.belief();
+            let belief = replay.localizer.estimator().belief();
             score.add(belief.error(truth));
             score.add_nees(belief.nees(truth));
         }
@@ -116,7 +118,7 @@ pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayRep
     report.distance_m = reference.distance(begin.time, end.time);
     report.set_filter_errors(score.summary());
     report.set_odometry_errors(dead_reckoning(commands, &reference).summary());
-    report.count(replay.localizer.estimator.measurement_stats());
+    report.count(replay.localizer.estimator().measurement_stats());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }
@@ -149,10 +151,10 @@ impl<'a> Replay<'a> {
             log,
             settings,
             command: twist(begin),
-            localizer: Localizer {
-                estimator: DelayedEkf::new(ekf, gate, settings.history, Stamp::from_seconds(time), belief),
-                scan_processor: ScanProcessor::disabled(),
-            },
+            localizer: Localizer::unsupervised(
+                DelayedEkf::new(ekf, gate, settings.history, Stamp::from_seconds(time), belief),
+                ScanProcessor::disabled(),
+            ),
             report: ReplayReport::default(),
         })
     }
@@ -160,12 +162,13 @@ impl<'a> Replay<'a> {
     /// Predicts up to `time` \[s] under the current command; past states are unchanged.
     fn advance(&mut self, time: f64) {
         let stamp = Stamp::from_seconds(time);
-        let period = stamp.since(self.localizer.estimator.stamp());
+        let period = stamp.since(self.localizer.estimator().stamp());
         if period > 0.0 {
             let travel =
                 self.wheel_odometry(self.settings.response.twist(self.command).integrate_for(period));
             // The report includes rejections from the estimator's statistics.
-            self.localizer.update(&SensorInput { stamp, travel, readings: &[] }, travel, &[], &mut ());
+            let input = SensorInput { stamp, odometry: Odometry::WithVariance(travel), readings: &[] };
+            self.localizer.update(&input, travel, &MapView::empty(), &mut ());
         }
     }
 
@@ -173,7 +176,7 @@ impl<'a> Replay<'a> {
     fn wheel_odometry(&self, motion: Motion<f64>) -> WheelOdometry<f64> {
         let rims = self
             .localizer
-            .estimator
+            .estimator()
             .ekf()
             .drive
             .wheel_speeds_from_twist(Twist::new(motion.length, motion.turn));
@@ -196,7 +199,7 @@ impl<'a> Replay<'a> {
         let seen = camera.sighting(at, sighting.range, sighting.bearing);
         let stamp = Stamp::from_seconds(sighting.time - camera.latency);
         let signal = Stamped::new(stamp, SensorReading::Measurement(Measurement::RangeBearing(seen)));
-        self.localizer.process(&signal, &[], &mut ());
+        self.localizer.process(&signal, &MapView::empty(), &mut ());
     }
 
     fn skip(&mut self, kind: &'static str) {

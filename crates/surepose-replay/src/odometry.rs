@@ -1,6 +1,7 @@
 //! Interpolation of recorded odometry poses.
 
-use surepose::{Angle, Body, Integration, Map, Motion, Pose};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{Integration, Motion};
 use surepose_io::recording::StampedPose;
 
 /// Converts a recorded pose to the core's type.

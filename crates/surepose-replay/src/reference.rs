@@ -1,6 +1,6 @@
 //! Reference trajectory of a recording.
 
-use surepose::{Angle, Body, Map, Pose};
+use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose_io::recording::StampedPose;
 
 /// Maximum interval between samples for interpolation \[s].

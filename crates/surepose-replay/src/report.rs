@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use surepose::{Body, Map, MeasurementStats, Pose, RejectReason};
+use surepose::estimation::{MeasurementStats, RejectReason};
+use surepose::geometry::{Body, Map, Pose};
 use surepose_io::DataError;
+use surepose_sim::ErrorSummary;
 
 use super::grid_localizer::ConsistencyShares;
-use surepose_sim::ErrorSummary;
 
 /// Figures of one replay; those that need a reference are `None` for recordings without one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

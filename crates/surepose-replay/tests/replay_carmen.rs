@@ -8,7 +8,7 @@
 mod common;
 
 use common::recording;
-use surepose::{Angle, Body, Map, Pose};
+use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose_io::carmen as data;
 use surepose_io::recording::{Recording, StampedPose};
 use surepose_replay::carmen::{CarmenSettings, map_from_log, replay_log};

@@ -7,7 +7,7 @@
 mod common;
 
 use common::recording;
-use surepose::{Angle, Body, Map, Pose};
+use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose_io::cmu_wean as data;
 use surepose_io::grid::Grid;
 use surepose_io::recording::{Recording, StampedPose};

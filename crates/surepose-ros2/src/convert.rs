@@ -3,7 +3,11 @@
 //! Frames are those of REP 105: x forward, y left, angles counter-clockwise, metres and radians, as in the core.
 
 use ros2_client::builtin_interfaces::Time;
-use surepose::{Angle, Belief, Covariance, Frame, Pose, Stamp, Twist};
+use surepose::estimation::Belief;
+use surepose::geometry::{Angle, Frame, Pose};
+use surepose::kinematics::Twist;
+use surepose::linalg::Covariance;
+use surepose::time::Stamp;
 
 use crate::message::{self, Header, Point, Quaternion, Vector3};
 
@@ -176,7 +180,7 @@ pub fn belief_message(belief: &Belief<f64>) -> message::PoseWithCovariance {
 pub fn belief_of(told: &message::PoseWithCovariance, usual: [f64; 3]) -> Result<Belief<f64>, MessageError> {
     let pose = pose_of(&told.pose)?;
     let entry = |i: usize, j: usize| told.covariance.get(i).and_then(|row| row.get(j)).copied();
-    let mut matrix = surepose::Matrix([[0.0; 3]; 3]);
+    let mut matrix = surepose::linalg::Matrix([[0.0; 3]; 3]);
     for (row, i) in matrix.0.iter_mut().zip(ROWS) {
         for (value, j) in row.iter_mut().zip(ROWS) {
             *value = entry(i, j).filter(|value| value.is_finite()).ok_or(MessageError::NotFinite)?;
@@ -191,8 +195,9 @@ pub fn belief_of(told: &message::PoseWithCovariance, usual: [f64; 3]) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use surepose::geometry::{Body, Map};
+
     use super::*;
-    use surepose::{Body, Map};
 
     fn turned(x: f64, y: f64, z: f64, w: f64) -> Result<f64, MessageError> {
         heading_of(&Quaternion { x, y, z, w }).map(Angle::degrees)
@@ -234,7 +239,8 @@ mod tests {
 
     #[test]
     fn beliefs_come_back_with_their_covariance() {
-        let matrix = surepose::Matrix([[0.04, 0.01, 0.002], [0.01, 0.09, -0.003], [0.002, -0.003, 0.01]]);
+        let matrix =
+            surepose::linalg::Matrix([[0.04, 0.01, 0.002], [0.01, 0.09, -0.003], [0.002, -0.003, 0.01]]);
         let covariance = Covariance::from_matrix(&matrix).unwrap();
         let belief = Belief { pose: Pose::new(1.0, 2.0, Angle::zero()), covariance };
         let mut told = belief_message(&belief);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use surepose::{Angle, Body, Laser, Pose};
+use surepose::geometry::{Angle, Body, Laser, Pose};
 use surepose_config::Config;
 
 use crate::convert::{MessageError, pose_of};
@@ -210,11 +210,13 @@ fn plain(frame: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use surepose::time::Stamp;
+    use surepose_config::Config;
+
     use crate::convert::header;
     use crate::message::{Transform, Vector3};
-    use surepose::Stamp;
-    use surepose_config::Config;
+
+    use super::*;
 
     /// A joint at x, y, z, turned by so many degrees about x and then about z.
     fn static_transform(

@@ -18,20 +18,17 @@
 pub mod bag;
 pub mod convert;
 mod dds;
+mod driver;
 mod extrinsics;
 pub mod message;
 mod names;
 pub mod network;
 pub mod node;
-mod pilot;
 #[cfg(feature = "simulate")]
 pub mod robot;
 mod sense;
 mod velocity;
 
 pub use dds::NodeError;
+pub use driver::{DriverReport, LaserScan, NodeDriver, NodeDriverSettings, Odom, START_STD, SensorMessage};
 pub use names::{NameProblem, Names, OWN};
-pub use pilot::{
-    BlockReason, DriverReport, GoalResult, LaserScan, NodeDriver, NodeDriverSettings, Odom, START_STD,
-    SensorMessage,
-};

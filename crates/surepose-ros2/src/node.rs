@@ -6,47 +6,33 @@ mod action;
 mod diagnostics;
 mod parameters;
 mod publishers;
+mod settings;
 mod subscriptions;
 
 use std::time::{Duration, Instant};
 
+use action::{NavigateAction, ResultDelivery};
+use diagnostics::Diagnostics;
 use futures::future::LocalBoxFuture;
 use futures::stream::{FuturesUnordered, StreamExt};
 use futures::{FutureExt, select};
+use publishers::Publishers;
 use ros2_client::RmwRequestId;
-use surepose::{Goal, Map, Pose, Stamp, Stamped, Twist};
-use surepose_sim::optimal::fastest;
+use subscriptions::{NodeEvent, Subscriptions};
+use surepose::control::{Controller, NavigationVariables};
+use surepose::geometry::{Goal, Map, Pose};
+use surepose::kinematics::Twist;
+use surepose::navigator::GoalResult;
+use surepose::time::{Stamp, Stamped};
 
 use crate::convert::{MessageError, belief_of, pose_of, stamp_of};
 use crate::dds::{self, NodeError, spinning};
+use crate::driver::{DriverReport, NodeDriver, START_STD};
 use crate::extrinsics::ExtrinsicsResolver;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
-use crate::names::Names;
-use crate::network::Network;
-use crate::pilot::{DriverReport, GoalResult, NodeDriver, NodeDriverSettings, START_STD};
 use crate::sense;
 
-use action::{NavigateAction, ResultDelivery};
-use diagnostics::Diagnostics;
-use publishers::Publishers;
-use subscriptions::{NodeEvent, Subscriptions};
-
-/// Everything that a node is told at its start.
-#[derive(Clone, Debug)]
-pub struct NodeSettings {
-    /// What the driver flies by.
-    pub driver: NodeDriverSettings,
-    /// What its topics are called.
-    pub names: Names,
-    /// The frame of the map.
-    pub map_frame: String,
-    /// Whether `cmd_vel` is a `TwistStamped`, as since Jazzy, or a `Twist`.
-    pub stamped: bool,
-    /// The network.
-    pub network: Network,
-    /// What is to be said of the configuration in diagnostics: that it is not certified, for example.
-    pub warnings: Vec<String>,
-}
+pub use settings::NodeSettings;
 
 /// How often the node looks at the clock on the wall.
 const TIMER_PERIOD: Duration = Duration::from_millis(100);
@@ -180,13 +166,13 @@ impl<Say: FnMut(&str)> Run<Say> {
             if let Some(change) = self.diagnostics.keep(&report) {
                 self.say(&change);
             }
-            if let (Some(GoalResult::Reached), Some(seen)) = (report.ended, report.navigation) {
+            if let (Some(GoalResult::Reached), Some(seen)) = (report.result, report.navigation) {
                 let (position, heading) = (1e3 * seen.rho, seen.heading_error().degrees().abs());
                 self.say(&format!(
                     "rests {position:.1} mm and {heading:.2}° from the goal, as far as it knows"
                 ));
             }
-            self.finish(report.ended);
+            self.finish(report.result);
         }
         Ok(())
     }
@@ -233,9 +219,9 @@ impl<Say: FnMut(&str)> Run<Say> {
         self.finish(before);
         self.say(&format!("to ({:.3}, {:.3}) facing {:.1}°", goal.x, goal.y, goal.heading.degrees()));
         if let Some(wall) = wall {
-            let (a, b) = (wall.start, wall.end);
+            let [a, b] = wall.ends();
             self.say(&format!(
-                "warning: the wall from ({}, {}) to ({}, {}) stands between robot and goal: the law does not go round \
+                "warning: the wall from ({:.2}, {:.2}) to ({:.2}, {:.2}) stands between robot and goal: the law does not go round \
                  obstacles, and the robot will stop before it",
                 a.x, a.y, b.x, b.y
             ));
@@ -269,11 +255,10 @@ impl<Say: FnMut(&str)> Run<Say> {
     }
 
     async fn feed_back(&mut self, report: &DriverReport) {
-        let (Some(navigation), Some(goal)) = (report.navigation, self.driver.goal()) else { return };
+        let Some(navigation) = report.navigation else { return };
         let controller = self.driver.controller();
-        let goal_from_body = goal.inverse() * report.belief.pose;
-        let least = fastest(goal_from_body, &controller.drive, controller.limits.wheel_speed).time;
-        self.action.feed_back(report, navigation.rho, least, &self.settings.map_frame).await;
+        let remaining = turn_drive_turn_time(&navigation, controller);
+        self.action.feed_back(report, navigation.rho, remaining, &self.settings.map_frame).await;
     }
 
     /// A goal is over.
@@ -281,9 +266,10 @@ impl<Say: FnMut(&str)> Run<Say> {
         let Some(ended) = ended else { return };
         match ended {
             GoalResult::Reached => {}
-            GoalResult::Cancelled => self.say("the goal is given up"),
-            GoalResult::Preempted => self.say("another goal takes its place"),
-            GoalResult::Stopped(reason) => self.say(&format!("the goal is given up: {reason}")),
+            GoalResult::Canceled => self.say("goal canceled"),
+            GoalResult::Preempted => self.say("goal preempted by another goal"),
+            GoalResult::Aborted(reason) => self.say(&format!("goal aborted: {}", reason.name())),
+            _ => {}
         }
         if let Some(delivery) = self.action.ended(ended) {
             self.deliveries.push(ResultDelivery::made(delivery));
@@ -321,4 +307,11 @@ impl<Say: FnMut(&str)> Run<Say> {
     fn say(&mut self, what: &str) {
         (self.say)(what);
     }
+}
+
+/// Time of turning towards the goal, driving to it and turning to its heading, each at the wheels' limit \[s].
+fn turn_drive_turn_time(navigation: &NavigationVariables<f64>, controller: &Controller<f64>) -> f64 {
+    let NavigationVariables { rho, alpha, phi } = navigation;
+    let turns = alpha.radians().abs() + phi.radians().abs();
+    (rho + 0.5 * controller.drive.wheel_separation * turns) / controller.limits.wheel_speed
 }

@@ -10,7 +10,9 @@ use futures::select;
 use futures::stream::StreamExt;
 use ros2_client::builtin_interfaces::Time;
 use ros2_client::{Node, NodeOptions, Publisher};
-use surepose::{Angle, Body, Integration, Pose, Stamp, Stamped, Twist};
+use surepose::geometry::{Angle, Body, Pose};
+use surepose::kinematics::{Integration, Twist};
+use surepose::time::{Stamp, Stamped};
 use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, SimulatedScan, World};
 
@@ -18,10 +20,10 @@ use crate::convert::{header, pose_message};
 use crate::dds::{
     self, NodeError, advertise, global_name, latched, publish_result, reliable, sensor, spinning,
 };
+use crate::driver::Odom;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, TfMessage};
 use crate::names::Names;
 use crate::network::Network;
-use crate::pilot::Odom;
 use crate::velocity::CmdVelSubscriber;
 
 /// From one odometry to the next \[s].

@@ -1,12 +1,14 @@
 //! What sensors' messages say to the driver.
 
-use surepose::{Body, HeadingMeasurement, Measurement, Pose, Stamped};
+use surepose::estimation::{HeadingMeasurement, Measurement};
+use surepose::geometry::{Body, Pose};
+use surepose::time::Stamped;
 use surepose_config::CompassParameters;
 
 use crate::convert::{MessageError, heading_of, pose_of, stamp_of};
+use crate::driver::{self, Odom, SensorMessage};
 use crate::extrinsics::LaserExtrinsics;
 use crate::message::{Imu, LaserScan, Odometry};
-use crate::pilot::{self, Odom, SensorMessage};
 
 /// No laser sees farther \[m].
 const FARTHEST: f64 = 200.0;
@@ -36,7 +38,7 @@ pub(crate) fn scan(
     }
     // A driver that says nothing of its reach says zero, infinite or NaN.
     let known = |reach: f32| Some(f64::from(reach)).filter(|reach| *reach > 0.0);
-    let scan = pilot::LaserScan {
+    let scan = driver::LaserScan {
         angle_min,
         angle_increment,
         range_min: known(message.range_min).unwrap_or(0.0).min(FARTHEST),

@@ -2,7 +2,8 @@
 
 use futures::stream::{LocalBoxStream, StreamExt};
 use ros2_client::{Node, Publisher, Subscription};
-use surepose::{Stamp, Twist};
+use surepose::kinematics::Twist;
+use surepose::time::Stamp;
 
 use crate::convert::{header, twist_message};
 use crate::dds::{NodeError, advertise, publish_result, reliable, subscribe};

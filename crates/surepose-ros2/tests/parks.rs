@@ -19,7 +19,8 @@ use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
 use ros2_client::{
     ActionTypeName, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, Subscription,
 };
-use surepose::{Angle, Goal, Map, Pose, param};
+use surepose::geometry::{Angle, Goal, Map, Pose};
+use surepose::param;
 use surepose_ros2::convert::{header, pose_message, pose_of};
 use surepose_ros2::message::{
     NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped, TwistStamped,
@@ -78,7 +79,8 @@ fn hear<M: 'static>(node: &mut Node, name: &str, kind: &str) -> Subscription<M> 
 
 fn request(x: f64, y: f64, degrees: f64, frame: &str) -> NavigateToPoseGoal {
     let goal: Pose<Map, Goal, f64> = Pose::new(x, y, Angle::from_degrees(degrees));
-    let pose = PoseStamped { header: header(surepose::Stamp::default(), frame), pose: pose_message(goal) };
+    let pose =
+        PoseStamped { header: header(surepose::time::Stamp::default(), frame), pose: pose_message(goal) };
     NavigateToPoseGoal { pose, behavior_tree: String::new() }
 }
 

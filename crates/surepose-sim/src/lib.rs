@@ -1,12 +1,11 @@
-//! The simulated world and the robot in it: arenas, motors, encoders, compass, laser, faults; owns the clock and the seeds.
+//! Simulator: arenas, motors, encoders, compass, and laser, with a simulated clock and seeded noise.
 //!
-//! Everything random is drawn from a [`Seed`], each source from its own named stream: the same seed gives the same
-//! bits, and a sensor that is added or left out changes nothing about the others.
+//! All random numbers derive from a [`Seed`]; each noise source has its own named stream. The same seed gives
+//! the same bits. Adding or removing a sensor does not change the noise of the others.
 
 mod arena;
 mod cancel;
 mod compass;
-pub mod distance_field;
 mod errors;
 mod fault;
 mod laser;

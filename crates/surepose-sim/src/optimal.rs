@@ -16,7 +16,8 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Body, DiffDrive, Goal, Pose};
+use surepose::geometry::{Angle, Body, Goal, Pose};
+use surepose::kinematics::DiffDrive;
 
 /// An action of a time-optimal trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,8 +126,10 @@ fn length(word: &[OptimalAction; 4], half_separation: f64) -> f64 {
 mod tests {
     use std::f64::consts::PI;
 
+    use surepose::geometry::{Angle, Body, Goal, Pose};
+    use surepose::kinematics::{DiffDrive, Integration, Motion};
+
     use crate::Seed;
-    use surepose::{Angle, Body, DiffDrive, Goal, Integration, Motion, Pose};
 
     use super::{OptimalAction, fastest};
 

@@ -1,26 +1,23 @@
 //! One closed-loop drive of the simulated robot: sensors, estimate, law, motors, until it rests at the goal.
 //!
-//! Every tick is [`surepose::closed_loop::tick`], the one that a real robot runs; what the supervisor leaves of it turns
-//! the wheels of a robot of `surepose-sim`.
+//! Every step is [`Navigator::step`](surepose::navigator::Navigator::step), the one that a real robot runs.
 
-mod collision;
-mod command_gate;
 mod sample;
 mod summary;
 #[cfg(test)]
 mod tests;
 
-use surepose::closed_loop::{Controller, ControllerState, Tick};
-use surepose::{
-    FaultReason, Goal, GoalStatus, Map, NavigationVariables, Pose, SafetyAction, Twist, WheelPair, param,
-};
+use surepose::control::{Controller, GoalStatus, NavigationVariables};
+use surepose::geometry::{Goal, Map, Pose};
+use surepose::kinematics::{Twist, WheelPair};
+use surepose::navigator::{AbortReason, GoalResult, StepReport};
+use surepose::param;
+use surepose::safety::SafetyAction;
 
 use crate::ErrorAccumulator;
 use crate::optimal::fastest;
 use crate::robot::{Scenario, SimulatedRobot};
 
-pub use collision::stopping_trajectory;
-pub use command_gate::{CommandGate, GOAL_TIMEOUT, limit_command};
 pub use sample::{ControlMode, Sample};
 pub use summary::{SimulationOutcome, SimulationSummary};
 
@@ -31,16 +28,17 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> (Vec<Sample>, SimulationSumma
     (samples, simulation.summary())
 }
 
-/// A drive under way: an iterator over its ticks, which ends where the drive does.
+/// A drive under way: an iterator over its steps, which ends where the drive does.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    simulated_robot: SimulatedRobot,
+    robot: SimulatedRobot,
     controller: Controller<f64>,
-    state: ControllerState<f64>,
     goal: Pose<Map, Goal, f64>,
+    /// Turn rates that the wheels are commanded \[rad/s], and the twist that they give.
     wheels: WheelPair<f64>,
-    command_gate: CommandGate,
-    can_search: bool,
+    commanded: Twist<f64>,
+    status: GoalStatus,
+    aborted: Option<AbortReason>,
     timeout: f64,
     optimal_time: f64,
     outcome: Option<SimulationOutcome>,
@@ -54,21 +52,25 @@ pub struct Simulation {
 
 impl Simulation {
     /// The drive of `scenario` with everything random drawn from `seed`.
+    ///
+    /// A goal without room for the robot ends the drive at once: see [`Scenario::has_room`].
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
         let controller = scenario.config.controller();
         let goal_from_start = scenario.goal().inverse() * scenario.start();
         let fastest = fastest(goal_from_start, &controller.drive, controller.limits.wheel_speed);
+        let mut robot = SimulatedRobot::new(scenario, seed);
+        let accepted = robot.set_goal(scenario.goal());
         Self {
-            simulated_robot: SimulatedRobot::new(scenario, seed),
+            robot,
             controller,
-            state: ControllerState::new(),
             goal: scenario.goal(),
-            wheels: WheelPair::new(0.0, 0.0),
-            command_gate: CommandGate::default(),
-            can_search: scenario.sensors.laser,
+            wheels: WheelPair::zero(),
+            commanded: Twist::zero(),
+            status: GoalStatus::Approaching,
+            aborted: None,
             timeout: scenario.config.number(&param::TIMEOUT),
             optimal_time: fastest.time,
-            outcome: None,
+            outcome: accepted.is_err().then_some(SimulationOutcome::Stopped),
             errors: ErrorAccumulator::default(),
             path_length: 0.0,
             closest_wall: f64::INFINITY,
@@ -78,72 +80,63 @@ impl Simulation {
         }
     }
 
-    /// How much of the time that it may take is over, in [0, 1].
+    /// Elapsed share of the time limit, in [0, 1].
     pub fn elapsed(&self) -> f64 {
-        (self.simulated_robot.world().now().seconds() / self.timeout).clamp(0.0, 1.0)
+        (self.robot.world().now().seconds() / self.timeout).clamp(0.0, 1.0)
     }
 
-    /// Goes on for another tick, also after the end: to see whether the robot stays there.
+    /// Advances by one control period, also after the end: to see whether the robot stays there.
     pub fn tick(&mut self) -> Sample {
-        let before = self.simulated_robot.world().pose();
-        let Tick { belief, step, .. } =
-            self.simulated_robot.tick(&self.controller, self.state, self.wheels, self.goal);
-        let now = self.simulated_robot.world().now().seconds();
-        let last = self.state.limited;
-        let step = self.command_gate.apply(
-            self.simulated_robot.action(),
-            &self.controller,
-            step,
-            last,
-            now,
-            self.can_search,
-        );
-        let world = self.simulated_robot.world();
-        let step = self.command_gate.stop_for_walls(
-            &world.model().arena,
-            world.pose(),
-            &self.controller,
-            step,
-            last,
-        );
-        self.state = step.state;
-        self.wheels = step.wheels;
-
-        let world = self.simulated_robot.world();
+        let before = self.robot.world().pose();
+        let report = self.robot.advance(self.wheels, self.controller.period);
+        let twist = report.command.map_or(Twist::zero(), |command| command.twist);
+        self.wheels = report.command.map_or(WheelPair::zero(), |command| command.wheels);
+        self.note(&report, twist);
+        let world = self.robot.world();
         let truth = world.pose();
         self.path_length += before.origin().distance(truth.origin());
         self.closest_wall = self.closest_wall.min(world.model().arena.clearance(truth.origin()));
-        let drive = &self.controller.drive;
-        let (rims, change) =
-            (drive.wheel_speeds_from_twist(step.limited), drive.wheel_speeds_from_twist(step.limited - last));
-        self.max_rim_speed = self.max_rim_speed.max(rims.max_abs());
-        self.max_rim_acceleration = self.max_rim_acceleration.max(change.max_abs() / self.controller.period);
-        self.errors.add(belief.error(truth));
-        self.errors.add_nees(belief.nees(truth));
-        Sample::from_step(world, &belief, &self.controller, &step, self.goal)
+        self.errors.add(report.belief.error(truth));
+        self.errors.add_nees(report.belief.nees(truth));
+        Sample::from_report(world, &report, &self.controller, self.goal)
     }
 
-    /// What the supervisor says.
+    /// What the supervisor decided in the last step.
     pub fn action(&self) -> SafetyAction {
-        self.simulated_robot.action()
+        self.robot.navigator().localizer().action()
     }
 
-    /// Why the robot was stopped, where it was.
+    fn note(&mut self, report: &StepReport<f64>, twist: Twist<f64>) {
+        let drive = &self.controller.drive;
+        let speeds = drive.wheel_speeds_from_twist(twist);
+        let change = drive.wheel_speeds_from_twist(twist - self.commanded);
+        self.max_rim_speed = self.max_rim_speed.max(speeds.max_abs());
+        self.max_rim_acceleration = self.max_rim_acceleration.max(change.max_abs() / self.controller.period);
+        self.commanded = twist;
+        if let Some(control) = &report.control {
+            self.status = control.state.goal_checker.status(&self.controller.tolerance);
+        }
+        if let Some(GoalResult::Aborted(reason)) = report.result {
+            self.aborted = Some(reason);
+        }
+    }
+
+    /// Why the robot was stopped; `None` where it was not. A robot that was pushed through a wall stopped at it.
     fn stop_reason(&self) -> Option<&'static str> {
-        let timed_out = self.command_gate.timed_out(self.simulated_robot.world().now().seconds());
-        let by_wall = self.command_gate.is_stopped_for_wall() || self.closest_wall < 0.0;
-        if by_wall { Some("wall") } else { timed_out.map(FaultReason::name) }
+        if self.closest_wall < 0.0 { Some("wall") } else { self.aborted.map(AbortReason::name) }
     }
 
     /// The figures up to now; a drive that has not ended counts as stopped.
     pub fn summary(&self) -> SimulationSummary {
-        let world = self.simulated_robot.world();
+        let world = self.robot.world();
         let error = NavigationVariables::from_poses(world.pose(), self.goal);
         let judged = self.errors.clone().summary();
-        let stats = self.simulated_robot.measurement_stats();
+        let localizer = self.robot.navigator().localizer();
+        let stats = localizer.measurement_stats();
         SimulationSummary {
             outcome: self.outcome.unwrap_or(SimulationOutcome::Stopped),
             stop_reason: self.stop_reason(),
+            reason: self.stop_reason(),
             time_s: world.now().seconds(),
             final_position_error_m: error.rho,
             final_heading_error_deg: error.heading_error().degrees().abs(),
@@ -158,27 +151,26 @@ impl Simulation {
             wheel_speed_max_m_s: self.max_rim_speed,
             wheel_acceleration_max_m_s2: self.max_rim_acceleration,
             accepted: stats.accepted,
-            walls: self.simulated_robot.laser_updates(),
+            walls: localizer.monitor().map_or(0, |monitor| monitor.scan_updates()),
             rejected: stats.rejected_total(),
             seed: self.seed,
         }
     }
 
-    /// Whether the robot is within the goal's tolerance in truth, whatever it believes.
+    /// Whether the true pose is within the goal's tolerance, whatever the estimate.
     fn is_at_goal(&self) -> bool {
-        let error = NavigationVariables::from_poses(self.simulated_robot.world().pose(), self.goal);
+        let error = NavigationVariables::from_poses(self.robot.world().pose(), self.goal);
         let tolerance = &self.controller.tolerance;
         error.rho <= tolerance.position && error.heading_error().radians().abs() <= tolerance.heading
     }
 
-    /// Whether, and how, the drive is over: at the goal the motors must stand, too.
+    /// How the drive ended; `None` while it goes on. At the goal, and after an abort, the motors must stand, too.
     fn ended(&self) -> Option<SimulationOutcome> {
-        let world = self.simulated_robot.world();
-        let stands = world.rim_speeds() == WheelPair::new(0.0, 0.0) && world.twist() == Twist::zero();
-        let phase = self.state.goal_checker.status(&self.controller.tolerance);
-        if phase == GoalStatus::Reached && stands {
+        let world = self.robot.world();
+        let stands = world.rim_speeds() == WheelPair::zero() && world.twist() == Twist::zero();
+        if self.status == GoalStatus::Reached && self.aborted.is_none() && stands {
             Some(if self.is_at_goal() { SimulationOutcome::Reached } else { SimulationOutcome::Missed })
-        } else if self.stop_reason().is_some() && (stands || !self.command_gate.is_stopped_for_wall()) {
+        } else if self.stop_reason().is_some() && stands {
             Some(SimulationOutcome::Stopped)
         } else {
             (world.now().seconds() >= self.timeout).then_some(SimulationOutcome::Timeout)

@@ -1,16 +1,18 @@
-//! Work compiled once for each instruction set, and the choice among them when it starts.
+//! Runtime dispatch of kernels to the best instruction set.
 
-/// Work worth vector instructions.
+/// A computation worth vector instructions.
 pub trait Kernel {
-    /// What it gives.
+    /// Result type.
     type Output;
 
-    /// Does the work. To be compiled for each instruction set, `run` and what it calls must be `#[inline(always)]`:
-    /// a function that is called, not inlined, is compiled for the plainest processor only.
+    /// Runs the computation.
+    ///
+    /// `run` and everything that it calls must be `#[inline(always)]`. A function that is not inlined is
+    /// compiled only for the baseline instruction set.
     fn run(self) -> Self::Output;
 }
 
-/// What `pulp` inlines into its function for each instruction set.
+/// Adapter that lets `pulp` inline the kernel for each instruction set.
 struct Inlined<W>(W);
 
 impl<W: Kernel> pulp::NullaryFnOnce for Inlined<W> {
@@ -22,7 +24,7 @@ impl<W: Kernel> pulp::NullaryFnOnce for Inlined<W> {
     }
 }
 
-/// Does `work` with the widest vectors the processor has.
+/// Runs `work` with the widest vector instructions of the processor.
 pub fn dispatch_simd<W: Kernel>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     {
@@ -37,7 +39,7 @@ pub fn dispatch_simd<W: Kernel>(work: W) -> W::Output {
     work.run()
 }
 
-/// The name of what [`dispatch_simd`] chooses here, for reports.
+/// Name of the instruction set that [`dispatch_simd`] selects, for reports.
 pub fn instruction_set() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
@@ -51,7 +53,7 @@ pub fn instruction_set() -> &'static str {
     "portable"
 }
 
-/// Does `work` as [`dispatch_simd`] does where there is nothing wide: for tests.
+/// Runs `work` with the baseline instruction set; used by tests.
 pub fn dispatch_portable<W: Kernel>(work: W) -> W::Output {
     work.run()
 }

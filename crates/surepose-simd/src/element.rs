@@ -1,4 +1,4 @@
-//! One lane's number, and its elementary functions without branches.
+//! The number type of one lane and its branch-free elementary functions.
 
 mod double;
 mod functions;
@@ -9,17 +9,18 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use functions::element;
 
-/// `f64` or `f32`, with functions a compiler can vectorise.
+/// `f64` or `f32` with elementary functions that a compiler can vectorize.
 ///
-/// | function | domain | farthest from `libm`, `f64` | from the exact value, `f32` |
+/// | function | domain | largest error against `libm`, `f64` | against the exact value, `f32` |
 /// |---|---|---|---|
 /// | `sin_cos` | \|x\| ≤ 1000 | 2.3·10⁻¹⁶ | 10⁻⁷ |
 /// | `cos_sinc_bounded` | \|x\| ≤ 5π/4 | 2.5·10⁻¹⁵ | 1.2·10⁻⁶ |
 /// | `small_sinc` | \|x\| ≤ π/4 | 2.3·10⁻¹⁶ | 6·10⁻⁸ |
-/// | `polar` | a finite length whose square is a normal number | 5·10⁻¹⁶, relative | 2.3·10⁻⁷, relative |
+/// | `polar` | finite length whose square is a normal number | 5·10⁻¹⁶, relative | 2.3·10⁻⁷, relative |
 ///
-/// NaN stays NaN, and an infinite angle or coordinate gives NaN, or infinity from `small_sinc`. Tested by `sine_and_cosine`,
-/// `sinc_of_small_angles`, `turns_by_their_halves`, `length_and_angle`, `broken_numbers_stay_broken`.
+/// NaN arguments give NaN. An infinite angle or coordinate gives NaN; `small_sinc` may give infinity. Tested
+/// by `sine_and_cosine`, `sinc_of_small_angles`, `cos_sinc_by_half_angles`, `length_and_angle`,
+/// `nan_and_infinity_propagate`.
 pub trait Element:
     Copy
     + Debug
@@ -34,13 +35,13 @@ pub trait Element:
     + Sync
     + 'static
 {
-    /// The constant `value`, rounded to this type.
+    /// Converts a constant, rounded to this type.
     fn from_f64(value: f64) -> Self;
-    /// The value as `f64`.
+    /// Converts to `f64`.
     fn to_f64(self) -> f64;
-    /// The value of an `f32`.
+    /// Converts an `f32`, exactly.
     fn from_single(value: f32) -> Self;
-    /// `self`·`factor` + `addend`, rounded once.
+    /// Fused multiply–add: `self`·`factor` + `addend`, rounded once.
     #[must_use]
     fn times_plus(self, factor: Self, addend: Self) -> Self;
     /// Absolute value.
@@ -49,10 +50,10 @@ pub trait Element:
     /// Square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// The nearest integer.
+    /// Nearest integer.
     #[must_use]
     fn round(self) -> Self;
-    /// Sine and cosine of an angle in radians.
+    /// Sine and cosine of an angle \[rad].
     fn sin_cos(self) -> (Self, Self);
     /// `sin(x)/x` for |x| ≤ π/4.
     #[must_use]
@@ -63,19 +64,19 @@ pub trait Element:
     /// `cos(x/2)` for |x| ≤ 5π/4, given x².
     #[must_use]
     fn half_cosine(square: Self) -> Self;
-    /// The magnitude of this number with the sign of `other`, that of a zero too.
+    /// Magnitude of `self` with the sign of `other`, signed zeros included.
     #[must_use]
     fn copysign(self, other: Self) -> Self;
-    /// The length of the vector (`x`, `self`), and its angle in (−π, π]; 0 for the null vector.
+    /// Length and angle in (−π, π] \[rad] of the vector (`x`, `self`); the angle of the zero vector is 0.
     fn polar(self, x: Self) -> (Self, Self);
-    /// An angle that is at most a turn too large, wrapped to (−π, π].
+    /// Wraps an angle within (−3π, 3π] to (−π, π] \[rad].
     #[must_use]
     fn wrap_once(self) -> Self;
 
-    /// The distance from 1 to the next larger number.
+    /// Distance from 1 to the next larger number.
     const EPSILON: Self;
 
-    /// `cos(x)` and `sin(x)/x` for |x| ≤ 5π/4, from those of half the angle: no quadrants to tell apart, and no division.
+    /// `cos(x)` and `sin(x)/x` for |x| ≤ 5π/4, by half-angle formulas without quadrants or division.
     #[inline(always)]
     fn cos_sinc_bounded(self) -> (Self, Self) {
         let square = self * self;
@@ -85,16 +86,16 @@ pub trait Element:
         (cos, (half + half) * Self::half_cosine(square))
     }
 
-    /// Whether the sign is a minus, that of a zero too.
+    /// Whether the sign bit is set, signed zeros included.
     fn is_negative(self) -> bool;
 
-    /// The smaller of two.
+    /// Smaller of two numbers.
     #[must_use]
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
-    /// The larger of two.
+    /// Larger of two numbers.
     #[must_use]
     #[inline(always)]
     fn max(self, other: Self) -> Self {
@@ -102,8 +103,10 @@ pub trait Element:
     }
 }
 
-/// Σ `coefficients`ₖ·xᵏ: short ones by Horner's rule, in the fewest operations; long ones by Horner's rule in x² over pairs,
-/// half as long a chain of operations that wait for each other.
+/// Evaluates the polynomial Σ `coefficients`ₖ·xᵏ.
+///
+/// Short polynomials use Horner's rule, which needs the fewest operations. Long ones use Horner's rule in x²
+/// over pairs, which halves the dependency chain.
 #[inline(always)]
 pub(crate) fn polynomial<T: Element, const K: usize>(x: T, coefficients: [T; K]) -> T {
     const SHORT: usize = 5;

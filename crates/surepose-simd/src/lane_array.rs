@@ -1,4 +1,4 @@
-//! One number for each of many robots.
+//! Array of numbers, one per robot.
 
 use core::ops::Range;
 
@@ -6,12 +6,13 @@ use crate::element::Element;
 use crate::lanes::Lanes;
 use crate::mask::LaneMask;
 
-/// `L` numbers of which [`Lanes`] takes `N` at a time: those at `k`, `k + L/N`, `k + 2·L/N` and so on.
+/// `L` numbers, accessed in rows of `N` as [`Lanes`]: row `k` holds the indices `k`, `k + L/N`, `k + 2·L/N`,
+/// ….
 ///
-/// So consecutive `k` are neighbours in memory for each of the `N`, and the loop over `k` becomes a loop over vectors
-/// with `N` of them in flight: while one waits for its last operation, the processor works on another.
+/// Consecutive `k` are adjacent in memory for each of the `N` numbers, so the loop over `k` becomes a loop
+/// over vectors. `N` vectors are in flight, which hides the latency of dependent operations.
 ///
-/// Masks are kept as numbers, −1 for yes and 0 for no: a loop over numbers of one width is what compilers vectorise
+/// Masks are stored as numbers, −1 for true and 0 for false: compilers vectorize loops over one number width
 /// best.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
@@ -24,20 +25,20 @@ impl<T: Element, const L: usize> Default for LaneArray<T, L> {
 }
 
 impl<T: Element, const L: usize> LaneArray<T, L> {
-    /// The `k` that visit every number once, `N` at a time. `L` must be a multiple of `N`: this does not compile else.
+    /// Row indices that visit every number once. A compile error results unless `L` is a multiple of `N`.
     #[inline(always)]
     pub fn rows<const N: usize>() -> Range<usize> {
         const { assert!(L.is_multiple_of(N), "N must divide L") };
         0..L / N
     }
 
-    /// The `N` numbers of row `k`.
+    /// Reads the `N` numbers of row `k`.
     #[inline(always)]
     pub fn get<const N: usize>(&self, k: usize) -> Lanes<T, N> {
         Lanes(core::array::from_fn(|j| self.0[k + j * (L / N)]))
     }
 
-    /// The same as numbers of another type.
+    /// Reads the `N` numbers of row `k`, converted to another type.
     #[inline(always)]
     pub fn get_as<U: Element, const N: usize>(&self, k: usize) -> Lanes<U, N>
     where
@@ -46,7 +47,7 @@ impl<T: Element, const L: usize> LaneArray<T, L> {
         Lanes(core::array::from_fn(|j| U::from_single(self.0[k + j * (L / N)].into())))
     }
 
-    /// Sets the `N` numbers of row `k`.
+    /// Writes the `N` numbers of row `k`.
     #[inline(always)]
     pub fn set<const N: usize>(&mut self, k: usize, lanes: Lanes<T, N>) {
         for j in 0..N {
@@ -54,13 +55,13 @@ impl<T: Element, const L: usize> LaneArray<T, L> {
         }
     }
 
-    /// The `N` answers of row `k`.
+    /// Reads the mask of row `k`.
     #[inline(always)]
     pub fn mask<const N: usize>(&self, k: usize) -> LaneMask<N> {
         LaneMask(core::array::from_fn(|j| self.0[k + j * (L / N)].is_negative()))
     }
 
-    /// Sets the `N` answers of row `k`.
+    /// Writes the mask of row `k`.
     #[inline(always)]
     pub fn set_mask<const N: usize>(&mut self, k: usize, mask: LaneMask<N>) {
         for j in 0..N {

@@ -1,18 +1,18 @@
-//! `N` numbers as one scalar.
+//! Scalar of `N` numbers that follow the same operations.
 
 use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use surepose::Scalar;
+use surepose::scalar::Scalar;
 
 use crate::element::Element;
 use crate::mask::LaneMask;
 
-/// `N` numbers that go through the same operations, none of which branches.
+/// Scalar of `N` numbers, computed by branch-free operations.
 ///
 /// # Domain
-/// That of [`Element`]'s functions. [`Scalar::sinc`] is for angles up to π/4: half the turn of one period's motion stays
-/// within that, or the robot is not one this scalar can simulate.
+/// As for the functions of [`Element`]. [`Scalar::sinc`] requires |x| ≤ π/4; the half turn of one period must
+/// stay within this limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes<T, const N: usize>(pub [T; N]);
 
@@ -113,7 +113,7 @@ impl<T: Element, const N: usize> Scalar for Lanes<T, N> {
     #[inline(always)]
     fn sin_cos_sinc(self) -> (Self, Self, Self) {
         let (sin, cos) = self.sin_cos();
-        // Down to the smallest angles sin x/x rounds to what it should: only 0/0 needs help.
+        // sin x/x is correctly rounded down to the smallest angles; only 0/0 is replaced.
         let sinc =
             from_fn(|k| if self.0[k] == T::default() { T::from_f64(1.0) } else { sin.0[k] / self.0[k] });
         (sin, cos, Self(sinc))

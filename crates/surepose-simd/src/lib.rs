@@ -1,15 +1,16 @@
-//! Surepose in SIMD lanes: the scalar for millions of trials.
+//! SIMD scalar type for simulations of millions of trials.
 //!
-//! [`Lanes`] is a [`Scalar`](surepose::Scalar) of `N` numbers and [`LaneArray`] holds one such number for each of many
-//! robots. A loop along columns that drives `N` robots at a time with the core's law, limits and motion, which are
-//! written once, has neither branches nor calls in it: the compiler makes vector instructions of it. [`dispatch_simd`]
-//! compiles such a loop for AVX-512, for AVX2 and for any processor, and chooses when it runs.
+//! [`Lanes`] is a [`Scalar`](surepose::Scalar) of `N` numbers; [`LaneArray`] stores one number per robot. The
+//! generic control law, limits, and motion model of `surepose` run on `N` robots at a time, without branches
+//! or calls. The compiler turns such a loop into vector instructions. [`dispatch_simd`] compiles it for
+//! AVX-512, AVX2, and the baseline processor, and selects one at run time.
 //!
 //! ```
-//! use surepose::{Angle, Body, Goal, Map, NavigationVariables, Pose};
+//! use surepose::control::NavigationVariables;
+//! use surepose::geometry::{Angle, Body, Goal, Map, Pose};
 //! use surepose_simd::{LaneArray, Lanes, Kernel, dispatch_simd};
 //!
-//! /// The distance of each of 64 robots from its goal.
+//! /// Goal distances of 64 robots \[m].
 //! struct Distances<'a>(&'a LaneArray<f64, 64>, &'a LaneArray<f64, 64>, &'a mut LaneArray<f64, 64>);
 //!
 //! impl Kernel for Distances<'_> {
@@ -30,14 +31,12 @@
 //! assert_eq!(distance.0, [5.0; 64]);
 //! ```
 //!
-//! # The same bits everywhere
-//! Sine, cosine and arc tangent are polynomials of this crate, made of operations that IEEE 754 rounds correctly, the
-//! fused multiply–add among them. So a result's bits depend neither on the instruction set, nor on `N`, nor on the
-//! neighbouring lanes. They differ from those of `f64` and `f32` by the errors stated at [`Element`]. Without fused
-//! multiply–add in hardware (x86 before 2013) it is the C library's, which is slow.
+//! # Bit-identical results Sine, cosine, and arc tangent are polynomials of correctly rounded IEEE 754
+//! operations, fused multiply–add included. The bits of a result depend neither on the instruction set, nor
+//! on `N`, nor on neighboring lanes. They differ from the results of `f64` and `f32` by the errors stated at
+//! [`Element`]. Without hardware fused multiply–add (x86 before 2013), the C library's slow function is used.
 //!
-//! # What is not promised
-//! Beyond the domains of [`Element`] a function answers with nonsense or NaN. It never panics.
+//! # Limitations Outside of the domains of [`Element`], results are meaningless or NaN. No function panics.
 
 mod dispatch;
 mod element;

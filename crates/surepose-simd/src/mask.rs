@@ -1,11 +1,11 @@
-//! What comparing lanes gives.
+//! Boolean mask of lanes.
 
 use core::array::from_fn;
 use core::ops::Not;
 
-use surepose::Mask;
+use surepose::scalar::Mask;
 
-/// One answer for each lane.
+/// One boolean per lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LaneMask<const N: usize>(pub [bool; N]);
 

@@ -1,4 +1,4 @@
-//! Normal deviates for lanes, by Box and Muller's transform in `f32`.
+//! Normal random numbers for lanes, by the Box–Muller transform in `f32`.
 
 use core::f32::consts::{LN_2, SQRT_2};
 
@@ -7,13 +7,13 @@ use crate::lane_array::LaneArray;
 use crate::streams::{Streams, draw};
 
 impl<const L: usize> Streams<L> {
-    /// `COUNT` independent standard normal deviates of every stream: [BoxMuller1958].
+    /// Draws `COUNT` independent standard normal deviates per stream: [BoxMuller1958].
     ///
-    /// A deviate is right to 3·10⁻⁵ of itself. The grid is 2⁻³⁰ for the radius and 2⁻²⁴ turns for the direction, and the
-    /// largest deviate is 6.56. Tested by `moments_and_tails_are_normal`, `streams_are_independent`.
+    /// The relative error is 3·10⁻⁵. The resolution is 2⁻³⁰ for the radius and 2⁻²⁴ turns for the direction.
+    /// The largest magnitude is 6.56. Tested by `moments_and_tails_are_normal`, `streams_are_independent`.
     #[inline(always)]
     pub fn normals<const COUNT: usize>(&mut self, deviates: &mut [LaneArray<f32, L>; COUNT]) {
-        // Several short loops: the processor works on many turns of each at once.
+        // Several short loops let the processor overlap many iterations of each.
         for columns in deviates.chunks_mut(2) {
             match columns {
                 [first, second] => {
@@ -31,7 +31,7 @@ impl<const L: usize> Streams<L> {
         }
     }
 
-    /// Gives two words of every stream.
+    /// Draws two words from every stream.
     #[inline(always)]
     fn fill(&mut self, mut take: impl FnMut(usize, [u32; 2])) {
         let [a, b, c, d] = self.state();
@@ -43,24 +43,27 @@ impl<const L: usize> Streams<L> {
     }
 }
 
-/// −2 ln(1 + f)/f for 1 + f in [√½, √2], relative error 5·10⁻⁵.
+/// Coefficients of −2 ln(1 + f)/f for 1 + f in [√½, √2], relative error 5·10⁻⁵.
 const LOGARITHM: [f32; 5] = [-1.999_932_4, 0.998_901_3, -0.672_777_7, 0.541_892, -0.353_161_05];
-/// sin πt/t and cos πt in t² for |t| ≤ ½, errors 9·10⁻⁷ and 7·10⁻⁶.
+/// Coefficients of sin πt/t and cos πt in t² for |t| ≤ ½, errors 9·10⁻⁷ and 7·10⁻⁶.
 const SINE: [f32; 4] = [3.141_589_7, -5.167_368, 2.543_605, -0.558_396_05];
 const COSINE: [f32; 4] = [0.999_993_3, -4.933_938, 4.041_283_8, -1.222_127_1];
 
-/// What the bits of an `f32` are for.
+/// Bit fields of an `f32`.
 const SIGN: u32 = 1 << 31;
 const FRACTION: u32 = (1 << 23) - 1;
 const EXPONENT: u32 = !(SIGN | FRACTION);
 
-/// The squared length of a normal vector from one random word, and its direction, see [`normal_pair`], from another.
+/// Converts two random words to the squared length of a normal vector and its direction (see
+/// [`normal_pair`]).
 #[inline(always)]
 fn polar([radial, angular]: [u32; 2]) -> (f32, f32) {
     (radius_squared(radial), f32::from_bits((angular & !EXPONENT) | 1.0_f32.to_bits()))
 }
 
-/// The coordinates of a vector of this length. `direction` is from 1 to 2 for half a turn, and its sign chooses the half.
+/// Coordinates of a vector of squared length `square`.
+///
+/// `direction` has a magnitude from 1 to 2, which spans half a turn; its sign selects the half.
 #[inline(always)]
 fn normal_pair(square: f32, direction: f32) -> (f32, f32) {
     let radius = square.sqrt();
@@ -71,11 +74,11 @@ fn normal_pair(square: f32, direction: f32) -> (f32, f32) {
     (radius * (turns * polynomial(square, SINE)), along)
 }
 
-/// −2 ln u with u = k/2³¹ from 31 bits, k odd.
+/// −2 ln u for u = k/2³¹ with an odd 31-bit k.
 #[inline(always)]
 fn radius_squared(word: u32) -> f32 {
     const LEAST: u32 = (SQRT_2 * 0.5).to_bits();
-    // The bits of k are those of m·2^(31 + e) with m in [√½, √2).
+    // The bits of k encode m·2^(31 + e) with m in [√½, √2).
     let bits = (((word >> 1) | 1).cast_signed() as f32).to_bits().wrapping_sub(LEAST + (31 << 23));
     let exponent = bits.cast_signed() >> 23;
     let f = f32::from_bits((bits & FRACTION) + LEAST) - 1.0;

@@ -1,9 +1,9 @@
-//! Random numbers for lanes: one generator per stream, any stream from any seed.
+//! Random number streams for lanes: one independent generator per stream.
 
-/// `L` xoshiro128+ generators side by side: [BlackmanVigna2021].
+/// `L` parallel xoshiro128+ generators: [BlackmanVigna2021].
 ///
-/// A stream is named by a seed and a number, so a trial draws the same numbers in whatever lane, block or thread it
-/// runs. Its lowest bits are weak and go unused: it is made for `f32`.
+/// A seed and a number identify a stream, so a trial draws the same numbers in any lane, block, or thread.
+/// The lowest bits are weak and are not used; the generator is meant for `f32`.
 #[derive(Clone, Copy, Debug)]
 pub struct Streams<const L: usize> {
     state: [[u32; L]; 4],
@@ -16,9 +16,9 @@ impl<const L: usize> Default for Streams<L> {
 }
 
 impl<const L: usize> Streams<L> {
-    /// Lane `lane` starts stream `number` of `seed` from its beginning. A lane beyond `L` does not exist: nothing happens.
+    /// Starts stream `number` of `seed` in lane `lane`. A lane index of `L` or more has no effect.
     pub fn start(&mut self, lane: usize, seed: u64, number: u64) {
-        // The hash of (seed, number) is a bijection of `number` for each seed; two rounds of it make 128 bits.
+        // For each seed, the hash of (seed, number) is a bijection of `number`; two rounds give 128 bits.
         let mut hash = mixed(seed.wrapping_add(GOLDEN)) ^ number;
         for pair in self.state.chunks_exact_mut(2) {
             hash = mixed(hash.wrapping_add(GOLDEN));
@@ -29,12 +29,12 @@ impl<const L: usize> Streams<L> {
             }
         }
         if let Some(word) = self.state[0].get_mut(lane) {
-            // All zeros is the one state that never leaves itself.
+            // The all-zero state is a fixed point and must not occur.
             *word |= 1;
         }
     }
 
-    /// Lane `to` goes on where lane `from` is. Lanes beyond `L` do not exist: nothing happens.
+    /// Copies the state of lane `from` to lane `to`. A lane index of `L` or more has no effect.
     pub fn copy(&mut self, from: usize, to: usize) {
         for words in &mut self.state {
             if let Some(word) = words.get(from).copied()
@@ -45,14 +45,14 @@ impl<const L: usize> Streams<L> {
         }
     }
 
-    /// The state of each stream, word by word.
+    /// State words of all streams.
     #[inline(always)]
     pub(crate) fn state(&mut self) -> &mut [[u32; L]; 4] {
         &mut self.state
     }
 }
 
-/// The next 32 bits of the stream in this `state`.
+/// Draws the next 32 bits.
 #[inline(always)]
 pub(crate) fn draw([a, b, c, d]: &mut [u32; 4]) -> u32 {
     let drawn = a.wrapping_add(*d);
@@ -66,7 +66,7 @@ pub(crate) fn draw([a, b, c, d]: &mut [u32; 4]) -> u32 {
     drawn
 }
 
-/// The number `number` of `seed`, uniform in [0, 1): any of them at once, without a generator's state.
+/// Number `number` of `seed`, uniform in [0, 1); random access without generator state.
 pub fn uniform(seed: u64, number: u64) -> f64 {
     let hash = mixed((mixed(seed.wrapping_add(GOLDEN)) ^ number).wrapping_add(GOLDEN));
     (hash >> 11) as f64 / (1_u64 << 53) as f64
@@ -74,7 +74,7 @@ pub fn uniform(seed: u64, number: u64) -> f64 {
 
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// The output function of SplitMix64.
+/// Output function of SplitMix64.
 fn mixed(state: u64) -> u64 {
     let state = (state ^ (state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let state = (state ^ (state >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

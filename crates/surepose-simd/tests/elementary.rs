@@ -1,12 +1,12 @@
-//! The elementary functions keep the bounds that `Element` states.
+//! Tests of the error bounds stated at `Element`.
 #![allow(clippy::float_cmp, reason = "bits are compared on purpose")]
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use surepose::Scalar;
+use surepose::scalar::Scalar;
 use surepose_simd::{Element, Lanes};
 
-/// `count` numbers, uniform in [−`reach`, `reach`], always the same.
+/// `count` deterministic numbers, uniform in [−`reach`, `reach`].
 fn uniform(count: usize, reach: f64) -> impl Iterator<Item = f64> {
     let mut state = 1_u64;
     std::iter::repeat_with(move || {
@@ -16,7 +16,7 @@ fn uniform(count: usize, reach: f64) -> impl Iterator<Item = f64> {
     .take(count)
 }
 
-/// Angles of every size up to `reach`, and the multiples of π/4 with their neighbours.
+/// Angles of all magnitudes up to `reach`, and the multiples of π/4 with adjacent floats.
 fn angles(reach: f64) -> impl Iterator<Item = f64> {
     let spread = [reach, 4.0, 1.0, 1e-3, 1e-12].into_iter().flat_map(|reach| uniform(200_000, reach));
     let corners = (-1200..=1200).map(|k| f64::from(k) * FRAC_PI_4).filter(move |x| x.abs() <= reach);
@@ -37,7 +37,7 @@ fn sine_and_cosine() {
         off((f64::from(sin), f64::from(cos)), libm::sincos(f64::from(x as f32)))
     }));
     assert!(single < 1e-7, "{single:e}");
-    // Small angles keep their digits.
+    // Small angles keep their relative precision.
     let relative =
         worst(angles(0.7).filter(|x| *x != 0.0).map(|x| (Element::sin_cos(x).0 / libm::sin(x) - 1.0).abs()));
     assert!(relative < 3.4e-16, "{relative:e}");
@@ -56,7 +56,7 @@ fn sinc_of_small_angles() {
 }
 
 #[test]
-fn turns_by_their_halves() {
+fn cos_sinc_by_half_angles() {
     let reach = 1.25 * PI;
     let exact = |x: f64| (libm::cos(x), if x.abs() < 1e-8 { 1.0 } else { libm::sin(x) / x });
     let off = |(cos, sinc): (f64, f64), (c, s): (f64, f64)| (cos - c).abs().max((sinc - s).abs());
@@ -90,12 +90,12 @@ fn length_and_angle() {
     }
     assert_eq!(Element::polar(0.0_f64, 0.0), (0.0, 0.0));
     assert_eq!(Element::polar(0.0_f64, -1.0), (1.0, PI));
-    // The direction of −π is that of π.
+    // −π denotes the same direction as π.
     assert_eq!(Element::polar(-0.0_f64, -1.0), (1.0, -PI.next_down()));
 }
 
 #[test]
-fn broken_numbers_stay_broken() {
+fn nan_and_infinity_propagate() {
     for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let (sin, cos) = Element::sin_cos(broken);
         assert!(sin.is_nan() && cos.is_nan() && !broken.small_sinc().is_finite());
@@ -112,7 +112,7 @@ fn broken_numbers_stay_broken() {
 }
 
 #[test]
-fn masks_choose_lane_by_lane() {
+fn masks_select_per_lane() {
     let (low, high) = (Lanes([1.0, 5.0, f64::NAN, 2.0]), Lanes::from_f64(3.0));
     let less = low.lt(high);
     assert_eq!(less.0, [true, false, false, true]);

@@ -1,12 +1,14 @@
-//! The core's law, limits and motion in lanes: what one robot does alone in `f64`, `N` do side by side.
+//! Tests of the control law, limits, and motion in lanes against one robot in `f64`.
 #![allow(clippy::float_cmp, reason = "bits are compared on purpose")]
 
 use std::f64::consts::TAU;
 
-use surepose::{
-    Angle, Body, DiffDrive, Direction, Gains, Goal, HybridLaw, HybridState, Integration, Law, Limits, Map,
-    NavigationVariables, Pose, Scalar, Tran2012Law, Twist,
+use surepose::control::{
+    Direction, Gains, HybridLaw, HybridState, Law, Limits, NavigationVariables, Tran2012Law,
 };
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist};
+use surepose::scalar::Scalar;
 use surepose_simd::{Element, Kernel, LaneArray, LaneMask, Lanes, dispatch_portable, dispatch_simd};
 
 const L: usize = 64;
@@ -42,7 +44,7 @@ fn robot<S: Scalar>() -> (DiffDrive<S>, Limits<S>) {
     (DiffDrive::new(S::from_f64(0.05), S::from_f64(0.6)), limits)
 }
 
-/// One period of the law, from any pose and memory: the decision, and the pose it leads to.
+/// One control period from any pose and hybrid state: next state, limited twist, and next pose.
 #[inline(always)]
 fn step<S: Scalar>(
     law: &Law<S>,
@@ -56,11 +58,11 @@ fn step<S: Scalar>(
     (output.state, limited, pose.integrate(limited.integrate_for(S::from_f64(0.02)), Integration::Arc))
 }
 
-/// `L` robots for a number of periods.
+/// Poses and hybrid states of `L` robots.
 #[derive(Clone, Debug, PartialEq)]
 struct Fleet<T: Element> {
     pose: [LaneArray<T, L>; 3],
-    /// near, reverse, side, trims, travel.
+    /// local_mode, reverse, turn_direction, trim_ticks, drive_direction.
     memory: [LaneArray<T, L>; 5],
 }
 
@@ -107,7 +109,7 @@ const LAWS: [Which; 4] = [
     Which::Paper,
 ];
 
-/// Poses all round the goal, near and far, in every heading.
+/// Start poses around the goal at various distances and headings.
 fn starts<T: Element>() -> Fleet<T> {
     let at = |f: fn(f64) -> f64| LaneArray(std::array::from_fn(|k| T::from_f64(f(k as f64))));
     let radius = |k: f64| 0.01 + 3.0 * (k * 0.618).fract();
@@ -123,7 +125,7 @@ fn starts<T: Element>() -> Fleet<T> {
 }
 
 #[test]
-fn lanes_decide_as_one_robot_does() {
+fn lanes_match_the_scalar_control_step() {
     for which in LAWS {
         let (alone, side_by_side) = (law::<f64>(which), law::<Lanes<f64, N>>(which));
         let (mut worst, mut decisions) = (0.0_f64, 0);
@@ -160,9 +162,9 @@ fn lanes_decide_as_one_robot_does() {
                 [(many.1.v, one.1.v), (many.1.omega, one.1.omega), (many.2.x, one.2.x), (many.2.y, one.2.y)];
             worst = off.iter().fold(worst, |worst, (many, one)| worst.max((many.0[1] - one).abs()));
         }
-        // Some ulps of the angles, times the largest gain over wheel speed.
+        // A few ulps of the angles, times the largest gain relative to wheel speed.
         assert!(worst < 2e-13, "{which:?}: {worst:e}");
-        assert!(decisions > 1000, "{which:?} decided nothing");
+        assert!(decisions > 1000, "{which:?}: no mode decisions");
     }
 }
 
@@ -180,13 +182,13 @@ fn batch_matches_a_single_robot() {
                 (memory, pose) = (next.0, next.2);
             }
             let off = (fleet.pose[0].0[k] - pose.x).abs().max((fleet.pose[1].0[k] - pose.y).abs());
-            assert!(off < 1e-9, "{which:?}, robot {k} ends {off:e} m apart");
+            assert!(off < 1e-9, "{which:?}, robot {k}: distance {off:e} m");
         }
     }
 }
 
 #[test]
-fn every_instruction_set_gives_the_same_bits() {
+fn all_instruction_sets_give_the_same_bits() {
     for which in LAWS {
         assert_eq!(
             dispatch_simd(Run(starts::<f64>(), which, 300)),
@@ -202,7 +204,7 @@ fn every_instruction_set_gives_the_same_bits() {
 }
 
 #[test]
-fn a_broken_robot_does_not_touch_its_neighbours() {
+fn nan_in_one_lane_does_not_affect_other_lanes() {
     let mut broken = starts::<f64>();
     broken.pose[0].0[5] = f64::NAN;
     broken.pose[1].0[9] = f64::INFINITY;

@@ -1,4 +1,4 @@
-//! The normal deviates are normal, and each stream is its own.
+//! Tests of the normal distribution of the deviates and of the independence of the streams.
 #![allow(clippy::float_cmp, reason = "bits are compared on purpose")]
 
 use surepose_simd::{Kernel, LaneArray, Streams, dispatch_portable, dispatch_simd};
@@ -19,7 +19,7 @@ fn deviates(seed: u64, first: u64, rounds: usize) -> Vec<[f32; L]> {
     all
 }
 
-/// Φ(x), to 1e-7: the normal distribution function.
+/// Φ(x), the normal distribution function, with an error of 10⁻⁷.
 fn below(x: f64) -> f64 {
     0.5 * libm::erfc(-x / core::f64::consts::SQRT_2)
 }
@@ -29,7 +29,7 @@ fn moments_and_tails_are_normal() {
     let sample: Vec<f64> = deviates(7, 0, 20_000).into_iter().flatten().map(f64::from).collect();
     let count = sample.len() as f64;
     let moment = |power: i32| sample.iter().map(|x| x.powi(power)).sum::<f64>() / count;
-    // Each within five of its own standard deviations: √(E x²ᵖ − (E xᵖ)²)/√n.
+    // Each moment lies within five of its standard deviations √(E x²ᵖ − (E xᵖ)²)/√n.
     for (power, expected, deviation) in [
         (1, 0.0, 1.0),
         (2, 1.0, 2.0_f64.sqrt()),
@@ -54,7 +54,8 @@ fn streams_are_independent() {
     let correlation = |a: &dyn Fn(usize) -> f32, b: &dyn Fn(usize) -> f32| {
         (0..rows.len() - 6).map(|k| f64::from(a(k)) * f64::from(b(k))).sum::<f64>() / n / 2.0
     };
-    // The mean of 24 000 products has the standard deviation 1/√24000; of 10⁴ such means none is beyond five.
+    // The mean of 24 000 products has the standard deviation 1/√24000; none of 10⁴ such means exceeds five of
+    // them.
     let bound = 5.0 / (2.0 * n).sqrt();
     for lane in 0..L {
         for other in 0..lane {
@@ -74,7 +75,7 @@ fn streams_are_independent() {
 }
 
 #[test]
-fn a_stream_is_the_same_in_every_lane() {
+fn stream_is_independent_of_its_lane() {
     let (here, there) = (deviates(3, 0, 10), deviates(3, 40, 10));
     for (a, b) in here.iter().zip(&there) {
         assert_eq!(a[45], b[5]);
@@ -90,7 +91,7 @@ fn a_stream_is_the_same_in_every_lane() {
     assert_eq!(drawn[0].0, [first, here[0][9], here[0][9], last]);
 }
 
-/// Deviates drawn under [`dispatch_simd`] or [`dispatch_portable`].
+/// Draws deviates under [`dispatch_simd`] or [`dispatch_portable`].
 struct Draw(Streams<L>);
 
 impl Kernel for Draw {
@@ -105,7 +106,7 @@ impl Kernel for Draw {
 }
 
 #[test]
-fn every_instruction_set_draws_the_same() {
+fn all_instruction_sets_draw_the_same_deviates() {
     let mut streams = Streams::default();
     for lane in 0..L {
         streams.start(lane, 11, lane as u64);

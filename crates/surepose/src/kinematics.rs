@@ -1,7 +1,6 @@
 //! Differential drive: wheels ↔ twist ↔ motion of the pose, [Tran2012] Eq. (1), (7)–(9).
 
-use crate::frame::Frame;
-use crate::pose::Pose;
+use crate::geometry::{Frame, Pose};
 use crate::scalar::Scalar;
 
 /// No wheel turns as fast as this \[rad/s]: a rate beyond it is of a broken encoder, or of constants that no robot has.
@@ -246,10 +245,9 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
 
 #[cfg(test)]
 mod tests {
+    use crate::geometry::{Angle, Body, Map, Pose};
+
     use super::{Integration, Motion};
-    use crate::angle::Angle;
-    use crate::frame::{Body, Map};
-    use crate::pose::Pose;
 
     #[test]
     fn the_motion_between_poses_leads_from_one_to_the_other() {

@@ -40,43 +40,16 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod angle;
-pub mod closed_loop;
-mod covariance;
-mod estimate;
-mod frame;
-mod kinematics;
-mod laser;
-mod law;
-mod limit;
-mod line;
-mod matrix;
-mod navigation;
+pub mod control;
+pub mod estimation;
+pub mod geometry;
+pub mod kinematics;
+pub mod lidar;
+pub mod linalg;
+pub mod localization;
+pub mod map;
+pub mod navigator;
 pub mod param;
-mod path;
-mod pid;
-mod pose;
-mod relocate;
-mod scalar;
-mod supervisor;
-
-pub use angle::Angle;
-pub use covariance::{Covariance, InvalidCovariance, Observation};
-pub use estimate::*;
-pub use frame::{Body, Frame, Goal, Laser, Map, Target};
-pub use kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
-pub use laser::*;
-pub use law::*;
-pub use limit::Limits;
-pub use line::Line;
-pub use matrix::Matrix;
-pub use navigation::{NavigationNoise, NavigationVariables};
-pub use path::{InvalidPath, Path, PathPoint, PathSegment};
-pub use pid::{Pid, PidState};
-pub use pose::{Point, Pose};
-pub use relocate::{
-    AcceptanceCriteria, DistanceField, GlobalLocalizer, GlobalStatus, GridSpec, Hypothesis, LocalSearch,
-    MAX_LINE_PAIRS, MAX_ODOMETRY_INCREMENTS,
-};
-pub use scalar::{Dual, Float, Mask, Scalar};
-pub use supervisor::{FaultReason, Health, SafetyAction, Supervisor, SupervisorConfig};
+pub mod safety;
+pub mod scalar;
+pub mod time;

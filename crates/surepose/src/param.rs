@@ -92,11 +92,13 @@ pub enum Unit {
     MeterPerSecondSquared,
     /// Per second.
     PerSecond,
+    /// Degrees per second; radians per second inside the program.
+    DegreePerSecond,
 }
 
 impl Unit {
     /// Every unit.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::One,
         Self::Meter,
         Self::Second,
@@ -104,6 +106,7 @@ impl Unit {
         Self::MeterPerSecond,
         Self::MeterPerSecondSquared,
         Self::PerSecond,
+        Self::DegreePerSecond,
     ];
 
     /// The unit's symbol; empty for a pure number.
@@ -116,6 +119,7 @@ impl Unit {
             Self::MeterPerSecond => "m/s",
             Self::MeterPerSecondSquared => "m/s²",
             Self::PerSecond => "1/s",
+            Self::DegreePerSecond => "°/s",
         }
     }
 
@@ -128,13 +132,14 @@ impl Unit {
             Self::Degree => "_deg",
             Self::MeterPerSecond => "_m_s",
             Self::MeterPerSecondSquared => "_m_s2",
+            Self::DegreePerSecond => "_deg_s",
         }
     }
 
     /// What a value under the key is multiplied by to be SI, radians for degrees.
     pub const fn to_si(self) -> f64 {
         match self {
-            Self::Degree => core::f64::consts::PI / 180.0,
+            Self::Degree | Self::DegreePerSecond => core::f64::consts::PI / 180.0,
             _ => 1.0,
         }
     }

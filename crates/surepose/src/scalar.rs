@@ -145,11 +145,11 @@ pub trait Scalar:
 
     /// An angle \[rad] that is at most a turn too large, as the sum of two wrapped ones is, wrapped to (−π, π].
     ///
-    /// For scalars that know a shorter way than [`Angle::from_radians`](crate::Angle::from_radians), which takes any angle.
+    /// For scalars that know a shorter way than [`Angle::from_radians`](crate::geometry::Angle::from_radians), which takes any angle.
     #[must_use]
     #[inline(always)]
     fn wrap_once(self) -> Self {
-        crate::Angle::from_radians(self).radians()
+        crate::geometry::Angle::from_radians(self).radians()
     }
 
     /// The value limited to [`low`, `high`].

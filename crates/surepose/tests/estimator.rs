@@ -4,11 +4,15 @@ mod common;
 
 use common::Noise;
 use proptest::prelude::*;
-use surepose::{
-    Angle, Belief, DelayedEkf, DiffDrive, Ekf, Float, Gate, HeadingMeasurement, Integration, Line,
-    LineMeasurement, Matrix, Measurement, MeasurementOutcome, Point, Pose, PoseMeasurement,
-    PositionMeasurement, RangeBearingMeasurement, RejectReason, Stamp, Stamped, WheelPair,
+use surepose::estimation::{
+    Belief, DelayedEkf, Ekf, Gate, HeadingMeasurement, LineMeasurement, Measurement, MeasurementOutcome,
+    PoseMeasurement, PositionMeasurement, RangeBearingMeasurement, RejectReason,
 };
+use surepose::geometry::{Angle, Line, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::linalg::Matrix;
+use surepose::scalar::Float;
+use surepose::time::{Stamp, Stamped};
 
 fn estimator<S: Float>() -> DelayedEkf<S, 64> {
     let ekf = Ekf {

@@ -1,11 +1,13 @@
 //! The hybrid law: it descends, it does not change its mind on noise, and it parks, noise or not.
 
 use proptest::prelude::*;
-use surepose::closed_loop::{Controller, ControllerState};
-use surepose::{
-    Angle, Body, BrakingProfile, Deadband, DiffDrive, Direction, Float, Gains, Goal, HybridLaw, HybridState,
-    Integration, Law, Limits, LocalLaw, Map, NavigationVariables, Pose, Tolerance, Tran2012Law, Twist,
+use surepose::control::{
+    BrakingProfile, Controller, ControllerState, Deadband, Direction, Gains, HybridLaw, HybridState, Law,
+    Limits, LocalLaw, NavigationVariables, Tolerance, Tran2012Law,
 };
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist};
+use surepose::scalar::Float;
 
 const PI: f64 = core::f64::consts::PI;
 

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
-use surepose::closed_loop::{PathController, PathProgress};
-use surepose::{
-    Angle, Body, DiffDrive, Float, Integration, Limits, Map, Path, PathFollowingLaw, Pose, Twist, WheelPair,
-};
+use surepose::control::{Limits, Path, PathController, PathFollowingLaw, PathProgress};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist, WheelPair};
+use surepose::scalar::Float;
 
 fn controller<S: Float>() -> PathController<S, 8> {
     let num = S::from_f64;

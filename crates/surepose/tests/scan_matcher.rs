@@ -4,15 +4,20 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use surepose::{
-    Angle, BeamModelMatcher, Belief, DiffDrive, Ekf, Float, Gate, Integration, Matrix, Measurement, Point,
-    Pose, PoseMeasurement, RangeFinder, Scan, ScanError, ScanMatch, ScanMatchResult, ScanMatcher,
-    ScanMatcherWorkspace, Wall,
+use surepose::estimation::{Belief, Ekf, Gate, Measurement, PoseMeasurement};
+use surepose::geometry::{Angle, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
+use surepose::lidar::{
+    BeamModelMatcher, RangeFinder, Scan, ScanError, ScanMatch, ScanMatchResult, ScanMatcher,
+    ScanMatcherWorkspace,
 };
+use surepose::linalg::Matrix;
+use surepose::map::Wall;
+use surepose::scalar::Float;
 
 const BEAMS: usize = 181;
 const STEP: f64 = std::f64::consts::PI / 180.0;
-type Place = Pose<surepose::Map, surepose::Body, f64>;
+type Place = Pose<surepose::geometry::Map, surepose::geometry::Body, f64>;
 
 fn wall(from: (f64, f64), to: (f64, f64)) -> Wall<f64> {
     Wall::between(Point::new(from.0, from.1), Point::new(to.0, to.1)).unwrap()
@@ -75,7 +80,7 @@ fn ranges(pose: Place, walls: &[Wall<f64>]) -> Vec<f64> {
 }
 
 fn matched(belief: Belief<f64>, ranges: &[f64], walls: &[Wall<f64>]) -> ScanMatch<f64> {
-    let scan = Scan { angle_min: Angle::from_degrees(-90.0), angle_increment: 1_f64.to_radians(), ranges };
+    let scan = Scan::new(Angle::from_degrees(-90.0), 1_f64.to_radians(), ranges);
     let mut workspace = ScanMatcherWorkspace::<f64, BEAMS>::default();
     scan_matcher().match_scan(&mut workspace, &ekf(), &belief, &laser(), &scan, walls).unwrap()
 }
@@ -143,11 +148,7 @@ fn corridor_information_is_valid_in_every_direction() {
             num(if across < 0.03 { f64::INFINITY } else { 1.0 / across })
         };
         let ranges: Vec<S> = (0..BEAMS).map(range).collect();
-        let scan = Scan {
-            angle_min: Angle::from_radians(num(-FRAC_PI_2)),
-            angle_increment: num(STEP),
-            ranges: &ranges,
-        };
+        let scan = Scan::new(Angle::from_radians(num(-FRAC_PI_2)), num(STEP), &ranges);
         let matcher =
             BeamModelMatcher { min_hit_ratio: num(0.4), scan_std: [num(0.06), num(0.06), num(0.01)] };
         let is_refused = |quarters: &usize| {
@@ -189,7 +190,7 @@ fn too_little_overlap_is_reported() {
         .collect();
     assert!(matches!(matched(belief, &people, &room()), ScanMatch::LowOverlap(_)));
     let mut workspace = ScanMatcherWorkspace::<f64, 8>::default();
-    let scan = Scan { angle_min: Angle::zero(), angle_increment: 0.01, ranges: &seen };
+    let scan = Scan::new(Angle::zero(), 0.01, &seen);
     let refused = scan_matcher().match_scan(&mut workspace, &ekf(), &belief, &laser(), &scan, &room());
     assert_eq!(refused, Err(ScanError::TooManyBeams));
 }

@@ -1,10 +1,9 @@
 //! Area of valid start poses.
 
-use surepose::{Angle, Body, Map, Point, Pose};
+use surepose::geometry::{Angle, Body, Map, Point, Pose};
 use surepose_io::grid::Grid;
-use surepose_sim::{Arena, Stream, WallSegment};
-
 use surepose_mapping::from_grid::extract_walls;
+use surepose_sim::{Arena, Stream, WallSegment};
 
 /// Minimum distance of a start pose from a wall \[m], so that the robot can turn in place.
 const MIN_CLEARANCE: f64 = 0.5;

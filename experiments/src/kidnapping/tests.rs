@@ -1,10 +1,11 @@
 //! Small samples of the trials that `examples/kidnappings.rs` runs in large numbers.
 
-use super::{KidnappingSetup, SpawnArea, run_trials};
-use surepose_config::Config;
+use surepose_config::{Config, ScanMethod};
 use surepose_io::grid::{Grid, GridOrigin};
-use surepose_sim::robot::{ScanMethod, Sensors};
+use surepose_sim::robot::Sensors;
 use surepose_sim::{Arena, Clutter};
+
+use super::{KidnappingSetup, SpawnArea, run_trials};
 
 fn setup(compass: bool, clutter: f64) -> KidnappingSetup {
     let clutter = Clutter { fraction: clutter, width: 5.0 };

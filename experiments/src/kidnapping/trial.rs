@@ -2,12 +2,15 @@
 
 use core::f64::consts::{PI, TAU};
 
-use surepose::param::{START_HEADING, START_X, START_Y};
-use surepose::{BeamSubset, Belief, Body, DiffDrive, Health, Map, Pose, RangeFinder, Twist, WheelPair};
-use surepose_config::Config;
+use surepose::estimation::Belief;
+use surepose::geometry::{Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Twist, WheelPair};
+use surepose::lidar::{BeamSubset, RangeFinder};
+use surepose::param::{SEARCH_TURN_RATE, START_HEADING, START_X, START_Y};
+use surepose::safety::Health;
+use surepose_config::{Config, ScanMethod};
+use surepose_sim::robot::{Scenario, Sensors, SimulatedRobot, scan_view};
 use surepose_sim::{Clutter, Fault, FaultKind, LaserModel, Seed, Stream};
-
-use surepose_sim::robot::{SEARCH_RATE, ScanMethod, Scenario, Sensors, SimulatedRobot, scan_view};
 
 use super::spawn_area::SpawnArea;
 
@@ -78,7 +81,8 @@ pub fn run_trial(area: &SpawnArea, setup: &KidnappingSetup, seed: u64) -> Kidnap
     let from = area.pose(&mut random);
     let to = random_other_pose(area, from, &mut random);
     let idle = random.uniform(-0.5, 0.5);
-    let search = if random.bernoulli(0.5) { SEARCH_RATE } else { -SEARCH_RATE };
+    let search_rate = setup.config.number(&SEARCH_TURN_RATE);
+    let search = if random.bernoulli(0.5) { search_rate } else { -search_rate };
     let turn = (to.heading - from.heading).radians();
     let start = [(&START_X, from.x), (&START_Y, from.y), (&START_HEADING, from.heading.degrees())];
     let scenario = Scenario {
@@ -104,9 +108,9 @@ pub fn run_trial(area: &SpawnArea, setup: &KidnappingSetup, seed: u64) -> Kidnap
     };
     let mut wrong_for = 0.0;
     while robot.time() < KIDNAP_TIME + OBSERVATION_TIME {
-        let was = robot.simulated_robot.health();
+        let was = robot.health();
         let belief = robot.step();
-        let (time, health) = (robot.time() - KIDNAP_TIME, robot.simulated_robot.health());
+        let (time, health) = (robot.time() - KIDNAP_TIME, robot.health());
         let nees = belief.nees(robot.simulated_robot.world().pose());
         result.final_error = belief.pose.origin().distance(robot.simulated_robot.world().pose().origin());
         let is_wrong = nees > MAX_ERROR_STD * MAX_ERROR_STD;
@@ -167,11 +171,15 @@ impl Robot {
         self.simulated_robot.world().now().seconds()
     }
 
+    fn health(&self) -> Health {
+        self.simulated_robot.navigator().localizer().health()
+    }
+
     fn step(&mut self) -> Belief<f64> {
-        let is_lost = self.simulated_robot.health() == Health::Lost;
+        let is_lost = self.health() == Health::Lost;
         let wheels: WheelPair<f64> =
             self.drive.wheel_rates_from_twist(Twist::new(0.0, if is_lost { self.search } else { self.idle }));
-        self.simulated_robot.step(wheels, self.period)
+        self.simulated_robot.advance(wheels, self.period).belief
     }
 
     /// Returns whether a hypothesis other than the true pose explains a full-circle scan without noise and
@@ -198,7 +206,8 @@ impl Robot {
         let Ok(beams) = BeamSubset::<f64, PANORAMA_BEAMS>::from_scan(&finder, &scan_view(&seen)) else {
             return false;
         };
-        self.simulated_robot.hypotheses().any(|known| {
+        let Some(monitor) = self.simulated_robot.navigator().localizer().monitor() else { return false };
+        monitor.hypotheses().any(|known| {
             let pose = known.belief.pose;
             let turned = (pose.heading - truth.heading).radians().abs();
             let is_other = pose.origin().distance(truth.origin()) > 0.3 || turned > 0.2;

@@ -1,12 +1,12 @@
 //! Pictures of the paper's Fig. 3, 6 and 7.
 
-use surepose::{Map as MapFrame, Point};
+use surepose::geometry::{Map as MapFrame, Point};
+use surepose_figures::drive::{true_way, unwrapped, walls};
 use surepose_figures::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, XyPlot, hstack, hstack_column};
 use surepose_sim::Arena;
+use surepose_sim::robot::Scenario;
 
 use crate::reproduce::{LawSample, Parked, PathFollowing, PathRuns, StabilizedRun};
-use surepose_figures::drive::{true_way, unwrapped, walls};
-use surepose_sim::robot::Scenario;
 
 /// Draws Fig. 3: the law without sensors, to three goals, under bounded noise; and Eq. (28) as printed, which
 /// diverges.

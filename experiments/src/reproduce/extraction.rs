@@ -2,14 +2,11 @@
 
 use std::ops::Range;
 
-use surepose::closed_loop::{LoopObserver, ScanEvent};
-use surepose::{
-    Association, Body, DelayedEkf, ExtractedLine, Laser, Map, Measurement, MeasurementOutcome, Pose,
-    RejectReason, Stamp, Stamped, Wall, WheelOdometry, WheelPair,
-};
-use surepose_sim::Seed;
-
-use surepose_sim::CancelToken;
+use surepose::geometry::{Body, Laser, Map, Pose};
+use surepose::lidar::{Association, ExtractedLine, ScanEvent};
+use surepose::localization::LoopObserver;
+use surepose::map::Wall;
+use surepose_sim::{CancelToken, Seed};
 
 use super::loop_world::{LoopTick, LoopWorld};
 use super::seeds::for_each;
@@ -99,20 +96,9 @@ struct Judge<'a> {
     sum: &'a mut Extraction,
 }
 
-impl<const N: usize> LoopObserver<f64, N> for Judge<'_> {
-    fn on_odometry(
-        &mut self,
-        _: Stamp,
-        _: WheelPair<f64>,
-        _: WheelOdometry<f64>,
-        _: Result<(), RejectReason>,
-    ) {
-    }
-
-    fn on_measurement(&mut self, _: &Stamped<Measurement<f64>>, _: MeasurementOutcome) {}
-
-    fn on_scan(&mut self, _: &mut DelayedEkf<f64, N>, event: &ScanEvent<'_, f64>) {
-        let (observation, walls, sum) = (event.observation, event.walls, &mut self.sum);
+impl LoopObserver<f64> for Judge<'_> {
+    fn on_scan(&mut self, event: &ScanEvent<'_, f64>) {
+        let (observation, walls, sum) = (event.observation, event.map.walls, &mut self.sum);
         let lines = observation.extracted.lines;
         let mut votes = vec![vec![0_usize; walls.len()]; lines.len()];
         for (beam, line) in observation.extracted.beams() {
@@ -151,8 +137,11 @@ fn line_nees(line: &ExtractedLine<f64>, wall: &Wall<f64>, map_from_laser: Pose<M
     let right = map_from_laser.inverse() * *wall.line();
     let side = if right.distance < 0.0 { -1.0 } else { 1.0 };
     let turned = line.line.direction - right.direction;
-    let direction =
-        if side < 0.0 { (turned + surepose::Angle::half_turn()).radians() } else { turned.radians() };
+    let direction = if side < 0.0 {
+        (turned + surepose::geometry::Angle::half_turn()).radians()
+    } else {
+        turned.radians()
+    };
     let distance = line.line.distance - side * right.distance;
     let (v, w, c) = (line.distance_variance, line.direction_variance, line.covariance);
     (w * distance * distance - 2.0 * c * distance * direction + v * direction * direction) / (v * w - c * c)

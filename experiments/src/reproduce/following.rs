@@ -1,14 +1,13 @@
 //! Fig. 6 of the paper: path following with and without the filter.
 
 use serde::Serialize;
-use surepose::closed_loop::{PathController, PathProgress};
-use surepose::{
-    Angle, InvalidPath, Map, Path, PathError, PathFollowingLaw, Point, Pose, Target, WheelPair, param,
-};
+use surepose::control::{InvalidPath, Path, PathController, PathError, PathFollowingLaw, PathProgress};
+use surepose::geometry::{Angle, Map, Point, Pose, Target};
+use surepose::kinematics::WheelPair;
+use surepose::param;
 use surepose_config::Config;
-use surepose_sim::{Arena, loop_course};
-
 use surepose_sim::robot::{Scenario, Sensors, SimulatedRobot};
+use surepose_sim::{Arena, loop_course};
 
 /// Number of laps of each path.
 const ROUNDS: f64 = 2.0;
@@ -131,7 +130,7 @@ fn follow<const N: usize>(
     // Twice the time of all laps at half the target speed, so that a stuck robot ends, too.
     let most = (4.0 * ROUNDS * path.length() / (SPEED * controller.period)) as usize;
     while progress.laps < ROUNDS && track.len() < most {
-        let belief = simulated_robot.step(wheels, controller.period);
+        let belief = simulated_robot.advance(wheels, controller.period).belief;
         (wheels, progress) = controller.step(progress, belief.pose);
         track.push(simulated_robot.world().pose().origin());
     }
@@ -183,10 +182,11 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
-    use super::{Outline, following};
-    use surepose::Point;
+    use surepose::geometry::Point;
     use surepose_config::Config;
     use surepose_sim::loop_course;
+
+    use super::{Outline, following};
 
     #[test]
     fn filter_reduces_the_path_error_fivefold_on_both_paths() {

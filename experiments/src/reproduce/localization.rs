@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use surepose::{Belief, Body, Map, Pose};
-use surepose_sim::Seed;
-
-use surepose_sim::CancelToken;
+use surepose::estimation::Belief;
+use surepose::geometry::{Body, Map, Pose};
+use surepose_sim::{CancelToken, Seed};
 
 use super::extraction::{Extraction, judged};
 use super::loop_world::{LoopTick, LoopWorld};

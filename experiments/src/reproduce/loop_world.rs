@@ -1,16 +1,15 @@
 //! The loop world: a course between known walls, 5 % wheel noise, a compass and a laser.
 
-use surepose::closed_loop::LoopObserver;
-use surepose::{
-    Angle, Belief, Body, Integration, InvalidPath, Map, Motion, Path, Pose, Stamp, Stamped, Twist, Wall,
-    WheelOdometry, WheelPair,
-};
-use surepose_config::Config;
+use surepose::control::{InvalidPath, Path};
+use surepose::estimation::{Belief, WheelOdometry};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{Integration, Motion, Twist, WheelPair};
+use surepose::localization::LoopObserver;
+use surepose::map::{MapView, Wall};
+use surepose::time::{Stamp, Stamped};
+use surepose_config::{Config, RobotLocalizer, ScanMethod};
+use surepose_sim::robot::{walls_from_segments, with_sensor_input};
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
-
-use surepose_sim::robot::{
-    HISTORY, ScanMethod, SimLocalizer, new_localizer, walls_from_segments, with_sensor_input,
-};
 
 /// Period of a tick \[s].
 const PERIOD: f64 = 0.1;
@@ -123,25 +122,24 @@ pub(super) struct LoopTick {
 
 impl Run<'_> {
     /// Creates the robot with the erroneous start pose of this run.
-    pub(super) fn robot(&mut self) -> Box<SimLocalizer> {
+    pub(super) fn robot(&mut self) -> Box<RobotLocalizer> {
         let [x, y, heading] = START_STD.map(|std| std * self.start.normal());
         let truth = self.truth;
         let initial = Pose::new(truth.x + x, truth.y + y, truth.heading.rotated_by(heading));
-        new_localizer(&self.world.robot, ScanMethod::Lines, Belief::new(initial, START_STD))
+        self.world.robot.unsupervised_localizer(ScanMethod::Lines, Belief::new(initial, START_STD))
     }
 
     /// Processes a tick and returns the belief; `observer` receives all events.
     pub(super) fn sense(
         &self,
-        robot: &mut SimLocalizer,
+        robot: &mut RobotLocalizer,
         sensed: &surepose_sim::SensorOutput,
-        observer: &mut impl LoopObserver<f64, HISTORY>,
+        observer: &mut impl LoopObserver<f64>,
     ) -> Belief<f64> {
-        let travel = robot.estimator.wheel_odometry(sensed.stamp, sensed.rims);
         // There is no command here, and the encoders are never rejected.
         let commanded = WheelOdometry::from_command(WheelPair::zero());
-        with_sensor_input(sensed, travel, &self.world.robot.compass(), |sensed| {
-            robot.update(sensed, commanded, &self.world.walls, observer)
+        with_sensor_input(sensed, &self.world.robot.compass(), |sensed| {
+            robot.update(sensed, commanded, &MapView::from_walls(&self.world.walls), observer)
         })
     }
 }

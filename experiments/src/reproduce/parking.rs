@@ -3,7 +3,6 @@
 use serde::Serialize;
 use surepose::param;
 use surepose_config::Config;
-
 use surepose_sim::robot::Scenario;
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome};
 
@@ -77,8 +76,9 @@ fn park(config: &Config, goal: [f64; 3], seed: u64) -> Parked {
 
 #[cfg(test)]
 mod tests {
-    use super::parking;
     use surepose_config::Config;
+
+    use super::parking;
 
     #[test]
     fn all_three_goals_are_reached_and_held() {

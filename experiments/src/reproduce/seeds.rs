@@ -4,9 +4,7 @@ use std::num::NonZero;
 use std::ops::Range;
 use std::thread;
 
-use surepose_sim::Seed;
-
-use surepose_sim::CancelToken;
+use surepose_sim::{CancelToken, Seed};
 
 /// Returns the results of `experiment` for `seeds`, or for those completed when `cancel` was canceled.
 ///

@@ -1,9 +1,9 @@
 //! Fig. 3 of the paper: the law in continuous time under bounded noise, and Eq. (28) as printed.
 
 use serde::Serialize;
-use surepose::{
-    Angle, Body, Goal, HybridState, Integration, LocalLaw, Map, NavigationVariables, Pose, Tran2012Law, Twist,
-};
+use surepose::control::{HybridState, LocalLaw, NavigationVariables, Tran2012Law};
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{Integration, Twist};
 use surepose_sim::{Seed, Stream};
 
 use super::parking::PAPER_GOALS;
@@ -77,7 +77,7 @@ pub struct StabilizedRun {
 /// bounds.
 pub fn stabilization(seed: u64) -> Vec<StabilizedRun> {
     let law = Tran2012Law {
-        gains: surepose::Gains::tran2012(),
+        gains: surepose::control::Gains::tran2012(),
         capture_radius: CAPTURE_RADIUS,
         capture_heading: core::f64::consts::PI,
     };
@@ -99,7 +99,7 @@ pub fn stabilization(seed: u64) -> Vec<StabilizedRun> {
 ///
 /// As printed the robot diverges from the goal; as corrected its distance never increases.
 pub fn local_law(as_printed: bool) -> Vec<LawSample> {
-    let gains = surepose::Gains::tran2012();
+    let gains = surepose::control::Gains::tran2012();
     let corrected = LocalLaw { k_v: gains.k_v, k_theta: gains.k_theta };
     let law = if as_printed { corrected.as_printed() } else { corrected };
     let [x, y, heading] = PAPER_GOALS[0];

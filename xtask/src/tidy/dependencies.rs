@@ -1,8 +1,8 @@
-//! Dependencies point inward: cli, ros2 → lab → sim, data, cert → surepose.
+//! Check that dependencies point inward: cli, ros2 → lab → sim, data, cert → surepose.
 
 use std::path::Path;
 
-/// How far out each crate stands; a crate may only depend on crates further in.
+/// Layer of each crate; a crate may depend on crates of lower layers only.
 const RINGS: [(&str, u8); 10] = [
     ("surepose", 0),
     ("surepose-sim", 1),
@@ -16,7 +16,7 @@ const RINGS: [(&str, u8); 10] = [
     ("xtask", 5),
 ];
 
-/// All that the core may depend on.
+/// Permitted dependencies of the core.
 const CORE_NEEDS: [&str; 1] = ["libm"];
 
 pub(super) fn check(root: &Path, findings: &mut Vec<String>) -> Result<(), String> {
@@ -26,13 +26,16 @@ pub(super) fn check(root: &Path, findings: &mut Vec<String>) -> Result<(), Strin
         let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         let manifest: toml::Table = text.parse().map_err(|e| format!("{}: {e}", path.display()))?;
         let Some(ring) = ring(&name) else {
-            findings.push(format!("crates/{name}: give it a place in xtask/src/tidy/dependencies.rs"));
+            findings
+                .push(format!("crates/{name}: no layer; add the crate to xtask/src/tidy/dependencies.rs"));
             continue;
         };
         let dependencies = manifest.get("dependencies").and_then(toml::Value::as_table);
         for needed in dependencies.into_iter().flat_map(toml::Table::keys) {
             if self::ring(needed).is_some_and(|inner| inner >= ring) {
-                findings.push(format!("crates/{name}: must not depend on {needed}, which is not further in"));
+                findings.push(format!(
+                    "crates/{name}: must not depend on {needed}, which is not in a lower layer"
+                ));
             }
             if name == "surepose" && !CORE_NEEDS.contains(&needed.as_str()) {
                 findings.push(format!("crates/surepose: the core must not depend on {needed}"));

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{Kind, Parameter, Range};
-use surepose_config::{Config, ConfigError};
-use surepose_config::{ConfigProblem, Setting, Value, parameter};
+use surepose_config::{Config, ConfigError, ConfigProblem, Setting, Value, parameter};
 use surepose_sim::robot::Scenario;
 
 use crate::certification;

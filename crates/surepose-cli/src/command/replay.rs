@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use surepose::Belief;
-use surepose_config::Config;
+use surepose::estimation::Belief;
+use surepose_config::{Config, ScanMethod};
 use surepose_figures as picture;
 use surepose_io::wall_map::WallMap;
 use surepose_replay::{
@@ -13,7 +13,6 @@ use surepose_replay::{
 use surepose_ros2::bag::{self, Notice};
 use surepose_ros2::{NodeDriverSettings, START_STD};
 use surepose_sim::CancelToken;
-use surepose_sim::robot::ScanMethod;
 
 use crate::error::CliError;
 use crate::exit::Exit;

@@ -10,13 +10,12 @@ use surepose_sim::WallSegment;
 use surepose_sim::robot::{InsufficientClearance, Scenario};
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
 
-use crate::certification;
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::{Output, object, table, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
-use crate::{interrupt, progress};
+use crate::{certification, interrupt, progress};
 
 /// Drive the simulated robot, with motors, sensors and estimate, to a pose.
 #[derive(Debug, Args)]

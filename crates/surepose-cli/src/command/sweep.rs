@@ -9,13 +9,14 @@ use surepose_io::start_poses;
 use surepose_montecarlo::sweep::{Precision, Quantiles, Starts, Sweep, SweepReport};
 use surepose_sim::CancelToken;
 
-use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::{Output, align_numbers, object, table, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{toml_of, whole};
 use crate::{interrupt, progress};
+
+use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
 
 /// Run the bench trial from many starts: success, time over the least possible, final error.
 #[derive(Debug, Args)]

@@ -3,8 +3,7 @@
 use clap::{Args, ValueEnum};
 use serde_json::{Value as Json, json};
 use surepose::param;
-use surepose_config::Config;
-use surepose_config::{Setting, ValueSource};
+use surepose_config::{Config, Setting, ValueSource};
 use surepose_montecarlo::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise};
 
 use crate::error::CliError;

@@ -1,44 +1,44 @@
-//! A pair of axes: where values lie on paper, and the frame, grid, ticks and labels around them.
+//! A pair of axes: data-to-page transform, frame, grid, ticks, and labels.
 
 use crate::plot::font;
 use crate::plot::scene::{Anchor, Area, Pen, Point, Shape, Text};
 use crate::plot::style::Rgb;
 use crate::plot::ticks::{self, Tick};
 
-/// Size of the numbers, of the axes' labels and of the title \[px].
+/// Font sizes of tick labels, axis labels, and title \[px].
 pub(crate) const NUMBER_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
 const TITLE_SIZE: f64 = 14.0;
-/// Lengths of a tick and of a minor one \[px].
+/// Lengths of major and minor ticks \[px].
 const TICK: f64 = 5.0;
 const MINOR_TICK: f64 = 3.0;
-/// Least space between numbers sideways \[px].
+/// Minimum horizontal gap between tick labels \[px].
 const MIN_GAP: f64 = 20.0;
-/// Least distances of numbers upwards, and of decades \[px].
+/// Minimum vertical spacing of tick labels on linear and on logarithmic axes \[px].
 const MIN_SPACING: f64 = 19.0;
 const MIN_DECADE: f64 = 17.0;
-/// The most numbers upwards: more crowd a tall picture.
+/// Maximum number of tick labels on the vertical axis.
 const MAX_LEVELS: f64 = 12.0;
-/// Data is dropped this far outside of the axes \[px].
+/// Margin around the axes beyond which data is dropped \[px].
 const MARGIN: f64 = 24.0;
-/// Points of a line that are closer to the last one are dropped \[px].
+/// Minimum distance between successive points of a line \[px]; closer points are dropped.
 const MIN_STEP: f64 = 0.2;
-/// Largest coordinate of a line that leaves the axes \[px].
+/// Largest coordinate of a line outside of the axes \[px].
 const FAR: f64 = 1e6;
 
-/// Values along one side.
+/// One axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     pub(crate) low: f64,
     pub(crate) high: f64,
     pub(crate) logarithmic: bool,
-    /// Empty for none.
+    /// Label; empty: none.
     pub(crate) label: String,
-    /// Step of the numbers; `None` for one that fits.
+    /// Tick step. `None`: chosen to fit.
     pub(crate) step: Option<f64>,
 }
 
-/// Two axes around an area of the drawing.
+/// A pair of axes around an area of the drawing.
 #[derive(Clone, Debug)]
 pub(crate) struct Axes {
     pub(crate) title: String,
@@ -48,7 +48,7 @@ pub(crate) struct Axes {
 }
 
 impl Axis {
-    /// Returns where a value lies, from 0 at the low end to 1 at the high end.
+    /// Returns the position of a value, from 0 at the low end to 1 at the high end.
     fn fraction(&self, value: f64) -> f64 {
         if self.logarithmic {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -65,7 +65,7 @@ impl Axis {
         }
     }
 
-    /// Returns as many ticks as leave space between their numbers on `length` \[px] of paper.
+    /// Returns as many ticks as fit on `length` \[px] with a gap between their labels.
     fn ticks_sideways(&self, length: f64) -> Vec<Tick> {
         let mut most = (length / 48.0).max(2.0) as usize;
         loop {
@@ -85,7 +85,7 @@ impl Axis {
 }
 
 impl Axes {
-    /// The same with the numbers of both axes at one step, where none is set and both have numbers at it.
+    /// Uses one tick step for both axes, unless a step is set or an axis would lose its labels.
     pub(crate) fn equally_numbered(mut self) -> Self {
         let step = |ticks: Vec<Tick>| match ticks.as_slice() {
             [first, second, ..] => second.at - first.at,
@@ -100,7 +100,7 @@ impl Axes {
         self
     }
 
-    /// Returns where a point lies on paper.
+    /// Returns the position of a data point on the page \[px].
     pub(crate) fn place(&self, (x, y): (f64, f64)) -> Point {
         let Area { left, width, height, .. } = self.area;
         (left + width * self.x.fraction(x), self.area.bottom() - height * self.y.fraction(y))
@@ -118,7 +118,7 @@ impl Axes {
         vec![Shape::Lines { lines: upright.chain(level).collect(), pen: Pen::crisp(Rgb::GRID) }]
     }
 
-    /// Returns the frame, the numbers, the labels and the title, which lie on the data, in a part of this width.
+    /// Returns frame, tick labels, axis labels, and title, for a subplot of width `part_width` \[px].
     pub(crate) fn frame(&self, part_width: f64) -> Vec<Shape> {
         let (bottom, left) = (self.area.bottom(), self.area.left);
         let mut lines = vec![self.area.outline()];
@@ -147,7 +147,7 @@ impl Axes {
         std::iter::once(frame).chain(texts.into_iter().map(Shape::Text)).collect()
     }
 
-    /// Returns a line through the points, in several parts where it leaves the axes.
+    /// Returns a polyline through the points, split where it leaves the axes.
     pub(crate) fn line(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<Vec<Point>> {
         let (area, mut lines) = (self.area, Vec::new());
         let mut line: Vec<Point> = Vec::new();
@@ -173,7 +173,7 @@ impl Axes {
         lines.into_iter().map(thinned).collect()
     }
 
-    /// Returns the places of those points that are numbers and not far outside.
+    /// Returns the positions of the points that are not NaN and not far outside.
     pub(crate) fn dots(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<Point> {
         let Area { left, top, width, height } = self.area;
         let near = Area {
@@ -200,7 +200,7 @@ impl Axes {
         self.y.ticks((self.area.height / spacing).clamp(2.0, MAX_LEVELS) as usize)
     }
 
-    /// Where a value of x lies, to half a pixel, which is a whole one of the PNG.
+    /// Horizontal position of an x value, rounded to half a pixel, which is one pixel of the PNG.
     fn column(&self, x: f64) -> f64 {
         let (x, _) = self.place((x, self.y.low));
         (2.0 * x).round() / 2.0
@@ -211,7 +211,7 @@ impl Axes {
         (2.0 * y).round() / 2.0
     }
 
-    /// The title over the axes; a long one over the whole part, and smaller if it has to be.
+    /// Title above the axes; a long title spans the subplot and is scaled down to fit.
     fn title(&self, part_width: f64) -> Text {
         let long = font::width(&self.title, TITLE_SIZE);
         let (middle, room) = (self.area.left + 0.5 * self.area.width, part_width - 16.0);
@@ -222,13 +222,13 @@ impl Axes {
     }
 }
 
-/// The line without points that cannot be told from the one before.
+/// Drops points that coincide with the previous one on the page.
 fn thinned(line: Vec<Point>) -> Vec<Point> {
     let count = line.len();
     let mut kept: Vec<Point> = Vec::with_capacity(count);
     for (i, (x, y)) in line.into_iter().enumerate() {
         let is_close = kept.last().is_some_and(|(a, b)| (x - a).hypot(y - b) < MIN_STEP);
-        // A line that stays in one place is a dot.
+        // A line whose points all coincide keeps two points, which draw a dot.
         if !is_close || (i + 1 == count && kept.len() == 1) {
             kept.push((x, y));
         }
@@ -238,8 +238,9 @@ fn thinned(line: Vec<Point>) -> Vec<Point> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Axes, Axis};
     use crate::plot::scene::Area;
+
+    use super::{Axes, Axis};
 
     fn axes() -> Axes {
         let axis = |high| Axis { low: 0.0, high, logarithmic: false, label: String::new(), step: None };
@@ -248,18 +249,18 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_cut_where_it_leaves_and_survives_odd_points() {
+    fn lines_are_split_at_the_edges_and_handle_nan_and_infinity() {
         let lines = |points: &[(f64, f64)]| axes().line(points.iter().copied());
         assert_eq!(lines(&[(0.0, 0.0), (2.0, 1.0)]), [[(50.0, 120.0), (250.0, 20.0)]]);
         assert_eq!(lines(&[(0.0, 0.0), (0.0, -9.0), (2.0, -9.0), (2.0, 0.0)]).len(), 2);
         assert_eq!(lines(&[(5.0, 0.0), (6.0, 0.0), (f64::NAN, 0.0)]).len(), 0);
         assert_eq!(lines(&[(1.0, f64::INFINITY), (1.0, 0.0)]), [[(150.0, -1e6), (150.0, 120.0)]]);
-        // From one side to the other, with no point inside.
+        // From one side to the other, without a point inside.
         assert_eq!(lines(&[(-5.0, 0.5), (7.0, 0.5)]).len(), 1);
     }
 
     #[test]
-    fn a_long_title_fits_into_its_part() {
+    fn long_title_fits_into_its_subplot() {
         let axes = axes();
         let title = axes.title(260.0);
         let width = crate::plot::font::width(&title.content, title.size);

@@ -1,4 +1,4 @@
-//! Values over one axis, stacked in panels: time series, mostly.
+//! Charts: panels stacked over a common x axis, for example time series.
 
 use crate::plot::axes::{Axes, Axis, NUMBER_SIZE};
 use crate::plot::font;
@@ -7,7 +7,7 @@ use crate::plot::picture::{Picture, Subplot, vstack_cells};
 use crate::plot::scene::{Anchor, Area, Pen, PenStyle, Shape, Text};
 use crate::plot::style::{Color, Rgb, Stroke};
 
-/// Panels over a common axis.
+/// Panels over a common x axis.
 #[derive(Clone, Debug, Default)]
 pub struct XyPlot {
     x_label: String,
@@ -16,7 +16,7 @@ pub struct XyPlot {
     panels: Vec<Panel>,
 }
 
-/// One panel.
+/// One panel of a chart.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
     title: String,
@@ -29,18 +29,18 @@ pub struct Panel {
     range: Option<(f64, f64)>,
 }
 
-/// Values over the common axis.
+/// A data series.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What the legend calls them.
+    /// Legend label; empty: no entry.
     pub label: String,
-    /// (x, y).
+    /// Points (x, y).
     pub points: Vec<(f64, f64)>,
-    /// How they are drawn.
+    /// Line style.
     pub stroke: Stroke,
 }
 
-/// How many values lie in each of some ranges.
+/// A histogram.
 #[derive(Clone, Debug)]
 struct Bars {
     edges: Vec<f64>,
@@ -48,80 +48,80 @@ struct Bars {
     color: Color,
 }
 
-/// A line across a panel.
+/// A straight line across a panel.
 #[derive(Clone, Debug)]
 pub enum Mark {
-    /// At a place of the common axis, with what is written beside it.
+    /// Vertical line at an x value, with a label; empty: no label.
     At(f64, String),
-    /// At a value.
+    /// Horizontal line at a y value.
     Level(f64),
 }
 
-/// Left, upper and lower margins of a panel's axes \[px].
+/// Left, top, and bottom margins of a panel's axes \[px].
 const MARGINS: [f64; 3] = [78.0, 32.0, 24.0];
-/// The right margin where there is no legend \[px].
+/// Right margin without a legend \[px].
 const NO_LEGEND: f64 = 28.0;
-/// What the lowest panel needs below for the common axis \[px].
+/// Space below the lowest panel for the common axis \[px].
 const FOOT: f64 = 26.0;
 /// Size of a panel's axes \[px].
 const PANEL: (f64, f64) = (620.0, 180.0);
-/// The same in a small picture.
+/// Size of a compact panel's axes \[px].
 const COMPACT_PANEL: (f64, f64) = (350.0, 119.0);
-/// Up to so many, each count has a number.
+/// Largest count up to which every count has a tick label.
 const FEW: f64 = 8.0;
-/// How strongly shaded parts are colored.
+/// Opacity of shaded ranges.
 const SHADED_OPACITY: f64 = 0.25;
-/// Space between a line across and its text \[px].
+/// Gap between a vertical line and its label \[px].
 const MARK_GAP: f64 = 5.0;
 
 impl Panel {
-    /// An empty panel.
+    /// Creates an empty panel.
     pub fn new(title: impl Into<String>, y_label: impl Into<String>) -> Self {
         Self::default().titled(title, y_label)
     }
 
-    /// With this title and this label of its axis.
+    /// Sets the title and the y-axis label.
     #[must_use]
     pub fn titled(self, title: impl Into<String>, y_label: impl Into<String>) -> Self {
         Self { title: title.into(), y_label: y_label.into(), ..self }
     }
 
-    /// With values.
+    /// Adds a data series.
     #[must_use]
     pub fn series(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, stroke: Stroke) -> Self {
         self.series.push(Series { label: label.into(), points, stroke });
         self
     }
 
-    /// With a bar for each count, from one of `edges` to the next: one edge more than counts.
+    /// Sets the histogram; `edges` has one element more than `counts`.
     #[must_use]
     pub fn bars(mut self, edges: Vec<f64>, counts: Vec<f64>, color: Color) -> Self {
         self.bars = Some(Bars { edges, counts, color });
         self
     }
 
-    /// With lines across.
+    /// Adds lines across the panel.
     #[must_use]
     pub fn marks(mut self, marks: impl IntoIterator<Item = Mark>) -> Self {
         self.marks.extend(marks);
         self
     }
 
-    /// With parts of the common axis shaded.
+    /// Adds shaded ranges of the x axis.
     #[must_use]
     pub fn shaded(mut self, parts: impl IntoIterator<Item = (f64, f64)>, color: Color) -> Self {
         self.shaded.extend(parts.into_iter().map(|(from, to)| (from, to, color)));
         self
     }
 
-    /// With a logarithmic axis of values; those that are not positive are left out.
+    /// Makes the y axis logarithmic; nonpositive values are omitted.
     #[must_use]
     pub fn logarithmic(mut self) -> Self {
         self.logarithmic = true;
         self
     }
 
-    /// With a fixed range of values.
+    /// Sets the range of the y axis.
     #[must_use]
     pub fn range(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
@@ -158,38 +158,38 @@ impl Panel {
 }
 
 impl XyPlot {
-    /// An empty chart over this axis.
+    /// Creates an empty chart with this x-axis label.
     pub fn over(x_label: impl Into<String>) -> Self {
         Self { x_label: x_label.into(), ..Self::default() }
     }
 
-    /// With a logarithmic common axis: everything on it is positive.
+    /// Makes the common axis logarithmic; all x values must be positive.
     #[must_use]
     pub fn logarithmic(mut self) -> Self {
         self.logarithmic = true;
         self
     }
 
-    /// With smaller panels: for a picture that shall be read in a column of text.
+    /// Uses smaller panels, for a column of text.
     #[must_use]
     pub fn compact(mut self) -> Self {
         self.compact = true;
         self
     }
 
-    /// With another panel below.
+    /// Adds a panel at the bottom.
     #[must_use]
     pub fn panel(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
     }
 
-    /// The chart as a picture.
+    /// Converts the chart to a picture.
     pub fn picture(self) -> Picture {
         vstack_cells(self.cells())
     }
 
-    /// The panels as parts of a picture.
+    /// Converts the panels to subplots.
     pub fn cells(self) -> Vec<Subplot> {
         let xs = self.panels.iter().flat_map(|p| &p.series).flat_map(|s| s.points.iter().map(|(x, _)| *x));
         let edges = self.panels.iter().filter_map(|p| p.bars.as_ref()).flat_map(|bars| &bars.edges);
@@ -197,11 +197,11 @@ impl XyPlot {
         let xs = xs.chain(edges.copied()).chain(shaded);
         let (low, high) =
             xs.filter(|x| x.is_finite()).fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
-        // An axis that nearly starts at 0 does.
+        // An axis that starts close to 0 is extended to 0.
         let low = if low > 0.0 && low < 0.05 * high && !self.logarithmic { 0.0 } else { low };
         let range = if low < high { (low, high) } else { (0.0, 1.0) };
         let last = self.panels.len().saturating_sub(1);
-        // All panels end at the same place, or their common axis would not be common.
+        // All panels have the same right margin, so their x axes align.
         let legends = self.panels.iter().map(|panel| legend::width(&panel.legend()));
         let right = legends.fold(NO_LEGEND, f64::max);
         let size = if self.compact { COMPACT_PANEL } else { PANEL };
@@ -221,7 +221,7 @@ impl Panel {
         let part_width = left + width + right;
         let (low, high) = self.bounds();
         let area = Area { left, top, width, height };
-        // Counts are whole.
+        // Counts are integers.
         let step = (self.bars.is_some() && high <= FEW).then_some(1.0);
         let y = Axis { low, high, logarithmic: self.logarithmic, label: self.y_label.clone(), step };
         let axes = Axes { title: self.title.clone(), x, y, area };
@@ -237,7 +237,7 @@ impl Panel {
             let bar = |(edges, count): (&[f64], &f64)| {
                 let (left, top) = axes.place((edges[0], *count));
                 let (right, bottom) = axes.place((edges[1], low));
-                // A line of paper between bars shows where each begins.
+                // A gap of one pixel separates adjacent bars.
                 let gap = if right - left > 4.0 { 1.0 } else { 0.0 };
                 Area { left, top, width: right - left - gap, height: bottom - top }
             };
@@ -255,12 +255,12 @@ impl Panel {
         Subplot { shapes, width: part_width, height: top + height + bottom }
     }
 
-    /// Draws the lines across, each with its text beside its upper end.
+    /// Draws the lines across, each with its label at the upper end.
     fn drawn_marks(&self, axes: &Axes) -> Vec<Shape> {
         let Area { left, top, .. } = axes.area;
         let (right, bottom) = (axes.area.right(), axes.area.bottom());
         let (mut shapes, mut texts) = (Vec::new(), Vec::new());
-        // Where the texts of the rows so far end: one that would run into another goes into the next row.
+        // End positions of the labels per row; an overlapping label goes into the next row.
         let mut rows: Vec<f64> = Vec::new();
         for mark in &self.marks {
             let (line, color) = match mark {

@@ -1,4 +1,4 @@
-//! Widths and outlines of text in DejaVu Sans, which is embedded.
+//! Text widths and outlines in the embedded font DejaVu Sans.
 
 use std::sync::LazyLock;
 
@@ -7,17 +7,17 @@ use ttf_parser::{Face, OutlineBuilder};
 
 use crate::plot::scene::{Anchor, Text};
 
-/// `None` only if the embedded font were broken.
+/// Embedded font. `None`: the font data is invalid, which does not occur.
 static FACE: LazyLock<Option<Face<'static>>> = LazyLock::new(|| Face::parse(dejavu::sans::regular(), 0).ok());
 
-/// Returns the width of a text \[px] at this size of the font.
+/// Returns the width of a text at this font size \[px].
 pub(crate) fn width(text: &str, size: f64) -> f64 {
     let Some(face) = FACE.as_ref() else { return 0.0 };
     let units: u32 = text.chars().map(|letter| u32::from(advance(face, letter))).sum();
     f64::from(units) * size / f64::from(face.units_per_em())
 }
 
-/// Returns the outlines of a text's letters relative to its position; `None` if there is nothing to draw.
+/// Returns the glyph outlines relative to the text position. `None`: nothing to draw.
 pub(crate) fn outline(text: &Text) -> Option<Path> {
     let face = FACE.as_ref()?;
     let start = match text.anchor {
@@ -41,7 +41,7 @@ fn advance(face: &Face, letter: char) -> u16 {
     face.glyph_index(letter).and_then(|glyph| face.glyph_hor_advance(glyph)).unwrap_or_default()
 }
 
-/// Collects glyphs, which have their y axis upwards and come in units of the font.
+/// Collects glyph outlines, which have an upward y axis and font units.
 struct Outliner {
     path: PathBuilder,
     scale: f32,
@@ -84,11 +84,12 @@ impl OutlineBuilder for Outliner {
 
 #[cfg(test)]
 mod tests {
-    use super::{outline, width};
     use crate::plot::scene::{Anchor, Text};
 
+    use super::{outline, width};
+
     #[test]
-    fn letters_of_every_label_are_there() {
+    fn font_contains_all_label_characters() {
         for letter in "Az09 °²σωαφρθΔ·×−–±∞≤√ẋ⁻⁰¹⁵".chars() {
             assert!(width(&letter.to_string(), 12.0) > 2.0, "{letter}");
         }
@@ -96,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn an_upright_text_is_a_lying_one_turned() {
+    fn upright_text_is_rotated_horizontal_text() {
         let lying = Text::new((0.0, 0.0), "speed v [m/s]", 12.0, Anchor::Middle);
         let upright = Text { upright: true, ..lying.clone() };
         let (flat, turned) = (outline(&lying).unwrap().bounds(), outline(&upright).unwrap().bounds());

@@ -1,7 +1,7 @@
-//! Square cells of one size, each in one colour: occupancy grids and heat maps.
+//! Heat maps and occupancy grids: square cells of one size.
 //!
-//! An SVG with a rectangle for each of a hundred thousand cells is of no use to anybody. Cells of one colour are merged
-//! into rectangles, and those into one path for each colour.
+//! One SVG rectangle per cell is impractical for a hundred thousand cells. Cells of one color are merged into
+//! rectangles, and the rectangles of one color into one path.
 
 use std::collections::BTreeMap;
 
@@ -9,43 +9,43 @@ use crate::plot::scale::Scale;
 use crate::plot::scene::{Area, Shape};
 use crate::plot::style::{Color, Rgb};
 
-/// Cells over a rectangle, row by row from its lower left corner.
+/// Cells over a rectangle, row by row from the lower left corner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heatmap {
-    /// The lower left corner, in the units of the map.
+    /// Lower left corner, in map units.
     pub low: (f64, f64),
-    /// Side of a cell, in the units of the map.
+    /// Side length of a cell, in map units.
     pub side: f64,
-    /// Cells in a row.
+    /// Number of cells per row.
     pub columns: usize,
-    /// What each cell shows.
+    /// Contents of the cells.
     pub cells: Vec<HeatmapCell>,
 }
 
-/// What a cell shows.
+/// Content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HeatmapCell {
-    /// The paper.
+    /// Background.
     Nothing,
-    /// One colour.
+    /// Constant color.
     Plain(Color),
-    /// A value, in the shade that the map's [`Scale`] has for it.
+    /// Value, drawn in the shade of the map's [`Scale`].
     Value(f64),
 }
 
 impl Heatmap {
-    /// Rows of cells.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.cells.len().checked_div(self.columns).unwrap_or(0)
     }
 
-    /// The upper right corner.
+    /// Upper right corner, in map units.
     pub fn high(&self) -> (f64, f64) {
         let (columns, rows) = (self.columns as f64, self.rows() as f64);
         (self.low.0 + columns * self.side, self.low.1 + rows * self.side)
     }
 
-    /// Draws the cells on this area of paper.
+    /// Draws the cells on the area `on`.
     pub(crate) fn drawn(&self, scale: Option<&Scale>, on: Area) -> Vec<Shape> {
         let (wide, high) = (on.width / self.columns.max(1) as f64, on.height / self.rows().max(1) as f64);
         let mut colors: BTreeMap<Rgb, Vec<Area>> = BTreeMap::new();
@@ -60,7 +60,7 @@ impl Heatmap {
         colors.into_iter().map(|(color, areas)| Shape::Rectangles { areas, color }).collect()
     }
 
-    /// The cells as rectangles of one color each: left, right, lower and upper end, in cells.
+    /// Merges cells into rectangles of one color: left, right, lower, and upper end, in cells.
     fn merged(&self, scale: Option<&Scale>) -> Vec<(Rgb, [usize; 4])> {
         let color = |tile: &HeatmapCell| match tile {
             HeatmapCell::Nothing => None,
@@ -68,7 +68,7 @@ impl Heatmap {
             HeatmapCell::Value(value) => scale.and_then(|scale| scale.shade(*value)).map(Scale::color),
         };
         let mut done = Vec::new();
-        // Runs of the row before, which may go on in this one: where they begin and end, and their lowest row.
+        // Runs of the previous row that may continue: their start, end, and color, and their lowest row.
         let mut open: BTreeMap<(usize, usize, Rgb), usize> = BTreeMap::new();
         for (row, cells) in self.cells.chunks_exact(self.columns.max(1)).enumerate() {
             let mut here = BTreeMap::new();
@@ -94,14 +94,15 @@ impl Heatmap {
 
 #[cfg(test)]
 mod tests {
-    use super::{Heatmap, HeatmapCell};
     use crate::plot::scale::Scale;
     use crate::plot::style::Color;
 
+    use super::{Heatmap, HeatmapCell};
+
     #[test]
-    fn every_cell_is_in_one_rectangle_of_its_colour() {
+    fn merged_rectangles_cover_each_cell_once() {
         let (columns, rows) = (17, 11);
-        // A pattern without any order, by a full cycle modulo 187.
+        // Pseudorandom pattern: a full cycle modulo 187.
         let tile = |k: usize| match (k * 60 + 7) % 187 % 5 {
             0 => HeatmapCell::Nothing,
             1 | 2 => HeatmapCell::Plain(Color::Grey),
@@ -127,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_room_is_a_few_rectangles() {
+    fn large_room_merges_into_five_rectangles() {
         let side = 800;
         let wall = |k: usize| [k % side, k / side].iter().any(|&at| at == 0 || at == side - 1);
         let cells =

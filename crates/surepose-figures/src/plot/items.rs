@@ -1,60 +1,60 @@
-//! What lies on a map.
+//! Map layers.
 
 use crate::plot::style::{Color, Stroke};
 
-/// Places of one kind.
+/// A set of points.
 #[derive(Clone, Debug)]
 pub struct Dots {
-    /// What the legend calls them.
+    /// Legend label; empty: no entry.
     pub label: String,
-    /// The places.
+    /// Positions.
     pub points: Vec<(f64, f64)>,
-    /// What they are drawn in.
+    /// Color or values.
     pub paint: DotPaint,
     /// Radius \[px].
     pub radius: f64,
 }
 
-/// What dots are drawn in.
+/// Color of points.
 #[derive(Clone, Debug)]
 pub enum DotPaint {
-    /// One colour.
+    /// One color.
     Plain(Color),
-    /// The shade of a value for each, by the map's [`Scale`].
+    /// One value per point, drawn in the shade of the map's [`Scale`].
     Values(Vec<f64>),
 }
 
-/// A way.
+/// A path.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// What the legend calls it.
+    /// Legend label; empty: no entry.
     pub label: String,
-    /// Its points.
+    /// Points of the polyline.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Line style.
     pub stroke: Stroke,
 }
 
-/// Closed curves of one kind.
+/// A set of closed curves.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    /// What the legend calls them.
+    /// Legend label; empty: no entry.
     pub label: String,
-    /// The points of each.
+    /// Points of each curve.
     pub curves: Vec<Vec<(f64, f64)>>,
-    /// How they are drawn.
+    /// Line style.
     pub stroke: Stroke,
 }
 
-/// A pose, as an arrow from its position along its heading.
+/// A pose, drawn as an arrow along its heading.
 #[derive(Clone, Debug)]
 pub struct Arrow {
-    /// What the legend calls it.
+    /// Legend label; empty: no entry.
     pub label: String,
     /// Position.
     pub at: (f64, f64),
     /// Heading \[rad].
     pub heading: f64,
-    /// Its colour.
+    /// Color.
     pub color: Color,
 }

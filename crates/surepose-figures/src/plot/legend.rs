@@ -1,4 +1,4 @@
-//! What colors and lines mean.
+//! Legends.
 
 use crate::plot::font;
 use crate::plot::scene::{Anchor, Area, Pen, Point, Shape, Text};
@@ -11,7 +11,7 @@ pub(crate) struct Entry {
     pub(crate) key: Key,
 }
 
-/// What an entry explains.
+/// Symbol of an entry.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Key {
     Line(Pen),
@@ -20,12 +20,12 @@ pub(crate) enum Key {
     Arrow(Rgb),
 }
 
-/// Size of the text, height of an entry, and width of a key with the space after it \[px].
+/// Font size, row height, width of a symbol, and width of a symbol with its gap \[px].
 const TEXT: f64 = 12.0;
 pub(crate) const ROW: f64 = 18.0;
 const KEY: f64 = 22.0;
 const KEY_ROOM: f64 = 30.0;
-/// Space between the axes and the legend, and after each column \[px].
+/// Gap between the axes and the legend, and after each column \[px].
 const GAP: f64 = 14.0;
 
 /// Adds an entry unless its label is empty.
@@ -35,23 +35,23 @@ pub(crate) fn add(entries: &mut Vec<Entry>, label: &str, key: Key) {
     }
 }
 
-/// Returns what a legend on the right of axes needs there \[px].
+/// Returns the width of a legend to the right of the axes \[px].
 pub(crate) fn width(entries: &[Entry]) -> f64 {
     if entries.is_empty() { 0.0 } else { GAP + column_width(entries) }
 }
 
-/// Draws a legend on the right of axes, no higher than they are.
+/// Draws a legend to the right of the axes, at most as high as they are.
 pub(crate) fn hstack(entries: &[Entry], axes: &Area) -> Vec<Shape> {
     let row = ROW.min(axes.height / entries.len().max(1) as f64);
     column(entries, (axes.right() + GAP, axes.top), row)
 }
 
-/// Returns the height of a legend in columns on this width \[px].
+/// Returns the height of a multi-column legend of the given width \[px].
 pub(crate) fn height_below(entries: &[Entry], width: f64) -> f64 {
     rows(entries, width) as f64 * ROW
 }
 
-/// Draws a legend in columns on this width.
+/// Draws a multi-column legend of the given width \[px].
 pub(crate) fn vstack_cells(entries: &[Entry], (left, top): Point, width: f64) -> Vec<Shape> {
     let columns = entries.chunks(rows(entries, width).max(1));
     let mut left = left;
@@ -63,10 +63,10 @@ pub(crate) fn vstack_cells(entries: &[Entry], (left, top): Point, width: f64) ->
     shapes
 }
 
-/// The fewest rows whose columns fit.
+/// Smallest number of rows whose columns fit.
 fn rows(entries: &[Entry], width: f64) -> usize {
     let fits = |rows: &usize| entries.chunks(*rows).map(column_width).sum::<f64>() <= width;
-    // More than three columns are hard to read.
+    // At most three columns, for legibility.
     (entries.len().div_ceil(3)..=entries.len()).filter(|rows| *rows > 0).find(fits).unwrap_or(entries.len())
 }
 
@@ -97,7 +97,7 @@ fn column(entries: &[Entry], (left, top): Point, row: f64) -> Vec<Shape> {
     shapes
 }
 
-/// Draws an arrow between two places.
+/// Draws an arrow between two points.
 pub(crate) fn arrow(from: Point, to: Point, color: Rgb) -> [Shape; 2] {
     const HEAD: (f64, f64) = (10.0, 5.0);
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);

@@ -1,4 +1,4 @@
-//! A map from above: cells, walls, ways, ellipses, dots and poses, one metre as long upwards as sideways.
+//! Map plots with equal axes: cells, walls, paths, ellipses, points, and poses.
 
 use crate::plot::axes::{self, Axis};
 use crate::plot::heatmap::Heatmap;
@@ -9,7 +9,7 @@ use crate::plot::scale::Scale;
 use crate::plot::scene::{Area, Pen, Shape};
 use crate::plot::style::{Color, Rgb, Stroke};
 
-/// A map to be drawn \[m].
+/// A map plot; coordinates in meters.
 #[derive(Clone, Debug, Default)]
 pub struct MapPlot {
     title: String,
@@ -26,7 +26,7 @@ pub struct MapPlot {
     compact: bool,
 }
 
-/// What the axes of a map say.
+/// Unit, labels, and tick step of the axes.
 #[derive(Clone, Copy, Debug)]
 struct Axes {
     per_metre: f64,
@@ -36,31 +36,31 @@ struct Axes {
 
 const METRES: Axes = Axes { per_metre: 1.0, labels: ["x [m]", "y [m]"], step: None };
 
-/// Left, right, upper and lower margins of a map's axes \[px].
+/// Left, right, top, and bottom margins \[px].
 const MARGINS: [f64; 4] = [64.0, 20.0, 40.0, 56.0];
-/// Length of the arrow of a pose \[px].
+/// Length of a pose arrow \[px].
 const ARROW: f64 = 28.0;
-/// Radius of a dot \[px], and of one where there are very many.
+/// Radius of a point, and of one of very many points \[px].
 const DOT: f64 = 4.0;
 const POINT: f64 = 1.2;
-/// More walls than this are a building.
+/// Number of walls above which they are drawn thinner.
 const CROWDED: usize = 50;
-/// The longest side of a map \[px], and of one with more cells along a side than can be seen on that.
+/// Maximum side length \[px], and its value for maps with more than `FINE` cells per side.
 const MAX_SIDE: f64 = 560.0;
 const MAX_SIDE_FINE: f64 = 1000.0;
 const FINE: usize = 280;
-/// The longest side of a map that is one part of a small picture \[px].
+/// Maximum side length of a compact map \[px].
 const MAX_SIDE_COMPACT: f64 = 400.0;
-/// Space below the legend of such a map \[px].
+/// Space below the legend of a compact map \[px].
 const LEGEND_FOOT: f64 = 12.0;
 
 impl MapPlot {
-    /// An empty map.
+    /// Creates an empty map.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), ..Self::default() }
     }
 
-    /// With cells below everything else; `keys` say in the legend what their plain colours are.
+    /// Adds cells below all other layers; `keys` are legend entries for their constant colors.
     #[must_use]
     pub fn heatmap(mut self, heatmap: Heatmap, keys: impl IntoIterator<Item = (String, Color)>) -> Self {
         self.heatmap = Some(heatmap);
@@ -68,21 +68,21 @@ impl MapPlot {
         self
     }
 
-    /// With shades for values, and a bar that explains them.
+    /// Adds a color scale and its color bar.
     #[must_use]
     pub fn scale(mut self, scale: Scale) -> Self {
         self.scale = Some(scale);
         self
     }
 
-    /// With places.
+    /// Adds points.
     #[must_use]
     pub fn dots(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, paint: DotPaint) -> Self {
         self.dots.push(Dots { label: label.into(), points, paint, radius: DOT });
         self
     }
 
-    /// With very many places in one colour.
+    /// Adds a large number of small points in one color.
     #[must_use]
     pub fn points(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, color: Color) -> Self {
         let paint = DotPaint::Plain(color);
@@ -90,21 +90,21 @@ impl MapPlot {
         self
     }
 
-    /// With walls.
+    /// Adds walls, each between two points.
     #[must_use]
     pub fn walls(mut self, walls: impl IntoIterator<Item = [(f64, f64); 2]>) -> Self {
         self.walls.extend(walls);
         self
     }
 
-    /// With a way.
+    /// Adds a path.
     #[must_use]
     pub fn trace(mut self, label: impl Into<String>, points: Vec<(f64, f64)>, stroke: Stroke) -> Self {
         self.traces.push(Trace { label: label.into(), points, stroke });
         self
     }
 
-    /// With closed curves.
+    /// Adds closed curves.
     #[must_use]
     pub fn outlines(
         mut self,
@@ -116,47 +116,47 @@ impl MapPlot {
         self
     }
 
-    /// With a pose.
+    /// Adds a pose; `heading` in rad.
     #[must_use]
     pub fn pose(mut self, label: impl Into<String>, at: (f64, f64), heading: f64, color: Color) -> Self {
         self.arrows.push(Arrow { label: label.into(), at, heading, color });
         self
     }
 
-    /// Shows this part only, from its lower left to its upper right corner.
+    /// Restricts the plot to the rectangle from `low` to `high` \[m].
     #[must_use]
     pub fn window(mut self, low: (f64, f64), high: (f64, f64)) -> Self {
         self.window = Some([low, high]);
         self
     }
 
-    /// Labels the axes otherwise, `per_metre` of their unit being one metre.
+    /// Sets the axis unit and labels; `per_metre` units are one meter.
     #[must_use]
     pub fn axes(mut self, per_metre: f64, x_label: &'static str, y_label: &'static str) -> Self {
         self.axes = Some(Axes { per_metre, labels: [x_label, y_label], step: None });
         self
     }
 
-    /// Numbers the axes every `step` of their unit.
+    /// Sets the tick step, in axis units.
     #[must_use]
     pub fn numbered_every(mut self, step: f64) -> Self {
         self.axes = Some(Axes { step: Some(step), ..self.axes.unwrap_or(METRES) });
         self
     }
 
-    /// Smaller, with its legend below it: for a picture that shall be read in a column of text.
+    /// Uses a smaller layout with the legend below, for a column of text.
     #[must_use]
     pub fn compact(mut self) -> Self {
         self.compact = true;
         self
     }
 
-    /// The map as a picture of its own.
+    /// Converts the map to a picture.
     pub fn picture(self) -> Picture {
         hstack(vec![self.cell()])
     }
 
-    /// The map as a part of a picture.
+    /// Converts the map to a subplot.
     pub fn cell(self) -> Subplot {
         let [low, high] = self.extent();
         let (span_x, span_y) = (high.0 - low.0, high.1 - low.1);
@@ -188,7 +188,7 @@ impl MapPlot {
         inside.extend(self.items(&axes, scale));
         let mut shapes = vec![Shape::Clip { area, shapes: inside }];
         shapes.extend(axes.frame(part_width));
-        // Poses near the edge point across it.
+        // Arrows near the edge may extend beyond the axes.
         for Arrow { at: (x, y), heading, color, .. } in &self.arrows {
             let from = axes.place((x * scale, y * scale));
             if area.contains(from) {
@@ -204,7 +204,7 @@ impl MapPlot {
             height += legend::height_below(&entries, width) + LEGEND_FOOT;
         } else {
             shapes.extend(legend::hstack(&entries, &area));
-            // The bar stands below the legend, beside the axes.
+            // The color bar is below the legend, beside the axes.
             above_bar = if entries.is_empty() { 0.0 } else { entries.len() as f64 * legend::ROW + 12.0 };
         }
         let bar = self.scale.iter().flat_map(|scale| scale.bar(area.right(), top + above_bar, area.bottom()));
@@ -212,8 +212,9 @@ impl MapPlot {
         Subplot { shapes, width: part_width, height }
     }
 
-    /// Pixels of a metre where the longer side has `longest` \[m]: where there are cells, each gets so many half pixels
-    /// that its edges lie between those of the PNG.
+    /// Returns the pixels per meter for a longer side of `longest` \[m].
+    ///
+    /// Cells get a whole number of half pixels, so their edges lie between pixels of the PNG.
     fn pixels_per_metre(&self, longest: f64) -> f64 {
         let side = if self.compact { MAX_SIDE_COMPACT } else { MAX_SIDE };
         let Some(heatmap) = &self.heatmap else { return side / longest };
@@ -223,7 +224,7 @@ impl MapPlot {
         if halves >= 1.0 { halves / (2.0 * cell) } else { desired }
     }
 
-    /// Everything that is cut off at the edges of the axes, `scale` of whose unit are one metre.
+    /// Draws all layers that are clipped at the axes; `scale` axis units are one meter.
     fn items(&self, axes: &axes::Axes, scale: f64) -> Vec<Shape> {
         let line = |points: &[(f64, f64)]| axes.line(points.iter().map(|(x, y)| (x * scale, y * scale)));
         let mut shapes = Vec::new();
@@ -253,7 +254,7 @@ impl MapPlot {
         shapes
     }
 
-    /// On cells walls must stand out; and where there are many, wide ones would grow together.
+    /// Walls need contrast on cells, and many walls need thin lines.
     fn wall_stroke(&self) -> Stroke {
         match self.walls.len() {
             CROWDED.. if self.heatmap.is_some() => Stroke::thin(Color::Vermilion),
@@ -291,7 +292,7 @@ impl MapPlot {
         entries
     }
 
-    /// The window, or the cells, or the corners of everything with a margin.
+    /// The window, the cells, or the bounding box of all layers with a margin.
     fn extent(&self) -> [(f64, f64); 2] {
         if let Some(window) = self.window {
             return window;
@@ -319,9 +320,9 @@ impl MapPlot {
             return [(0.0, 0.0), (1.0, 1.0)];
         }
         let longest = (high.0 - low.0).max(high.1 - low.1).max(1e-3);
-        // Room for the arrows, which are as long on paper whatever the map's scale.
+        // Margin for the arrows, whose length on the page does not depend on the map scale.
         let margin = if self.arrows.is_empty() { 0.05 } else { 0.08 } * longest;
-        // A map that is nearly a line keeps some height, or there is no room for its labels.
+        // A minimum height keeps space for the labels of a nearly straight map.
         let grown = |low: f64, high: f64| {
             let half = (0.5 * (high - low) + margin).max(0.2 * longest);
             (0.5 * (low + high) - half, 0.5 * (low + high) + half)

@@ -1,37 +1,37 @@
-//! A picture that is drawn, and how it becomes a file.
+//! A finished picture and its output formats.
 
 use std::path::Path;
 
 use crate::plot::scene::{Scene, Shape};
 use crate::plot::{raster, svg};
 
-/// A picture, ready to be written.
+/// A picture, ready for output.
 #[derive(Clone, Debug)]
 pub struct Picture {
     scene: Scene,
 }
 
-/// Why a picture could not be made.
+/// Error of the output of a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] std::io::Error),
-    /// The raster does not fit into memory or a PNG.
-    #[error("cannot be drawn as PNG: {0}")]
+    /// The image does not fit into memory or into a PNG.
+    #[error("picture: rendering as PNG failed: {0}")]
     Raster(String),
 }
 
 impl Picture {
-    /// The picture as SVG.
+    /// Renders the picture as SVG.
     pub fn svg(&self) -> String {
         svg::svg(&self.scene)
     }
 
-    /// The picture as PNG.
+    /// Renders the picture as PNG.
     ///
     /// # Errors
-    /// [`PlotError::Raster`].
+    /// [`PlotError::Raster`] if the image is too large.
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
         raster::png(&self.scene).map_err(PlotError::Raster)
     }
@@ -39,7 +39,7 @@ impl Picture {
     /// Writes `folder/name.svg` and `folder/name.png`.
     ///
     /// # Errors
-    /// [`PlotError`].
+    /// [`PlotError`] if a file cannot be written or the image is too large.
     pub fn save(&self, folder: &Path, name: &str) -> Result<(), PlotError> {
         std::fs::write(folder.join(format!("{name}.svg")), self.svg())?;
         std::fs::write(folder.join(format!("{name}.png")), self.png()?)?;
@@ -47,7 +47,7 @@ impl Picture {
     }
 }
 
-/// One part of a picture, and its size with all labels \[px].
+/// One part of a picture and its size including labels \[px].
 #[derive(Clone, Debug)]
 pub struct Subplot {
     pub(crate) shapes: Vec<Shape>,
@@ -55,26 +55,26 @@ pub struct Subplot {
     pub(crate) height: f64,
 }
 
-/// Space between parts, and around all of them \[px].
+/// Gap between subplots and around the picture \[px].
 const GAP: f64 = 8.0;
 
-/// One part on the left, the others below each other on its right.
+/// Arranges one subplot on the left and a column of subplots on the right.
 pub fn hstack_column(left: Subplot, right: Vec<Subplot>) -> Picture {
     let column = below_each_other(right);
     hstack(vec![left, column])
 }
 
-/// Charts below each other, each over an axis of its own.
+/// Arranges charts in a column, each with its own axis.
 pub fn vstack(charts: Vec<Vec<Subplot>>) -> Picture {
     vstack_cells(charts.into_iter().flatten().collect())
 }
 
-/// The parts below each other.
+/// Arranges subplots in a column.
 pub(crate) fn vstack_cells(cells: Vec<Subplot>) -> Picture {
     finish(below_each_other(cells))
 }
 
-/// The parts beside each other.
+/// Arranges subplots in a row.
 pub fn hstack(cells: Vec<Subplot>) -> Picture {
     let height = cells.iter().fold(0.0, |highest: f64, cell| highest.max(cell.height));
     let mut left = 0.0;

@@ -1,4 +1,4 @@
-//! A drawing as PNG.
+//! Rasterization of a drawing to PNG.
 
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Mask, Paint, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
@@ -8,12 +8,12 @@ use crate::plot::font;
 use crate::plot::scene::{Area, DASHES, HALO, Pen, PenStyle, Point, Scene, Shape, Text};
 use crate::plot::style::Rgb;
 
-/// Pixels of the PNG for each unit of the drawing.
+/// Pixels of the PNG per unit of the drawing.
 const SCALE: f32 = 2.0;
-/// The most pixels of the PNG along a side.
+/// Maximum side length of the PNG \[px].
 const MAX_SIDE: f64 = 32_767.0;
 
-/// Returns the drawing as PNG, or the reason that it cannot be one.
+/// Renders the drawing as PNG, or returns the error message.
 pub(crate) fn png(scene: &Scene) -> Result<Vec<u8>, String> {
     let pixels = |length: f64| (f64::from(SCALE) * length).ceil().max(1.0);
     let (width, height) = (pixels(scene.width), pixels(scene.height));
@@ -27,12 +27,12 @@ pub(crate) fn png(scene: &Scene) -> Result<Vec<u8>, String> {
     encoded(&canvas.sheet).map_err(|why| why.to_string())
 }
 
-/// Pixels that are drawn on.
+/// Pixel buffer with clip mask and transform.
 struct Canvas {
     sheet: Pixmap,
-    /// What may be drawn on; `None` is everything.
+    /// Clip mask. `None`: no clipping.
     mask: Option<Mask>,
-    /// From the shapes' coordinates to pixels.
+    /// Transform from shape coordinates to pixels.
     at: Transform,
 }
 
@@ -117,7 +117,7 @@ impl Canvas {
         self.sheet.fill_path(&path, &paint, FillRule::Winding, self.at, self.mask.as_ref());
     }
 
-    /// A mask of everything inside of `area`.
+    /// Clip mask of `area`.
     fn clip(&self, area: &Area) -> Option<Mask> {
         let mut mask = Mask::new(self.sheet.width(), self.sheet.height())?;
         let mut path = PathBuilder::new();
@@ -140,7 +140,7 @@ fn paint(Rgb([red, green, blue]): Rgb) -> Paint<'static> {
     paint
 }
 
-/// The sheet, which is opaque, without its alpha channel.
+/// Encodes the opaque image without its alpha channel.
 fn encoded(sheet: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let colors: Vec<u8> = sheet.data().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
     let mut file = Vec::new();

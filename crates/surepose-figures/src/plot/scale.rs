@@ -1,4 +1,4 @@
-//! From values to shades of one ramp, and the bar that says which shade is which value.
+//! Color scale: maps values to shades of a color ramp, with a color bar.
 
 use crate::plot::axes::NUMBER_SIZE;
 use crate::plot::font;
@@ -6,10 +6,10 @@ use crate::plot::scene::{Anchor, Area, Pen, Shape, Text};
 use crate::plot::style::Rgb;
 use crate::plot::ticks::{self, Tick};
 
-/// Values on a ramp of shades, light for low and dark for high.
+/// A color scale, light for low values and dark for high values.
 ///
-/// The ramp is ColorBrewer's from yellow over green to blue, whose lightness falls all along: it is read by colour-blind
-/// people and in grey print. What a scale has no shade for (a failure, a gap) is drawn in a colour of its own.
+/// The ramp is ColorBrewer's yellow-green-blue. Its lightness decreases monotonically, so it is legible for
+/// color-blind readers and in grayscale. Values without a shade (failures, gaps) have a separate color.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
     label: String,
@@ -18,41 +18,41 @@ pub struct Scale {
     per_unit: f64,
 }
 
-/// Shades of the ramp: as many as can be told apart, so that neighbouring cells often share one.
+/// Number of shades; a larger one is indistinguishable, and fewer shades let adjacent cells merge.
 const SHADES: f64 = 48.0;
-/// The part of the ramp that is used: its lightest end could be taken for paper.
+/// Start of the used part of the ramp; its lightest end resembles the background.
 const LIGHTEST: f64 = 0.22;
-/// Space between the axes and the bar, and the bar's width \[px].
+/// Gap between the axes and the color bar, and width of the bar \[px].
 const GAP: f64 = 18.0;
 const WIDTH: f64 = 18.0;
 /// Length of a tick \[px].
 const TICK: f64 = 5.0;
-/// Where the bar's label runs, from the bar's right side \[px].
+/// Distance of the label from the right side of the bar \[px].
 const LABEL: f64 = 62.0;
-/// Most steps between the bar's ticks.
+/// Maximum number of steps between the ticks of the bar.
 const MAX_STEPS: usize = 8;
 
 impl Scale {
-    /// What a picture with a bar needs on its right \[px].
+    /// Width of the color bar with its labels \[px].
     pub(crate) const ROOM: f64 = GAP + WIDTH + LABEL + 14.0;
 
-    /// Values from `low` to `high`; those beyond are drawn as the end that they are beyond.
+    /// Creates a scale from `low` to `high`; values outside have the shade of the nearer end.
     pub fn new(label: impl Into<String>, low: f64, high: f64) -> Self {
         let ordered = low.is_finite() && high.is_finite() && low < high;
-        // A single value has a range of its own size around it, or there is nothing to divide by.
+        // An empty or invalid range is replaced by one around the value, which avoids a division by 0.
         let middle = if low.is_finite() { low } else { 0.0 };
         let half = 0.5 * middle.abs().max(1e-9);
         let (low, high) = if ordered { (low, high) } else { (middle - half, middle + half) };
         Self { label: label.into(), low, high, per_unit: 1.0 }
     }
 
-    /// Writes beside the bar `per_unit` times the values.
+    /// Multiplies the labels of the color bar by `per_unit`.
     #[must_use]
     pub fn times(self, per_unit: f64) -> Self {
         Self { per_unit, ..self }
     }
 
-    /// The number of the shade of `value`; none of what is no number.
+    /// Index of the shade of `value`. `None`: NaN.
     pub(crate) fn shade(&self, value: f64) -> Option<u8> {
         let part = (value - self.low) / (self.high - self.low);
         (!part.is_nan()).then(|| (part.clamp(0.0, 1.0) * (SHADES - 1.0)).round() as u8)
@@ -65,7 +65,7 @@ impl Scale {
         Rgb(color.into_array())
     }
 
-    /// Draws the bar beside axes that end at `right`, from `top` to `bottom` \[px].
+    /// Draws the color bar beside axes that end at `right`, from `top` to `bottom` \[px].
     pub(crate) fn bar(&self, right: f64, top: f64, bottom: f64) -> Vec<Shape> {
         let whole = Area { left: right + GAP, top, width: WIDTH, height: bottom - top };
         let place = |part: f64| bottom - whole.height * part;
@@ -85,7 +85,7 @@ impl Scale {
         }
         drawn.push(Shape::Lines { lines, pen: Pen::crisp(Rgb::INK) });
         let at = (whole.right() + LABEL, place(0.5));
-        // A long label is smaller, or it would run over the ends of the picture.
+        // A label longer than the bar is drawn smaller.
         let size = NUMBER_SIZE * (whole.height / font::width(&self.label, NUMBER_SIZE).max(1.0)).min(1.0);
         let label = Text::new(at, self.label.as_str(), size, Anchor::Middle);
         drawn.push(Shape::Text(Text { upright: true, ..label }));
@@ -102,7 +102,7 @@ mod tests {
     use super::Scale;
 
     #[test]
-    fn ends_are_kept_and_what_is_no_number_has_no_shade() {
+    fn values_are_clamped_and_nan_has_no_shade() {
         let scale = Scale::new("", 1.0, 3.0);
         assert_eq!(scale.shade(1.0), Some(0));
         assert_eq!(scale.shade(3.0), Some(47));
@@ -116,7 +116,7 @@ mod tests {
         let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| tick.text).collect::<Vec<_>>();
         let percent = Scale::new("", 0.0, 1.0).times(100.0);
         assert_eq!(texts(percent), ["0", "20", "40", "60", "80", "100"]);
-        // One value, and none: still a bar.
+        // A single value and an empty range still give a color bar.
         for (low, high) in [(2.0, 2.0), (f64::INFINITY, f64::NEG_INFINITY)] {
             assert!(texts(Scale::new("", low, high)).len() > 1);
         }

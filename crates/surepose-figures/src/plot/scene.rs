@@ -2,7 +2,7 @@
 
 use crate::plot::style::{Rgb, Stroke};
 
-/// Pixels to the right and downwards.
+/// Coordinates to the right and downward \[px].
 pub(crate) type Point = (f64, f64);
 
 /// A drawing.
@@ -10,30 +10,30 @@ pub(crate) type Point = (f64, f64);
 pub(crate) struct Scene {
     pub(crate) width: f64,
     pub(crate) height: f64,
-    /// From the lowest to the topmost.
+    /// Shapes from the lowest to the topmost.
     pub(crate) shapes: Vec<Shape>,
 }
 
-/// What a drawing consists of.
+/// A shape of a drawing.
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    /// Polylines in one pen.
+    /// Polylines with one pen.
     Lines { lines: Vec<Vec<Point>>, pen: Pen },
-    /// Filled rectangles without antialiasing: neighbors meet without a seam.
+    /// Filled rectangles without antialiasing; adjacent ones have no visible seam.
     Rectangles { areas: Vec<Area>, color: Rgb },
     /// A filled polygon.
     Polygon { corners: Vec<Point>, color: Rgb },
-    /// Filled circles of one size.
+    /// Filled circles of one radius.
     Dots { centers: Vec<Point>, radius: f64, color: Rgb },
     /// A line of text.
     Text(Text),
-    /// Shapes that are cut off at the edges of `area`.
+    /// Shapes clipped to `area`.
     Clip { area: Area, shapes: Vec<Shape> },
-    /// Shapes whose upper left corner is `at`.
+    /// Shapes translated to the origin `at`.
     Group { at: Point, shapes: Vec<Shape> },
 }
 
-/// How lines are drawn.
+/// Color, width \[px], and style of lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pen {
     pub(crate) color: Rgb,
@@ -41,14 +41,14 @@ pub(crate) struct Pen {
     pub(crate) style: PenStyle,
 }
 
-/// What lines look like along their length.
+/// Line style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PenStyle {
-    /// Data: round ends and corners.
+    /// Data: round ends and joins.
     Round,
-    /// Frames, ticks and grids: horizontal and vertical lines with hard edges.
+    /// Frames, ticks, and grids: horizontal and vertical lines with crisp edges.
     Crisp,
-    /// Dashes.
+    /// Dashed lines.
     Dashed,
 }
 
@@ -56,12 +56,12 @@ pub(crate) enum PenStyle {
 pub(crate) const DASHES: [f64; 2] = [5.0, 3.0];
 
 impl Pen {
-    /// For data.
+    /// Pen for data.
     pub(crate) fn round(stroke: Stroke) -> Self {
         Self { color: stroke.color.rgb(), width: stroke.width, style: PenStyle::Round }
     }
 
-    /// For frames, ticks and grids.
+    /// Pen for frames, ticks, and grids.
     pub(crate) const fn crisp(color: Rgb) -> Self {
         Self { color, width: 1.0, style: PenStyle::Crisp }
     }
@@ -89,7 +89,7 @@ impl Area {
         (self.left..=self.right()).contains(&x) && (self.top..=self.bottom()).contains(&y)
     }
 
-    /// The outline, closed.
+    /// Closed outline.
     pub(crate) fn outline(&self) -> Vec<Point> {
         let (left, top, right, bottom) = (self.left, self.top, self.right(), self.bottom());
         vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
@@ -99,19 +99,19 @@ impl Area {
 /// A line of text.
 #[derive(Clone, Debug)]
 pub(crate) struct Text {
-    /// Where its baseline begins, has its middle or ends, by the anchor.
+    /// Anchor point on the baseline.
     pub(crate) at: Point,
     pub(crate) content: String,
-    /// Size of the font \[px].
+    /// Font size \[px].
     pub(crate) size: f64,
     pub(crate) anchor: Anchor,
-    /// Whether it runs upwards rather than to the right.
+    /// Whether the text runs upward instead of to the right.
     pub(crate) upright: bool,
-    /// Whether paper surrounds its letters, so that it is legible on lines.
+    /// Whether a background halo keeps the text legible on lines.
     pub(crate) halo: bool,
 }
 
-/// Width of the paper around letters \[px].
+/// Width of the halo \[px].
 pub(crate) const HALO: f64 = 2.0;
 
 impl Text {
@@ -120,7 +120,7 @@ impl Text {
     }
 }
 
-/// What part of a text lies at its position.
+/// Part of the text that lies at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,

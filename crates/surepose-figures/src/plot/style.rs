@@ -1,38 +1,38 @@
-//! Colours and strokes, the same in every picture.
+//! Colors and line styles of all pictures.
 
 use std::fmt;
 
-/// A colour of the palette of Okabe and Ito, which colour-blind readers can tell apart.
+/// Color-blind safe colors by Okabe and Ito, and grays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Color {
-    /// What is true.
+    /// Ground truth.
     Black,
-    /// What stands still: walls.
+    /// Walls.
     Grey,
-    /// What lies below something else.
+    /// Background layers.
     Silver,
-    /// What is not known.
+    /// Unknown areas.
     Mist,
-    /// The first of several.
+    /// First series.
     Blue,
-    /// The second.
+    /// Second series.
     Vermilion,
-    /// The third.
+    /// Third series.
     Green,
-    /// The fourth.
+    /// Fourth series.
     Orange,
-    /// The fifth.
+    /// Fifth series.
     Purple,
-    /// The sixth.
+    /// Sixth series.
     Sky,
 }
 
 impl Color {
-    /// Colours for things that are compared, in order.
+    /// Colors of compared series, in order.
     pub const SERIES: [Self; 6] =
         [Self::Blue, Self::Vermilion, Self::Green, Self::Orange, Self::Purple, Self::Sky];
 
-    /// The colour of the `index`-th of several things.
+    /// Color of series `index`; repeats after six series.
     pub fn from_series(index: usize) -> Self {
         Self::SERIES[index % Self::SERIES.len()]
     }
@@ -53,53 +53,53 @@ impl Color {
     }
 }
 
-/// Red, green and blue.
+/// Red, green, and blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Rgb(pub(crate) [u8; 3]);
 
 impl Rgb {
-    /// Frames, ticks and text.
+    /// Frames, ticks, and text.
     pub(crate) const INK: Self = Color::Black.rgb();
     /// Grid lines.
     pub(crate) const GRID: Self = Self([221; 3]);
-    /// The background.
+    /// Background.
     pub(crate) const PAPER: Self = Self([255; 3]);
 
-    /// The color at this opacity on paper.
+    /// Blends the color with the background at the given opacity.
     pub(crate) fn on_paper(self, opacity: f64) -> Self {
         Self(self.0.map(|part| (255.0 - opacity * (255.0 - f64::from(part))).round() as u8))
     }
 }
 
 impl fmt::Display for Rgb {
-    /// Writes `#rrggbb`.
+    /// Formats as `#rrggbb`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [red, green, blue] = self.0;
         write!(f, "#{red:02x}{green:02x}{blue:02x}")
     }
 }
 
-/// How a line is drawn.
+/// Color and width of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Its colour.
+    /// Color.
     pub color: Color,
-    /// Its width \[px].
+    /// Width \[px].
     pub width: f64,
 }
 
 impl Stroke {
-    /// A line of ordinary width.
+    /// Line of standard width.
     pub const fn solid(color: Color) -> Self {
         Self { color, width: 1.8 }
     }
 
-    /// A thin line, for what there is much of, or for what lies on top of a wide one.
+    /// Thin line, for dense data or on top of a wide line.
     pub const fn thin(color: Color) -> Self {
         Self { color, width: 1.0 }
     }
 
-    /// A wide line, for what lies below others.
+    /// Wide line, below other lines.
     pub const fn wide(color: Color) -> Self {
         Self { color, width: 3.5 }
     }

@@ -1,11 +1,11 @@
-//! A drawing as SVG.
+//! Output of a drawing as SVG.
 
 use std::fmt::Write as _;
 
 use crate::plot::scene::{Anchor, Area, DASHES, HALO, Pen, PenStyle, Point, Scene, Shape, Text};
 use crate::plot::style::Rgb;
 
-/// Returns the drawing as SVG.
+/// Renders the drawing as SVG.
 pub(crate) fn svg(scene: &Scene) -> String {
     let (width, height) = (Px(scene.width), Px(scene.height));
     let (ink, paper) = (Rgb::INK, Rgb::PAPER);
@@ -20,19 +20,19 @@ pub(crate) fn svg(scene: &Scene) -> String {
     writer.text
 }
 
-/// Hundredths of a pixel.
+/// Length in pixels, formatted with two decimals.
 struct Px(f64);
 
 impl std::fmt::Display for Px {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // Adding 0 turns -0 into 0.
+        // Adding 0 turns −0 into 0.
         write!(f, "{}", (self.0 * 100.0).round() / 100.0 + 0.0)
     }
 }
 
 struct Writer {
     text: String,
-    /// Clip paths so far, which are numbered.
+    /// Number of clip paths so far, used for their identifiers.
     clips: usize,
 }
 
@@ -55,7 +55,7 @@ impl Writer {
                 Shape::Polygon { corners, color } => {
                     self.line(&format!("<path d=\"{}z\" fill=\"{color}\"/>", polyline(corners)));
                 }
-                // A line of no length with round ends is a dot.
+                // A line of zero length with round ends is a dot.
                 Shape::Dots { centers, radius, color } => {
                     let dot = |(x, y): &Point| format!("M{} {}h0", Px(*x), Px(*y));
                     let (path, width) = (centers.iter().map(dot).collect::<String>(), Px(2.0 * radius));

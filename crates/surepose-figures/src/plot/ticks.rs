@@ -1,22 +1,22 @@
-//! Places of an axis that are numbered, and their numbers.
+//! Tick positions and labels of an axis.
 
-/// A place of an axis.
+/// A tick of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Tick {
     pub(crate) at: f64,
-    /// Its number; empty at a minor tick.
+    /// Label; empty for a minor tick.
     pub(crate) text: String,
 }
 
-/// Numbers with a finer step than this many decimals, or from here on, have an exponent.
+/// Labels with more decimals than this, or values from `MAX_PLAIN` on, have an exponent.
 const MAX_DECIMALS: usize = 4;
 const MAX_PLAIN: f64 = 1e6;
-/// Decades within these limits are numbered without powers.
+/// Range of decade exponents that are labeled without powers.
 const PLAIN_DECADES: std::ops::RangeInclusive<i32> = -3..=4;
-/// No axis has more ticks: a step that is far too small gives none.
+/// Maximum number of ticks; a step that is too small gives none.
 const MAX_TICKS: f64 = 200.0;
 
-/// Returns at most `most` multiples of a round step between `low` and `high`.
+/// Returns at most `most` + 1 multiples of a round step between `low` and `high`.
 pub(crate) fn linear(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let rough = (high - low) / most.max(1) as f64;
     let decade = 10f64.powf(rough.log10().floor());
@@ -27,7 +27,7 @@ pub(crate) fn linear(low: f64, high: f64, most: usize) -> Vec<Tick> {
 /// Returns the multiples of `step` between `low` and `high`.
 pub(crate) fn stepped(low: f64, high: f64, step: f64) -> Vec<Tick> {
     let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
-    // Negated, so that it holds for what is not a number.
+    // The negated condition also holds for NaN.
     if !(step > 0.0 && last - first <= MAX_TICKS) {
         return Vec::new();
     }
@@ -39,7 +39,7 @@ pub(crate) fn stepped(low: f64, high: f64, step: f64) -> Vec<Tick> {
         .collect()
 }
 
-/// Returns ticks of a logarithmic axis: at most `most` decades, or parts of them where there is not a whole one.
+/// Returns ticks of a logarithmic axis: at most `most` decades, or parts of one decade.
 pub(crate) fn logarithmic(low: f64, high: f64, most: usize) -> Vec<Tick> {
     if !(low > 0.0 && low < high && high.is_finite()) {
         return Vec::new();
@@ -64,30 +64,30 @@ pub(crate) fn logarithmic(low: f64, high: f64, most: usize) -> Vec<Tick> {
             let text = if plain { number(at, at.min(1.0), at) } else { power(k) };
             ticks.push(Tick { at, text });
         }
-        // Between the decades, where each is numbered.
+        // Minor ticks between the decades, if every decade is labeled.
         let parts = (2..10).map(|part| f64::from(part) * at).filter(|at| stride == 1 && within(at));
         ticks.extend(parts.map(|at| Tick { at, text: String::new() }));
     }
     ticks
 }
 
-/// Writes a multiple of `step` on an axis whose numbers are at most `largest`.
+/// Formats a multiple of `step` for an axis with values up to `largest`.
 fn number(value: f64, step: f64, largest: f64) -> String {
     let is_whole = |decimals: &usize| {
         let scaled = step * 10f64.powf(*decimals as f64);
         scaled >= 0.5 && (scaled - scaled.round()).abs() < 1e-6 * scaled
     };
     let text = match (0..=MAX_DECIMALS).find(is_whole) {
-        // Adding 0 turns -0 into 0.
+        // Adding 0 turns −0 into 0.
         Some(decimals) if largest < MAX_PLAIN => format!("{:.decimals$}", value + 0.0),
         _ if value == 0.0 => "0".to_owned(),
-        // To ten digits: 5e-6 rather than 4.9999999999999996e-6.
+        // Ten digits: 5e-6 instead of 4.9999999999999996e-6.
         _ => format!("{:e}", format!("{value:.9e}").parse().unwrap_or(value)),
     };
     text.replace('-', "−")
 }
 
-/// Writes a power of ten.
+/// Formats a power of ten.
 fn power(exponent: i32) -> String {
     let raised = |letter| match letter {
         '-' => '⁻',
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn linear_ticks_are_round_and_between_the_ends() {
+    fn linear_ticks_are_round_and_within_the_range() {
         assert_eq!(texts(linear(1.0, 1.4, 5)), ["1.0", "1.1", "1.2", "1.3", "1.4"]);
         assert_eq!(texts(linear(0.0, 100.0, 5)), ["0", "20", "40", "60", "80", "100"]);
         assert_eq!(texts(linear(-0.12, 0.11, 5)), ["−0.10", "−0.05", "0.00", "0.05", "0.10"]);
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn no_range_has_no_ticks() {
+    fn invalid_ranges_have_no_ticks() {
         for (low, high) in [(f64::NAN, 1.0), (0.0, f64::INFINITY), (1.0, 1.0), (2.0, 1.0)] {
             assert!(linear(low, high, 5).len() <= 1, "{low} {high}");
             assert!(logarithmic(low, high, 5).is_empty(), "{low} {high}");

@@ -3,10 +3,11 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::parse;
 use crate::error::DataError;
 use crate::lines::LineReader;
 use crate::recording::{Recording, StampedPose};
+
+use super::parse;
 
 /// A robot that drives 1 m ahead, is corrected to (5, 5) facing north, and drives 1 m ahead again.
 const LOG: &str = "\

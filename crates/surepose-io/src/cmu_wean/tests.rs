@@ -3,11 +3,12 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::{parse, parse_grid};
 use crate::error::DataError;
 use crate::grid::Grid;
 use crate::lines::LineReader;
 use crate::recording::{Recording, StampedPose};
+
+use super::{parse, parse_grid};
 
 fn read(text: &str) -> Result<Recording<StampedPose>, DataError> {
     parse(LineReader::from_bytes(Path::new("log"), text.as_bytes()))

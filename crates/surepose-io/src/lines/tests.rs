@@ -4,9 +4,10 @@ use std::path::Path;
 use flate2::{Compression, write::GzEncoder};
 use proptest::prelude::*;
 
-use super::{Clock, LineReader, MAX_LINE_BYTES};
 use crate::error::{DataError, Problem};
 use crate::quantity::{RANGE, TIME};
+
+use super::{Clock, LineReader, MAX_LINE_BYTES};
 
 fn lines(text: &[u8]) -> LineReader<'_> {
     LineReader::from_bytes(Path::new("log"), text)

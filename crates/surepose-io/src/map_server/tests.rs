@@ -2,8 +2,9 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::{MapMetadata, MapMode, parse};
 use crate::pgm::Image;
+
+use super::{MapMetadata, MapMode, parse};
 
 const YAML: &str = "\
 image: depot.pgm

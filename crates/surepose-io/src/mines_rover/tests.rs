@@ -2,10 +2,11 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::parse;
 use crate::error::DataError;
 use crate::lines::LineReader;
 use crate::recording::{Recording, StampedTicks};
+
+use super::parse;
 
 /// A line with `ranges` ranges, the first three of them `head`.
 fn line(time: &str, left: &str, head: [&str; 3], ranges: usize) -> String {

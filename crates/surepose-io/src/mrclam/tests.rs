@@ -2,9 +2,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::{Files, RobotLog, Target, parse, read, robots};
 use crate::error::{DataError, Problem};
 use crate::lines::LineReader;
+
+use super::{Files, RobotLog, Target, parse, read, robots};
 
 /// The texts of a small data set; each test damages one of them.
 #[derive(Clone)]

@@ -2,8 +2,9 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::{MapWall, WallCovariance, WallMap, parse};
 use crate::error::DataError;
+
+use super::{MapWall, WallCovariance, WallMap, parse};
 
 const MAP: &str = r#"name = "arena"
 

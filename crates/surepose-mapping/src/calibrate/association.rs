@@ -1,6 +1,6 @@
 //! Association of line observations to walls.
 
-use surepose::{Line, Map, Point};
+use surepose::geometry::{Line, Map, Point};
 
 use super::line_observation::LineObservation;
 use super::model::{during, fraction, known_pose};

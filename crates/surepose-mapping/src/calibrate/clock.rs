@@ -58,8 +58,9 @@ fn line(points: impl Iterator<Item = (f64, f64)> + Clone) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::regularize_stamps;
     use surepose_io::recording::{ScanRecord, SensorPose};
+
+    use super::regularize_stamps;
 
     fn scan(time: f64, range: f64) -> ScanRecord {
         ScanRecord {

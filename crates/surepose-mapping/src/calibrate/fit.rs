@@ -5,12 +5,13 @@ use core::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use super::association::{AssociationThresholds, associate};
+use super::error::CalibrationError;
 use super::frontal::Singular;
 use super::line_observation::LineObservation;
+use super::options::Options;
 use super::parameter::{CalibrationParameter, Geometry};
 use super::recording::{CalibrationRecording, OdometryStep};
 use super::trajectory::{FitData, Linear, NoiseLevels, Reduced, Trajectory};
-use super::{CalibrationError, Options};
 
 /// Maximum parameter change of a converged step, in standard errors.
 const CONVERGED: f64 = 0.05;

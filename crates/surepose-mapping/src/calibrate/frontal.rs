@@ -153,8 +153,9 @@ impl FrontalSolver {
 
 #[cfg(test)]
 mod tests {
-    use super::{FrontalSolver, Key, Singular};
     use nalgebra::{DMatrix, DVector};
+
+    use super::{FrontalSolver, Key, Singular};
 
     /// Each measurement depends on two of six variables; the dense solution is the reference.
     #[test]

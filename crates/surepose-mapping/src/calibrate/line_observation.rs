@@ -2,11 +2,12 @@
 
 use core::f64::consts::TAU;
 
-use surepose::{Angle, Laser, Line, LineExtractor, Point, RangeFinder, Scan};
+use surepose::geometry::{Angle, Laser, Line, Point};
+use surepose::lidar::{LineExtractor, RangeFinder, Scan};
 use surepose_io::recording::ScanRecord as Recorded;
 
-use super::Options;
 use super::model::{during, known_pose, motion};
+use super::options::Options;
 use super::parameter::Geometry;
 use super::recording::{OdometryStep, locate};
 
@@ -47,11 +48,7 @@ pub(super) fn line_observations(
     let mut ranges = Vec::new();
     for (number, scan) in scans.iter().enumerate() {
         stand_still(scan, steps, nominal, options.sweep_period, &mut ranges);
-        let still = Scan {
-            angle_min: Angle::from_radians(scan.angle_min),
-            angle_increment: scan.angle_increment,
-            ranges: &ranges,
-        };
+        let still = Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &ranges);
         let Ok(extracted) = extractor.extract(&laser, &still) else { continue };
         found.extend(extracted.lines.iter().filter_map(|seen| {
             let rr = seen.distance_variance + options.wall_distance_std.powi(2);
@@ -91,7 +88,7 @@ fn stand_still(
     let Some(step) = steps.get(first) else { return };
     let motion = motion(nominal, step.turned);
     let origin = known_pose([0.0; 3]);
-    let end = origin.integrate(motion, surepose::Integration::Arc);
+    let end = origin.integrate(motion, surepose::kinematics::Integration::Arc);
     let ahead = during(origin, end, fraction) * nominal.body_from_laser();
     let mut ends = Vec::with_capacity(scan.ranges.len());
     for (beam, range) in scan.ranges.iter().enumerate().filter(|(_, range)| range.is_finite()) {

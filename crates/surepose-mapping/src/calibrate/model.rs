@@ -1,9 +1,9 @@
 //! Measurement models: residuals of poses, walls and geometry, with derivatives.
 
-use surepose::{
-    Angle, Belief, Body, Dual, Ekf, Integration, Laser, Line, Map, Motion, Pose, Scalar, WheelOdometry,
-    WheelPair,
-};
+use surepose::estimation::{Belief, Ekf, WheelOdometry};
+use surepose::geometry::{Angle, Body, Laser, Line, Map, Pose};
+use surepose::kinematics::{Integration, Motion, WheelPair};
+use surepose::scalar::{Dual, Scalar};
 
 use super::parameter::{COUNT, CalibrationParameter, Geometry};
 use super::recording::OdometryStep;
@@ -82,7 +82,7 @@ pub(super) fn odometry_covariance(
     let rounding = WheelPair::new(rounding(drive.radius.right), rounding(drive.radius.left));
     let by_slip = ekf.predict(start, ekf.wheel_odometry(rims)).covariance;
     let by_ticks = ekf.predict(start, WheelOdometry { travel: rims, variance: rounding }).covariance;
-    let matrix = |covariance: surepose::Covariance<f64, 3>| -> [[f64; 3]; 3] {
+    let matrix = |covariance: surepose::linalg::Covariance<f64, 3>| -> [[f64; 3]; 3] {
         core::array::from_fn(|i| core::array::from_fn(|j| covariance.entry(i, j)))
     };
     let mut constant = matrix(by_ticks);

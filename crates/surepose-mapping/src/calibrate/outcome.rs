@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
-use surepose::WheelPair;
+use surepose::kinematics::WheelPair;
 use surepose::param::{self, Kind, Unit};
 
 use super::parameter::{COUNT, CalibrationParameter, Geometry};

@@ -2,9 +2,11 @@
 
 use core::f64::consts::PI;
 
+use surepose::geometry::{Angle, Body, Laser, Pose};
+use surepose::kinematics::{DiffDrive, WheelPair};
 use surepose::param;
 use surepose::param::Unit;
-use surepose::{Angle, Body, DiffDrive, Laser, Pose, Scalar, WheelPair};
+use surepose::scalar::Scalar;
 
 /// Number of geometry parameters.
 pub const COUNT: usize = 9;

@@ -2,7 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use surepose::{Angle, WheelPair};
+use surepose::geometry::Angle;
+use surepose::kinematics::WheelPair;
 use surepose_io::recording::{ScanRecord, StampedTicks};
 
 /// A recording to calibrate from.

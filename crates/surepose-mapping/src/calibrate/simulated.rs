@@ -2,7 +2,9 @@
 
 use core::f64::consts::{FRAC_PI_4, PI, TAU};
 
-use surepose::{Angle, Body, DiffDrive, GlobalLaw, Goal, Limits, Map, NavigationVariables, Pose, WheelPair};
+use surepose::control::{GlobalLaw, Limits, NavigationVariables};
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{DiffDrive, WheelPair};
 use surepose_io::recording::{ScanRecord, SensorPose, StampedTicks};
 use surepose_sim::{Arena, CompassModel, LaserModel, Seed, Stream, Timing, World, WorldModel};
 

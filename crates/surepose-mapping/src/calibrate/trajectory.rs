@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix3};
-use surepose::{Dual, Integration};
+use surepose::kinematics::Integration;
+use surepose::scalar::Dual;
 
 use super::frontal::{FrontalSolver, Key, Singular};
 use super::line_observation::LineObservation;

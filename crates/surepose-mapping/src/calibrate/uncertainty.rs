@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::CalibrationError;
+use super::error::CalibrationError;
 use super::fit::{Fit, NoiseCurvature};
 use super::frontal::Singular;
 use super::parameter::{COUNT, CalibrationParameter};

@@ -1,9 +1,9 @@
 //! Beliefs of the trials of a batch, in lanes, and their evaluation.
 
-use surepose::{Belief, Gate};
+use surepose::estimation::{Belief, Gate};
 use surepose_simd::{Element, LaneArray, Streams};
 
-use super::Start;
+use super::bench::Start;
 use super::filter::{Filter, START_STD};
 use super::trial_batch::{BatchArray, Deviates};
 
@@ -73,7 +73,7 @@ impl<T: Element> BeliefBatch<T> {
     /// Starts trial `number` in lane `lane` at `start`, with its initial belief.
     pub(super) fn begin(&mut self, lane: usize, start: &Start, seed: u64, number: u64) {
         let [x, y, turn] = start_error(seed, number);
-        let pose = surepose::Pose::new(start.x + x, start.y + y, start.heading.rotated_by(turn));
+        let pose = surepose::geometry::Pose::new(start.x + x, start.y + y, start.heading.rotated_by(turn));
         let (upper, diagonal) = Belief::new(pose, START_STD).covariance.factors();
         self.x.0[lane] = T::from_f64(pose.x);
         self.y.0[lane] = T::from_f64(pose.y);

@@ -2,10 +2,13 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Deadband, DiffDrive, Direction, HybridLaw, Law, Limits};
+use surepose::control::{Deadband, Direction, HybridLaw, Law, Limits};
+use surepose::geometry::Angle;
+use surepose::kinematics::DiffDrive;
 use surepose_simd::uniform;
 
-use super::Start;
+/// Start pose, relative to the goal.
+pub type Start = surepose::geometry::Pose<surepose::geometry::Goal, surepose::geometry::Body, f64>;
 
 /// Wheel geometry of the robot.
 pub const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
@@ -63,9 +66,25 @@ pub const POSITION_TOLERANCE: f64 = 0.01;
 /// Heading tolerance at the goal \[rad].
 pub const HEADING_TOLERANCE: f64 = PI / 180.0;
 /// Time for which the goal must be held \[s].
-pub(super) const HOLD: f64 = 1.0;
+const HOLD: f64 = 1.0;
 /// Timeout of a trial \[s].
-pub(super) const TIMEOUT: f64 = 120.0;
+const TIMEOUT: f64 = 120.0;
+
+/// Termination of a trial, in periods.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Termination {
+    /// Consecutive instants inside the tolerance for success.
+    pub(super) held: f64,
+    /// Number of periods until the timeout.
+    pub(super) most: u64,
+}
+
+impl Termination {
+    /// Returns the termination of the benchmark.
+    pub(super) fn for_benchmark(period: f64) -> Self {
+        Self { held: (HOLD / period - 1e-9).ceil() + 1.0, most: (TIMEOUT / period).round() as u64 }
+    }
+}
 
 /// Returns whether a start is within the goal tolerance.
 pub(super) fn is_inside(start: &Start) -> bool {

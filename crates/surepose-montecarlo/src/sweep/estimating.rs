@@ -4,10 +4,11 @@
 //! predict the belief, rims move the robot. In each period the compass and two walls correct the belief. The
 //! filter is that of the core, in lanes: its gate is a mask.
 
-use surepose::{
-    Angle, Belief, Body, Covariance, HeadingMeasurement, Innovation, Line, LineMeasurement, Map, Pose,
-    Scalar, Twist,
-};
+use surepose::estimation::{Belief, HeadingMeasurement, Innovation, LineMeasurement};
+use surepose::geometry::{Angle, Body, Line, Map, Pose};
+use surepose::kinematics::Twist;
+use surepose::linalg::Covariance;
+use surepose::scalar::Scalar;
 use surepose_simd::{Element, Kernel, dispatch_simd};
 
 use super::belief_batch::{BeliefBatch, OF_COMPASS, OF_WALLS};
@@ -20,7 +21,7 @@ use super::trial_batch::{BatchArray, LaneScalar, TrialBatch};
 pub(super) fn step<T: Element>(
     batch: &mut TrialBatch<T>,
     beliefs: &mut BeliefBatch<T>,
-    law: &surepose::Law<f64>,
+    law: &surepose::control::Law<f64>,
     noise: &SweepNoise,
     period: f64,
 ) {

@@ -1,7 +1,6 @@
 //! The full loop in lanes: consistency, and independence of the number of threads.
 
-use surepose::Direction;
-
+use surepose::control::Direction;
 use surepose_sim::CancelToken;
 
 use super::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise, SweepReport, fitted_law};

@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use surepose::{Angle, Ekf, Gate, Integration, Line, Map, Scalar};
+use surepose::estimation::{Ekf, Gate};
+use surepose::geometry::{Angle, Line, Map};
+use surepose::kinematics::Integration;
+use surepose::scalar::Scalar;
 
 use super::bench::DRIVE;
 

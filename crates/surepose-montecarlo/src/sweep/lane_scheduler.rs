@@ -2,38 +2,23 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use surepose_sim::CancelToken;
 use surepose_simd::Element;
 
 use super::any_held::any_held;
 use super::belief_batch::BeliefBatch;
-use super::bench::{HOLD, TIMEOUT};
+use super::bench::Termination;
 use super::filter::PoseSource;
+use super::spec::Sweep;
 use super::trial::TrialResult;
 use super::trial_batch::{LANES, TrialBatch};
-use super::{Sweep, estimating, phases};
-use surepose_sim::CancelToken;
+use super::{estimating, phases};
 
 /// Number of lanes that one check for ended trials covers.
 const GROUP: usize = 16;
 
 /// Maximum number of results allocated in advance; a sweep may be canceled long before its end.
 const MAX_RESERVED: usize = 1 << 20;
-
-/// Termination of a trial, in periods.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Termination {
-    /// Consecutive instants inside the tolerance for success.
-    pub(super) held: f64,
-    /// Number of periods until the timeout.
-    pub(super) most: u64,
-}
-
-impl Termination {
-    /// Returns the termination of the benchmark.
-    pub(super) fn for_benchmark(period: f64) -> Self {
-        Self { held: (HOLD / period - 1e-9).ceil() + 1.0, most: (TIMEOUT / period).round() as u64 }
-    }
-}
 
 /// Trial that a lane simulates.
 #[derive(Clone, Copy, Debug)]

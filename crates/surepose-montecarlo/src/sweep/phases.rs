@@ -3,10 +3,12 @@
 //! Each loop compiles to vector instructions. Short loops let the processor overlap many iterations; a whole
 //! period of a trial is one long dependency chain.
 
-use surepose::{
-    ActiveMode, Angle, Body, DirectedError, Direction, Goal, HybridLaw, HybridState, Integration, Law, Mask,
-    Motion, NavigationVariables, Point, Pose, Scalar, Twist, WheelPair,
+use surepose::control::{
+    ActiveMode, DirectedError, Direction, HybridLaw, HybridState, Law, NavigationVariables,
 };
+use surepose::geometry::{Angle, Body, Goal, Point, Pose};
+use surepose::kinematics::{Integration, Motion, Twist, WheelPair};
+use surepose::scalar::{Mask, Scalar};
 use surepose_simd::{Element, Kernel, dispatch_simd};
 
 use super::bench::{DRIVE, HEADING_TOLERANCE, POSITION_TOLERANCE, SweepNoise, limits};

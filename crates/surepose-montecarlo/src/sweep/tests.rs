@@ -1,5 +1,5 @@
-use surepose::{Angle, Direction, Gains, Law, Tran2012Law};
-
+use surepose::control::{Direction, Gains, Law, Tran2012Law};
+use surepose::geometry::Angle;
 use surepose_sim::CancelToken;
 
 use super::{PoseSource, Precision, Quantiles, Start, Starts, Sweep, SweepNoise, SweepReport, fitted_law};

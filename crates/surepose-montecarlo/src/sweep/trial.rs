@@ -1,13 +1,12 @@
 //! Result of one trial.
 
 use serde::Serialize;
-use surepose::Angle;
-
-use super::Sweep;
-use super::belief_batch::Consistency;
-use super::bench::{DRIVE, limits};
-use super::lane_scheduler::Termination;
+use surepose::geometry::Angle;
 use surepose_sim::optimal;
+
+use super::belief_batch::Consistency;
+use super::bench::{DRIVE, Termination, limits};
+use super::spec::Sweep;
 
 /// Raw result of a trial; derived figures are computed after all trials have ended.
 #[derive(Clone, Debug)]

@@ -2,8 +2,7 @@
 
 use surepose_simd::{Element, LaneArray, Lanes, Streams};
 
-use super::Start;
-use super::bench::is_inside;
+use super::bench::{Start, is_inside};
 
 /// Number of trials per batch: large enough to amortize loop overhead, small enough for the L1 and L2 caches.
 /// It is not a power of two, so that columns do not share the lower bits of their addresses.

@@ -1,12 +1,12 @@
 //! Rounds of the search.
 
-use surepose::Law;
-
-use super::candidate::{GainCandidate, NUMBERS};
-use super::draw::{deviates, seed_of_round};
-use super::{Tune, slowest, stressed};
-use crate::sweep::{Starts, Sweep, SweepReport};
+use surepose::control::Law;
 use surepose_sim::CancelToken;
+
+use crate::sweep::{Starts, Sweep, SweepReport};
+
+use super::candidate::{GainCandidate, NUMBERS, deviates, seed_of_round};
+use super::spec::{Tune, slowest, stressed};
 
 /// Number of candidates per round.
 const DRAWN: usize = 16;
@@ -179,7 +179,7 @@ fn mean(candidates: &[GainCandidate]) -> Option<[f64; NUMBERS]> {
 
 #[cfg(test)]
 mod tests {
-    use surepose::Gains;
+    use surepose::control::Gains;
 
     use super::*;
 

@@ -1,9 +1,10 @@
 use std::cell::Cell;
 
-use surepose::{Direction, Gains, Law};
+use surepose::control::{Direction, Gains, Law};
+
+use crate::sweep::{PoseSource, Precision, Quantiles, Starts, Sweep, SweepNoise, SweepReport, fitted_law};
 
 use super::{GainCandidate, Tune, TuneProgress, no_worse};
-use crate::sweep::{PoseSource, Precision, Quantiles, Starts, Sweep, SweepNoise, SweepReport, fitted_law};
 
 fn tune(law: Law<f64>, rounds: usize) -> Tune {
     let fallback = GainCandidate::from_law(&fitted_law(0.1, Direction::Auto, SweepNoise::BENCH));

@@ -1,6 +1,6 @@
 //! Consistency of a hypothesis with the scans, independent of other hypotheses.
 
-use surepose::{Body, Point, Pose};
+use surepose::geometry::{Body, Point, Pose};
 use surepose_io::grid::Cells;
 
 use super::likelihood_field::LikelihoodField;

@@ -1,6 +1,6 @@
 //! A pose hypothesis: scans correct its pose and add to its evidence.
 
-use surepose::{Body, Point, Pose};
+use surepose::geometry::{Body, Point, Pose};
 use surepose_io::grid::Cells;
 
 use super::likelihood_field::{LikelihoodField, LikelihoodTable};

@@ -3,9 +3,8 @@
 //! The path of a beam is ignored. A door that is closed on the map but open today would otherwise reject
 //! every beam through it, together with what the beam measures behind it.
 
-use surepose::{Map, Point, Pose};
+use surepose::geometry::{Map, Point, Pose};
 use surepose_io::grid::{Cells, Grid};
-
 use surepose_mapping::from_grid::{is_free, is_solid};
 
 /// Probability of an unexpected end point: people, furniture, and doors that differ from the map.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use surepose::{Angle, Body, Point, Pose};
+use surepose::geometry::{Angle, Body, Point, Pose};
 use surepose_io::grid::Cells;
 
 use super::likelihood_field::{CellIndex, LikelihoodField, LikelihoodTable};

@@ -6,11 +6,10 @@
 
 use std::collections::HashMap;
 
-use surepose::{Body, Map, Point, Pose};
-use surepose_io::recording::ScanRecord;
+use surepose::geometry::{Body, Map, Point, Pose};
+use surepose_io::recording::{ScanRecord, laser_extrinsics};
 
 use crate::laser_replay::{MAX_RANGE, MIN_RANGE};
-use surepose_io::recording::laser_extrinsics;
 
 /// Maximum number of beams used per scan.
 const MAX_BEAMS: usize = 128;

@@ -1,11 +1,13 @@
 //! Global localization in a corridor with identical bays, on synthetic grids and scans.
 
-use surepose::{Angle, Body, Integration, Map, Motion, Point, Pose};
+use surepose::geometry::{Angle, Body, Map, Point, Pose};
+use surepose::kinematics::{Integration, Motion};
 use surepose_io::grid::{Grid, GridOrigin};
 use surepose_io::recording::{ScanRecord, SensorPose};
 
-use super::GridLocalizer;
 use crate::{LaserReplaySettings, cmu_wean};
+
+use super::GridLocalizer;
 
 const SIDE: f64 = 0.1;
 /// Maximum range \[m]; shorter than the corridor.

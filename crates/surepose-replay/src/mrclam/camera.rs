@@ -1,6 +1,7 @@
 //! Camera model: depth along the optical axis and bearing, with correlated errors.
 
-use surepose::{Angle, Map, Point, RangeBearingMeasurement};
+use surepose::estimation::RangeBearingMeasurement;
+use surepose::geometry::{Angle, Map, Point};
 
 /// Camera that reads the barcodes.
 ///

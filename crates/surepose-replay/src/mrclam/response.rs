@@ -1,6 +1,6 @@
 //! Response of the base to commanded velocities; MRCLAM records commands, not wheel ticks.
 
-use surepose::Twist;
+use surepose::kinematics::Twist;
 
 /// Response of the base to commands: a dead time, then a steady twist.
 ///

@@ -1,14 +1,16 @@
 //! What is to be known of a recording before it is heard from its beginning.
 
-use surepose::{Body, Map, Pose, Stamp};
+use surepose::geometry::{Body, Map, Pose};
+use surepose::time::Stamp;
 use surepose_config::Config;
 use surepose_io::recording::StampedPose;
 use surepose_replay::Reference;
 
-use super::BagError;
-use super::reader::{Bag, BagMessage};
 use crate::convert::{MessageError, pose_of, stamp_of};
 use crate::extrinsics::ExtrinsicsResolver;
+
+use super::BagError;
+use super::reader::{Bag, BagMessage};
 
 /// How well a reference tells the start: standard deviations of x, y \[m] and heading \[rad].
 pub(super) const REFERENCE_STD: [f64; 3] = [0.01, 0.01, 0.01];

@@ -4,22 +4,25 @@ use core::f64::consts::TAU;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use surepose::closed_loop::Controller;
-use surepose::{Angle, HeadingMeasurement, Measurement, Stamp, Stamped, WheelPair};
-use surepose_config::CompassParameters;
-use surepose_config::Config;
+use surepose::control::Controller;
+use surepose::estimation::{HeadingMeasurement, Measurement};
+use surepose::geometry::Angle;
+use surepose::kinematics::WheelPair;
+use surepose::time::{Stamp, Stamped};
+use surepose_config::{CompassParameters, Config};
 use surepose_io::recording::{ScanRecord, SensorPose, StampedTicks};
 use surepose_mapping::calibrate::{CalibrationRecording, Options, StampedHeading};
+
+use crate::convert::MessageError;
+use crate::driver::{OdometryAccumulator, SensorMessage};
+use crate::extrinsics::ExtrinsicsResolver;
+use crate::message::{LaserScan, Odometry};
+use crate::names::Names;
+use crate::sense;
 
 use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Truncation};
-use crate::convert::MessageError;
-use crate::extrinsics::ExtrinsicsResolver;
-use crate::message::{LaserScan, Odometry};
-use crate::names::Names;
-use crate::pilot::{OdometryAccumulator, SensorMessage};
-use crate::sense;
 
 /// The wheels' counters, which odometry's poses do not have, are made up so fine.
 const TICKS_PER_TURN: f64 = 1e5;

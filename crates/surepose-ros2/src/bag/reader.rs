@@ -8,11 +8,12 @@ use cdr_encoding::from_bytes;
 use serde::de::DeserializeOwned;
 use surepose_io::read_plain;
 
+use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
+use crate::names::Names;
+
 use super::files::files_of;
 use super::mcap::{Ending, Limits, McapError, ReadError, Record, read_records};
 use super::{BagError, Truncation};
-use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
-use crate::names::Names;
 
 /// The types that are understood.
 const ODOMETRY: &str = "nav_msgs/msg/Odometry";

@@ -3,18 +3,23 @@
 use std::path::Path;
 use std::time::Instant;
 
-use surepose::{Belief, Body, Health, Map, Motion, Pose, Stamp};
+use surepose::estimation::Belief;
+use surepose::geometry::{Body, Map, Pose};
+use surepose::kinematics::Motion;
+use surepose::safety::Health;
+use surepose::time::Stamp;
 use surepose_io::recording::StampedPose;
 use surepose_replay::{Reference, ReplayReport};
 use surepose_sim::ErrorAccumulator;
 
+use crate::convert::MessageError;
+use crate::driver::{DriverReport, NodeDriver, NodeDriverSettings, Odom};
+use crate::names::Names;
+use crate::sense;
+
 use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Notice};
-use crate::convert::MessageError;
-use crate::names::Names;
-use crate::pilot::{DriverReport, NodeDriver, NodeDriverSettings, Odom};
-use crate::sense;
 
 /// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
 /// that of the reference; where there is none either, the robot looks for itself on the map. `notify` receives each

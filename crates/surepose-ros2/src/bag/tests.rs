@@ -7,20 +7,22 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use surepose::{DiffDrive, Pose, Stamp, Twist, param};
+use recorder::{File, Recorder, Robot, recorded_by, round, winding};
+use surepose::geometry::Pose;
+use surepose::kinematics::{DiffDrive, Twist};
+use surepose::param;
+use surepose::time::Stamp;
 use surepose_mapping::calibrate::calibrate;
 use surepose_replay::ReplayReport;
-use surepose_sim::CancelToken;
-use surepose_sim::SimulatedScan;
 use surepose_sim::robot::Scenario;
+use surepose_sim::{CancelToken, SimulatedScan};
 
-use super::*;
+use crate::driver::NodeDriverSettings;
 use crate::message::Quaternion;
 use crate::names::Names;
-use crate::pilot::NodeDriverSettings;
 use crate::robot::messages;
 
-use recorder::{File, Recorder, Robot, recorded_by, round, winding};
+use super::*;
 
 /// Those of a robot that is told nothing of its start but by the truth.
 fn settings() -> NodeDriverSettings {

@@ -12,13 +12,13 @@ use ros2_client::action::{
 };
 use ros2_client::builtin_interfaces::Duration as RosDuration;
 use ros2_client::{ActionTypeName, Node, ReadResult, ServiceMapping};
-use surepose::Stamp;
+use surepose::navigator::GoalResult;
+use surepose::time::Stamp;
 
 use crate::convert::{header, pose_message};
-use crate::message::{NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped};
-use crate::pilot::{DriverReport, GoalResult};
-
 use crate::dds::{NodeError, latched, refused, reliable};
+use crate::driver::DriverReport;
+use crate::message::{NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped};
 use crate::names::Names;
 
 /// The action server, shared with those results that nobody has fetched yet.
@@ -126,9 +126,10 @@ impl NavigateAction {
         let current = self.current.take()?;
         let (status, code, message) = match ended {
             GoalResult::Reached => (GoalEndStatus::Succeeded, NONE, ""),
-            GoalResult::Cancelled => (GoalEndStatus::Canceled, NONE, ""),
-            GoalResult::Preempted => (GoalEndStatus::Aborted, UNKNOWN, "another goal took its place"),
-            GoalResult::Stopped(reason) => (GoalEndStatus::Aborted, UNKNOWN, reason),
+            GoalResult::Canceled => (GoalEndStatus::Canceled, NONE, ""),
+            GoalResult::Preempted => (GoalEndStatus::Aborted, UNKNOWN, "preempted by another goal"),
+            GoalResult::Aborted(reason) => (GoalEndStatus::Aborted, UNKNOWN, reason.name()),
+            _ => (GoalEndStatus::Aborted, UNKNOWN, "unknown"),
         };
         let result = NavigateToPoseResult { error_code: code, error_msg: message.to_owned() };
         Some(ResultDelivery { server: self.server(), handle: current.handle, status, result })

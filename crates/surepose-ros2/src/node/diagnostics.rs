@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 use ros2_client::builtin_interfaces::Time;
-use surepose::{Health, RejectReason, SafetyAction, Stamp};
+use surepose::estimation::RejectReason;
+use surepose::safety::{BlockReason, Health, SafetyAction};
+use surepose::time::Stamp;
 
 use crate::convert::MessageError;
+use crate::driver::{DriverReport, NodeDriver};
 use crate::message::{DiagnosticArray, DiagnosticStatus, Header, KeyValue};
-use crate::pilot::{BlockReason, DriverReport, NodeDriver};
 
 /// The levels of `diagnostic_msgs/msg/DiagnosticStatus`.
 const OK: u8 = 0;
@@ -33,20 +35,21 @@ pub(super) struct Diagnostics {
 struct State {
     health: Health,
     action: SafetyAction,
-    block_reason: Option<BlockReason>,
+    blocked_by: Option<BlockReason>,
 }
 
 impl State {
     fn said(self) -> String {
-        match (self.action, self.block_reason) {
+        match (self.action, self.blocked_by) {
             (SafetyAction::Stop(reason), _) => format!("stopped: {}", reason.name()),
             (_, Some(BlockReason::Obstacle)) => {
-                "stopped: something that is on no map stands in the way".to_owned()
+                "stopped: an obstacle that is not on the map is in the way".to_owned()
             }
-            (_, Some(BlockReason::LaserSilent)) => {
-                "stopped: the laser says nothing of what stands in the way; --safety-radius 0 drives without"
+            (_, Some(BlockReason::LaserTimeout)) => {
+                "stopped: no scan arrives, so the obstacle check is unavailable; --safety-radius 0 disables it"
                     .to_owned()
             }
+            (_, Some(BlockReason::Wall)) => "stopped: a wall of the map is in the way".to_owned(),
             (SafetyAction::Slowdown(reason), None) => format!("slowed down: {}", reason.name()),
             (SafetyAction::Proceed, None) => "the estimate is trusted".to_owned(),
         }
@@ -69,10 +72,10 @@ impl Diagnostics {
 
     /// The driver ticked; what has changed since it last did, as a line.
     pub(super) fn keep(&mut self, report: &DriverReport) -> Option<String> {
-        let now = State { health: report.health, action: report.action, block_reason: report.block_reason };
-        let start = State { health: Health::Healthy, action: SafetyAction::Proceed, block_reason: None };
+        let now = State { health: report.health, action: report.action, blocked_by: report.blocked_by };
+        let start = State { health: Health::Healthy, action: SafetyAction::Proceed, blocked_by: None };
         let before = self.state.replace(now).unwrap_or(start);
-        ((before.action, before.block_reason) != (now.action, now.block_reason)).then(|| now.said())
+        ((before.action, before.blocked_by) != (now.action, now.blocked_by)).then(|| now.said())
     }
 
     /// Counts a message that was not used, and says whether it is the first such.
@@ -136,7 +139,7 @@ impl Diagnostics {
         match self.state {
             None => return (WARN, "waiting for odometry".to_owned()),
             Some(state @ State { action: SafetyAction::Stop(_), .. }) => return (ERROR, state.said()),
-            Some(State { action: SafetyAction::Proceed, block_reason: None, .. }) => {}
+            Some(State { action: SafetyAction::Proceed, blocked_by: None, .. }) => {}
             Some(state) => return (WARN, state.said()),
         }
         let period = driver.controller().period;

@@ -2,18 +2,21 @@
 
 use ros2_client::builtin_interfaces::Duration;
 use ros2_client::{Node, Publisher};
-use surepose::{Angle, Health, Stamp, Twist};
+use surepose::geometry::Angle;
+use surepose::kinematics::Twist;
+use surepose::safety::Health;
+use surepose::time::Stamp;
 
 use crate::convert::{belief_message, header, rotation_of, transform};
 use crate::dds::{NodeError, advertise, global_name, latched, publish_result, reliable};
+use crate::driver::DriverReport;
 use crate::message::{
     self, ColorRgba, CompressedImage, DiagnosticArray, Marker, MeshFile, Odometry, Point,
     PoseWithCovarianceStamped, TfMessage, TransformStamped, Vector3,
 };
-use crate::pilot::DriverReport;
 use crate::velocity::CmdVelPublisher;
 
-use super::NodeSettings;
+use super::settings::NodeSettings;
 
 /// Where odometry's frame is on the map holds for so long \[s] after it was found, so that readers need not wait for the
 /// next.

@@ -6,12 +6,11 @@ use futures::stream::{self, FusedStream, LocalBoxStream, StreamExt};
 use ros2_client::{Node, RmwRequestId, Server, ServiceMapping, ServiceTypeName, Subscription};
 use serde::de::DeserializeOwned;
 
+use crate::dds::{NodeError, global_name, latched, refused, reliable, sensor, subscribe};
 use crate::message::{Empty, Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 
-use crate::dds::{NodeError, global_name, latched, refused, reliable, sensor, subscribe};
-
-use super::NodeSettings;
 use super::action::{CancelRequest, NewGoal, Served, cancels, goals};
+use super::settings::NodeSettings;
 
 /// Something happened.
 pub(super) enum NodeEvent {

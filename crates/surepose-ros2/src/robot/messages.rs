@@ -1,14 +1,16 @@
 //! What the simulated robot senses, in messages.
 
-use surepose::{Angle, Body, Laser, Pose, Stamp, Twist};
+use surepose::geometry::{Angle, Body, Laser, Pose};
+use surepose::kinematics::Twist;
+use surepose::time::Stamp;
 use surepose_sim::SimulatedScan;
 
 use crate::convert::{header, pose_message, rotation_of, transform, twist_message};
+use crate::driver::Odom;
 use crate::message::{
     Imu, LaserScan, Odometry, PoseWithCovariance, TfMessage, Transform, TransformStamped,
     TwistWithCovariance, Vector3,
 };
-use crate::pilot::Odom;
 
 /// The nearest and the farthest that its laser sees \[m].
 const REACH: [f32; 2] = [0.05, 30.0];

@@ -1,11 +1,13 @@
 //! What is driven: where, from where to where, and with which senses.
 
+use surepose::geometry::{Body, Goal, Map, Point, Pose};
+use surepose::kinematics::WheelPair;
+use surepose::param;
+use surepose_config::{Config, NavigatorSetup, ScanMethod, ValueSource};
+
 use crate::{
     Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, Slip, Timing, WallSegment, WorldModel,
 };
-use surepose::{Body, Goal, Map, Point, Pose, WheelPair, param};
-use surepose_config::Config;
-use surepose_config::ValueSource;
 
 /// How often compass and laser measure \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
 const SENSOR_PERIOD: f64 = 0.1;
@@ -24,16 +26,6 @@ impl Sensors {
     pub const ALL: Self = Self { compass: true, laser: true };
     /// Neither does: odometry alone.
     pub const NONE: Self = Self { compass: false, laser: false };
-}
-
-/// How scans are read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ScanMethod {
-    /// Lines are found in them and matched: for places with long flat walls, and a map that has them exactly.
-    #[default]
-    Lines,
-    /// They are laid on the walls beam by beam: for maps of many short walls, traced from a grid for instance.
-    Beams,
 }
 
 /// Where the loop world's course starts, x \[m], y \[m], heading \[°].
@@ -162,6 +154,17 @@ impl Scenario {
     /// Where it shall come to rest.
     pub fn goal(&self) -> Pose<Map, Goal, f64> {
         self.config.goal()
+    }
+
+    /// What the robot's navigator is built from.
+    pub fn navigator_setup(&self) -> NavigatorSetup {
+        NavigatorSetup {
+            scan_method: self.scan_method,
+            has_laser: self.sensors.laser,
+            is_aided: self.sensors != Sensors::NONE,
+            safety_radius: None,
+            hold_goal: true,
+        }
     }
 
     /// The world of this scenario.

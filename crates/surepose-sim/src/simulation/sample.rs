@@ -1,9 +1,12 @@
 //! One tick of a drive, as a row of its time series.
 
-use crate::World;
 use serde::Serialize;
-use surepose::closed_loop::{ControlStep, Controller};
-use surepose::{Belief, Goal, GoalStatus, Map, NavigationVariables, Pose};
+use surepose::control::{Controller, ControllerState, GoalStatus, NavigationVariables};
+use surepose::geometry::{Goal, Map, Pose};
+use surepose::kinematics::Twist;
+use surepose::navigator::StepReport;
+
+use crate::World;
 
 /// Who is in charge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -67,16 +70,18 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// The sample of this tick.
-    pub(super) fn from_step(
+    /// The sample of one step.
+    pub(super) fn from_report(
         world: &World,
-        belief: &Belief<f64>,
+        report: &StepReport<f64>,
         controller: &Controller<f64>,
-        step: &ControlStep<f64>,
         goal: Pose<Map, Goal, f64>,
     ) -> Self {
-        let (truth, twist) = (world.pose(), world.twist());
+        let (truth, twist, belief) = (world.pose(), world.twist(), &report.belief);
         let (actual, estimated) = (NavigationVariables::from_poses(truth, goal), belief.pose);
+        let commanded = report.command.map_or(Twist::zero(), |command| command.twist);
+        let seen = NavigationVariables::from_poses(estimated, goal);
+        let state = report.control.map_or_else(ControllerState::new, |control| control.state);
         Self {
             time_s: world.now().seconds(),
             x_m: truth.x,
@@ -92,22 +97,22 @@ impl Sample {
             nees: belief.nees(truth),
             v_m_s: twist.v,
             omega_deg_s: twist.omega.to_degrees(),
-            commanded_v_m_s: step.limited.v,
-            commanded_omega_deg_s: step.limited.omega.to_degrees(),
+            commanded_v_m_s: commanded.v,
+            commanded_omega_deg_s: commanded.omega.to_degrees(),
             goal_distance_m: actual.rho,
             heading_error_deg: actual.heading_error().degrees(),
-            lyapunov: controller.law.lyapunov(&step.navigation, &step.state.hybrid),
-            mode: mode(controller, step),
-            local: step.state.hybrid.local_mode,
-            reverse: step.state.hybrid.reverse,
+            lyapunov: controller.law.lyapunov(&seen, &state.hybrid),
+            mode: mode(controller, &state),
+            local: state.hybrid.local_mode,
+            reverse: state.hybrid.reverse,
         }
     }
 }
 
-fn mode(controller: &Controller<f64>, step: &ControlStep<f64>) -> ControlMode {
-    match step.state.goal_checker.status(&controller.tolerance) {
+fn mode(controller: &Controller<f64>, state: &ControllerState<f64>) -> ControlMode {
+    match state.goal_checker.status(&controller.tolerance) {
         GoalStatus::Dwelling | GoalStatus::Reached => ControlMode::Holding,
-        GoalStatus::Approaching if step.state.hybrid.local_mode => ControlMode::Near,
+        GoalStatus::Approaching if state.hybrid.local_mode => ControlMode::Near,
         GoalStatus::Approaching => ControlMode::Far,
     }
 }

@@ -24,6 +24,9 @@ pub struct SimulationSummary {
     /// Why it was stopped: `wall`, or the supervisor's reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_reason: Option<&'static str>,
+    /// The same; `stop_reason` is its name of old.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<&'static str>,
     /// How long it took, the hold time included.
     pub time_s: f64,
     /// True distance to the goal at the end.
@@ -40,7 +43,7 @@ pub struct SimulationSummary {
     /// Root mean square of the estimate's heading error over the drive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heading_rmse_deg: Option<f64>,
-    /// Mean of the normalised estimation error squared; 3 for a consistent filter.
+    /// Mean of the normalized estimation error squared (NEES); 3 for a consistent filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_mean: Option<f64>,
     /// Length of the true way.

@@ -1,9 +1,12 @@
-use super::{Simulation, SimulationOutcome, SimulationSummary, simulate};
+use surepose::geometry::Point;
+use surepose::param::{GOAL_HEADING, GOAL_X, GOAL_Y, START_HEADING, START_X, START_Y};
+use surepose::safety::SafetyAction;
+use surepose_config::Config;
+
 use crate::robot::{Scenario, Sensors};
 use crate::{Arena, Fault, FaultKind, Seed, Sensor};
-use surepose::param::{GOAL_HEADING, GOAL_X, GOAL_Y, START_HEADING, START_X, START_Y};
-use surepose::{Point, SafetyAction};
-use surepose_config::Config;
+
+use super::{Simulation, SimulationOutcome, SimulationSummary, simulate};
 
 fn assert_parked(summary: &SimulationSummary, what: &str) {
     assert_eq!(summary.outcome, SimulationOutcome::Reached, "{what}: {summary:?}");

@@ -1,12 +1,13 @@
-//! `f64` without branches. The coefficients are minimax fits (Remez), with the errors stated.
+//! Branch-free functions of `f64`. The coefficients are minimax fits (Remez) with the stated errors.
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
 use super::{Element, element, polynomial};
 
-/// Adding and subtracting 1.5·2^(digits − 1) rounds to a whole number, whose lowest bits then are those of the sum.
+/// Adding and subtracting 1.5·2^(digits − 1) rounds to an integer; the low bits of the sum are those of the
+/// integer.
 const SHIFT: f64 = 6_755_399_441_055_744.0;
-/// What π/2 is more than its `f64`.
+/// π/2 minus its `f64` value.
 const QUARTER_LOW: f64 = 6.123_233_995_736_766e-17;
 
 /// (sin(√z)/√z − 1)/z for z ≤ (π/4)², relative error of the sine 2⁻⁵⁸.

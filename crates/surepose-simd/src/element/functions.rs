@@ -1,6 +1,7 @@
-//! The elementary functions, written once for both floats: each module that calls [`element`] has the constants.
+//! Elementary functions for both float types; each module that invokes [`element`] supplies the constants.
 
-/// The functions of one float: written once, with the constants of the module that calls this, whose numbers have `$bits`.
+/// Implements [`Element`] for `$float` with the constants of the invoking module; `$bits` is its bit pattern
+/// type.
 macro_rules! element {
     ($float:ident, $bits:ident) => {
         const SIGN: $bits = 1 << ($bits::BITS - 1);
@@ -39,7 +40,8 @@ macro_rules! element {
             }
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                // x = q·π/2 + r with |r| ≤ π/4. π/2 in parts keeps the digits of r: the products by a small q are exact.
+                // x = q·π/2 + r with |r| ≤ π/4. π/2 is split in two parts to keep the digits of r: products
+                // by small q are exact.
                 let shifted = self.mul_add(FRAC_2_PI, SHIFT);
                 let quadrant = shifted.to_bits();
                 let quarters = shifted - SHIFT;
@@ -78,15 +80,15 @@ macro_rules! element {
             #[inline(always)]
             fn polar(self, x: Self) -> (Self, Self) {
                 let length = Element::sqrt(x.mul_add(x, self * self));
-                // The angle within the octant from the tangent of its half, at most tan(π/8).
+                // Angle within the octant, from the tangent of its half, at most tan(π/8).
                 let (across, up) = (x.abs(), self.abs());
                 let (low, high) = (Element::min(up, across), Element::max(across, up));
                 let tangent = low / (length + (high + Self::MIN_POSITIVE));
                 let (twice, z) = (tangent + tangent, tangent * tangent);
                 let octant = (twice * z).mul_add(polynomial(z, ARC_TANGENT), twice);
 
-                // Compared as words, which order numbers without signs: compared as numbers once more, the compiler makes two of
-                // all this, one for each answer.
+                // Compared as bit patterns, which order nonnegative floats. With a second float comparison,
+                // the compiler would duplicate this code, once per outcome.
                 let quarter = if up.to_bits() > across.to_bits() { FRAC_PI_2 - octant } else { octant };
                 let half = Element::min(if x < 0.0 { PI - quarter } else { quarter }, straight(self));
                 (length, half.copysign(self))
@@ -97,8 +99,9 @@ macro_rules! element {
             }
         }
 
-        /// The largest angle on the side of `number`: π, and a hair less below the axis, where −π is the same direction as π,
-        /// which stands for both.
+        /// Largest angle in the half plane of `number`: π, or the next smaller float for negative numbers.
+        ///
+        /// −π denotes the same direction as π, which represents both.
         #[inline(always)]
         fn straight(number: $float) -> $float {
             $float::from_bits(PI.to_bits() - (number.to_bits() >> ($bits::BITS - 1)))

@@ -1,12 +1,13 @@
-//! `f32` without branches. The coefficients are minimax fits (Remez), with the errors stated.
+//! Branch-free functions of `f32`. The coefficients are minimax fits (Remez) with the stated errors.
 
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
 use super::{Element, element, polynomial};
 
-/// Adding and subtracting 1.5·2^(digits − 1) rounds to a whole number, whose lowest bits then are those of the sum.
+/// Adding and subtracting 1.5·2^(digits − 1) rounds to an integer; the low bits of the sum are those of the
+/// integer.
 const SHIFT: f32 = 12_582_912.0;
-/// What π/2 is more than its `f32`.
+/// π/2 minus its `f32` value.
 const QUARTER_LOW: f32 = -4.371_139e-8;
 
 /// (sin(√z)/√z − 1)/z for z ≤ (π/4)², relative error of the sine 2⁻²⁸.

@@ -1,9 +1,10 @@
-use super::{Configuration, deviations, localization};
-use crate::reproduce::{LoopWorld, extraction};
 use surepose::param::{LASER_BEAMS, LASER_HEADING, LASER_X, LASER_Y, Parameter};
 use surepose_config::Config;
-use surepose_sim::CancelToken;
-use surepose_sim::{Clutter, Seed};
+use surepose_sim::{CancelToken, Clutter, Seed};
+
+use crate::reproduce::{LoopWorld, extraction};
+
+use super::{Configuration, deviations, localization};
 
 fn world(beams: usize, clutter: Clutter) -> LoopWorld {
     set(&[(&LASER_BEAMS, beams as f64)], clutter)

@@ -9,14 +9,14 @@ use surepose_experiments::picture::{self, LocalizationRun};
 use surepose_experiments::reproduce::{
     Accuracy, Comparison, Configuration, DeviationSample, Extraction, LoopWorld, comparison, deviations,
 };
-use surepose_sim::CancelToken;
-use surepose_sim::{Clutter, Seed};
+use surepose_sim::{CancelToken, Clutter, Seed};
 
-use super::Outcome;
 use crate::error::CliError;
 use crate::output::Output;
 use crate::output_dir::OutputDir;
 use crate::progress;
+
+use super::figure_result::FigureResult;
 
 /// The experiment: one run for the pictures, many for the figures.
 pub(super) struct LocalizationRuns {
@@ -53,20 +53,20 @@ impl LocalizationRuns {
         result
     }
 
-    pub(super) fn fig4(&self, folder: &OutputDir) -> Result<Outcome, CliError> {
+    pub(super) fn fig4(&self, folder: &OutputDir) -> Result<FigureResult, CliError> {
         folder.picture("fig4", &picture::fig4(&self.runs))?;
         self.data("fig4", folder)?;
         Ok(self.outcome())
     }
 
-    pub(super) fn fig5(&self, folder: &OutputDir) -> Result<Outcome, CliError> {
+    pub(super) fn fig5(&self, folder: &OutputDir) -> Result<FigureResult, CliError> {
         folder.picture("fig5", &picture::fig5(&self.runs))?;
         self.data("fig5", folder)?;
         Ok(self.outcome())
     }
 
-    fn outcome(&self) -> Outcome {
-        Outcome { json: json!(self.json), good: true, rows: self.rows.clone() }
+    fn outcome(&self) -> FigureResult {
+        FigureResult { json: json!(self.json), good: true, rows: self.rows.clone() }
     }
 
     fn data(&self, figure: &str, folder: &OutputDir) -> Result<(), CliError> {

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use surepose::Law;
+use surepose::control::Law;
 use surepose_cert::NoiseBounds;
 use surepose_config::Config;
 

@@ -7,7 +7,10 @@ use lz4_flex::frame::FrameDecoder;
 use surepose_io::ZstdReader;
 
 use super::content::Content;
-use super::{MAX_RECORD_LENGTH, McapError};
+use super::error::McapError;
+
+/// Longest record that is held in memory, compressed or not \[bytes\].
+pub(super) const MAX_RECORD_LENGTH: u64 = 1 << 28;
 
 /// The fields of a chunk.
 pub(super) struct Chunk<'a> {

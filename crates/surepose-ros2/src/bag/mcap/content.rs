@@ -1,6 +1,12 @@
 //! The fields of a record, little-endian, each checked against what is left of it.
 
-use super::Record;
+/// A record that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::bag) enum Record<'a> {
+    Schema { id: u16, name: &'a str },
+    Channel { id: u16, schema_id: u16, topic: &'a str, encoding: &'a str },
+    Message { channel_id: u16, data: &'a [u8] },
+}
 
 /// What is left of a record's content. Every method returns `None` where the field does not fit.
 pub(super) struct Content<'a> {

@@ -5,15 +5,18 @@ use std::path::PathBuf;
 
 use byteorder::LittleEndian;
 use serde::Serialize;
-use surepose::{Body, DiffDrive, Integration, Pose, Stamp, Twist};
+use surepose::geometry::{Body, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist};
+use surepose::time::Stamp;
 use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, World};
 
-use super::super::mcap::writer::{Packing, Writer};
 use crate::convert::{header, pose_message};
+use crate::driver::Odom;
 use crate::message::PoseStamped;
-use crate::pilot::Odom;
 use crate::robot::messages;
+
+use super::super::mcap::writer::{Packing, Writer};
 
 /// Writes a recording.
 pub(super) struct Recorder {

@@ -1,0 +1,378 @@
+//! Where am I, if I know nothing? From the walls in view to one pose, or to several as long as several explain them.
+//!
+//! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one; and where there is a
+//! [`DistanceField`] of the map, every pose of a lattice is tried, so that no place is overlooked. What explains the scan beam by
+//! beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the beams correct,
+//! judged by how well the map explains what is seen from there ([`BeamSubset`]), now and in a few scans that are remembered.
+//! A place is found when one hypothesis explains them all and every other explains them far worse. Two places that look
+//! alike stay two: somebody has to move until they do not, to turn for instance.
+//!
+//! Memory is fixed: `N` hypotheses, `N` proposals, [`MAX_ODOMETRY_INCREMENTS`] increments of odometry, `FRAMES` scans. The work of a
+//! scan is bounded by [`MAX_LINE_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
+//! [`BeamSubset::from`] for each that is not, up to 2 · `FRAMES` + 2 for each hypothesis and 5 · `FRAMES` + 5 for each new one.
+//! The lattice is tried each time a scan is worth remembering: at most 10⁴ look-ups for each of its places.
+
+mod correlative_search;
+mod hypothesis_evaluator;
+mod keyframes;
+mod line_pairs;
+mod odometry_buffer;
+mod top_candidates;
+
+use crate::estimation::{Belief, Ekf, HeadingMeasurement, WheelOdometry};
+use crate::geometry::{Angle, Body, Laser, Map, Pose};
+use crate::lidar::{BeamStats, BeamSubset, ExtractedLine, RangeFinder, Scan};
+use crate::linalg::Covariance;
+use crate::map::{DistanceField, Wall};
+use crate::scalar::Float;
+use crate::time::{Stamp, Stamped};
+pub use line_pairs::MAX_LINE_PAIRS;
+pub use odometry_buffer::MAX_ODOMETRY_INCREMENTS;
+
+use correlative_search::ScanTemplate;
+use hypothesis_evaluator::HypothesisEvaluator;
+use keyframes::{BEAMS, KeyframeBuffer};
+use line_pairs::{HeadingPrior, for_each_line_pair_pose};
+use odometry_buffer::OdometryBuffer;
+use top_candidates::TopCandidates;
+
+/// Hypotheses nearer than this \[m], \[rad] are one.
+const MERGE_TOLERANCE: (f64, f64) = (0.2, 0.1);
+
+/// So many scans in a row that no hypothesis explains together with the remembered ones: these are of somewhere else.
+const MAX_UNEXPLAINED_SCANS: u16 = 15;
+
+/// How old a heading may be to be used for a scan \[s], and how far the robot may turn meanwhile \[rad].
+const HEADING_AGE: f64 = 0.2;
+const HEADING_TURN: f64 = 0.15;
+
+/// What must hold of the pose that is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AcceptanceCriteria<S> {
+    /// It explains at least this part of the beams.
+    pub min_hit_ratio: S,
+    /// At most this part of the beams ends beyond the walls seen from it.
+    pub max_behind_wall_ratio: S,
+    /// The robot's middle is at least so far from every wall \[m].
+    pub min_clearance: S,
+    /// −2 log of the likelihood of all keyframes is larger by this much for every other hypothesis.
+    pub min_margin: S,
+    /// And larger by this part of its own: what does not fit may fit elsewhere by chance.
+    pub min_relative_margin: S,
+    /// All this held for so many scans in a row.
+    pub min_scans: u16,
+    /// The robot turned by so much meanwhile \[rad]: what a half-circle of beams does not see may tell places apart.
+    pub min_rotation: S,
+}
+
+impl<S: Float> Default for AcceptanceCriteria<S> {
+    /// Three fifths explained, among clutter that hides a fifth; e¹⁵ times as likely as any other, after a quarter turn.
+    fn default() -> Self {
+        Self {
+            min_hit_ratio: S::from_f64(0.6),
+            max_behind_wall_ratio: S::from_f64(0.08),
+            min_clearance: S::from_f64(0.15),
+            min_margin: S::from_f64(30.0),
+            min_relative_margin: S::from_f64(0.05),
+            min_scans: 5,
+            min_rotation: S::from_f64(core::f64::consts::FRAC_PI_2),
+        }
+    }
+}
+
+/// A pose that the robot may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hypothesis<S> {
+    /// Where, and how well that is known if it is there at all; at the time of the last scan.
+    pub belief: Belief<S>,
+    /// How the last scan and those in mind agree with the map from there.
+    pub stats: BeamStats<S>,
+    /// For how many scans it held.
+    pub scans: u16,
+}
+
+/// What is known of where the robot is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GlobalStatus<S> {
+    /// No pose explains what is seen, or nothing that tells is seen.
+    NoHypothesis,
+    /// This many poses may be it, or one that has not held for long enough.
+    Ambiguous(usize),
+    /// There, at the time of the last scan.
+    Localized(Belief<S>),
+}
+
+/// Looks for the pose with up to `N` hypotheses, held against up to `FRAMES` scans that are remembered.
+#[derive(Clone, Copy, Debug)]
+pub struct GlobalLocalizer<S, const N: usize = 24, const FRAMES: usize = 24> {
+    ekf: Ekf<S>,
+    criteria: AcceptanceCriteria<S>,
+    hypotheses: [Option<Hypothesis<S>>; N],
+    keyframes: KeyframeBuffer<S, FRAMES>,
+    unexplained_scans: u16,
+    /// The hypothesis that is ahead of all others, by number, and for how many scans.
+    leader: (usize, u16),
+    odometry: OdometryBuffer<S>,
+    heading: Option<Stamped<HeadingMeasurement<S>>>,
+}
+
+impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES> {
+    /// Knows nothing at `stamp`.
+    pub fn new(ekf: Ekf<S>, criteria: AcceptanceCriteria<S>, stamp: Stamp) -> Self {
+        const { assert!(N > 0 && FRAMES > 0, "where nothing is held, nothing is found") };
+        let odometry = OdometryBuffer::new(stamp);
+        let keyframes = KeyframeBuffer::new();
+        Self {
+            ekf,
+            criteria,
+            hypotheses: [None; N],
+            keyframes,
+            unexplained_scans: 0,
+            leader: (0, 0),
+            odometry,
+            heading: None,
+        }
+    }
+
+    /// Forgets every hypothesis: the robot may be anywhere.
+    pub fn reset(&mut self, stamp: Stamp) {
+        *self = Self::new(self.ekf, self.criteria, stamp);
+    }
+
+    /// The robot rolled until `stamp`.
+    pub fn on_odometry(&mut self, stamp: Stamp, travel: WheelOdometry<S>) {
+        self.odometry.push(stamp, travel);
+    }
+
+    /// The compass said something.
+    pub fn set_heading(&mut self, heading: Stamped<HeadingMeasurement<S>>) {
+        if heading.value.heading.radians().is_finite() && heading.value.std > S::from_f64(0.0) {
+            self.heading = Some(heading);
+        }
+    }
+
+    /// When the last scan was, for which the hypotheses and what is found hold.
+    pub fn stamp(&self) -> Stamp {
+        self.odometry.start()
+    }
+
+    /// The poses that may be it.
+    pub fn hypotheses(&self) -> impl Iterator<Item = &Hypothesis<S>> {
+        self.hypotheses.iter().flatten()
+    }
+
+    /// A scan was taken at `stamp`, and `lines` were found in it.
+    ///
+    /// A scan from before the last one, or one that cannot be read, changes nothing.
+    pub fn update(
+        &mut self,
+        stamp: Stamp,
+        laser: &RangeFinder<S>,
+        scan: &Scan<'_, S>,
+        lines: &[ExtractedLine<S>],
+        walls: &[Wall<S>],
+        field: Option<&DistanceField<'_, S>>,
+    ) -> GlobalStatus<S> {
+        let Ok(beams) = BeamSubset::<S, BEAMS>::from_scan(laser, scan) else { return self.status() };
+        if stamp < self.odometry.start() {
+            return self.status();
+        }
+        let heading_prior = self.heading_prior(stamp);
+        let travels = self.odometry.take_until(stamp);
+        for travel in travels.iter() {
+            self.keyframes.on_odometry(&self.ekf, travel);
+        }
+        let keyframes = self.keyframes;
+        let evaluator = HypothesisEvaluator { ekf: self.ekf, walls, beams: &beams, keyframes: &keyframes };
+        for slot in &mut self.hypotheses {
+            if let Some(hypothesis) = slot {
+                for travel in travels.iter() {
+                    hypothesis.belief = self.ekf.predict(hypothesis.belief, *travel);
+                }
+                let scans = hypothesis.scans.saturating_add(1);
+                *hypothesis = evaluator.evaluate(hypothesis.belief, scans);
+                if !heading_prior.contains(hypothesis.belief.pose.heading) {
+                    *slot = None;
+                }
+            }
+        }
+        self.add(
+            &evaluator,
+            &line_pair_candidates::<S, N>(&beams, lines, walls, &laser.body_from_laser, &heading_prior),
+        );
+        let kept = self.keyframes.insert_if_new(&beams);
+        if let Some(field) = field.filter(|_| kept) {
+            let template =
+                ScanTemplate::from_points(self.keyframes.endpoints(), self.keyframes.endpoints().count());
+            let mut found = TopCandidates::<S, N>::new();
+            let mut rank = S::from_f64(0.0);
+            template.correlative_search(field, &heading_prior, self.criteria.min_clearance, |pose| {
+                found.insert(pose, rank);
+                rank = rank + S::from_f64(1.0);
+            });
+            self.add(&evaluator, &found);
+        }
+        self.merge();
+        self.drop_rejected(walls);
+        self.reset_stale_keyframes();
+        self.leader = self.leading_hypothesis().map_or((0, 0), |(number, held)| {
+            let scans = if number == self.leader.0 { self.leader.1.saturating_add(1) } else { 1 };
+            // Another hypothesis may have had this number before.
+            (number, scans.min(held))
+        });
+        self.refine_leader(&evaluator);
+        self.status()
+    }
+
+    /// Puts the place that is found where all keyframes fit best: the last ones alone may leave it beside that.
+    fn refine_leader(&mut self, evaluator: &HypothesisEvaluator<'_, S, FRAMES>) {
+        let GlobalStatus::Localized(belief) = self.status() else { return };
+        if let Some(Some(found)) = self.hypotheses.get_mut(self.leader.0) {
+            found.belief = evaluator.refine_accepted(belief.pose);
+        }
+    }
+
+    /// Forgets the remembered scans where nothing explains them together with those of now.
+    fn reset_stale_keyframes(&mut self) {
+        let enough = self.criteria.min_hit_ratio;
+        let explained = self.hypotheses().any(|known| known.stats.hit_ratio() >= enough);
+        self.unexplained_scans = if explained { 0 } else { self.unexplained_scans + 1 };
+        if self.unexplained_scans >= MAX_UNEXPLAINED_SCANS {
+            self.keyframes = KeyframeBuffer::new();
+            self.unexplained_scans = 0;
+        }
+    }
+
+    /// What the compass allows at `stamp`.
+    fn heading_prior(&self, stamp: Stamp) -> HeadingPrior<S> {
+        let new_hypothesis = self.heading.filter(|heading| stamp.since(heading.stamp).abs() <= HEADING_AGE);
+        new_hypothesis.map_or(HeadingPrior::unconstrained(), |heading| {
+            let reach = S::from_f64(4.0) * heading.value.std + S::from_f64(HEADING_TURN);
+            HeadingPrior::from_heading(heading.value.heading, reach)
+        })
+    }
+
+    /// Takes in what was proposed, the best in place of the worst.
+    fn add(&mut self, evaluator: &HypothesisEvaluator<'_, S, FRAMES>, candidates: &TopCandidates<S, N>) {
+        for pose in candidates.poses() {
+            let known = self.hypotheses().find(|known| is_same(known.belief.pose, pose));
+            // One that went astray does not stand in the way of a better one.
+            if known.is_some_and(|known| known.stats.hit_ratio() >= self.criteria.min_hit_ratio) {
+                continue;
+            }
+            let new_hypothesis = evaluator.evaluate(evaluator.refine(pose), 1);
+            if !new_hypothesis.stats.neg2_log_likelihood.is_finite() {
+                continue;
+            }
+            let slot = match self.hypotheses.iter_mut().find(|slot| slot.is_none()) {
+                Some(free) => Some(free),
+                None => self.hypotheses.iter_mut().max_by(|a, b| {
+                    neg2_log_likelihood(a.as_ref()).total_cmp(&neg2_log_likelihood(b.as_ref()))
+                }),
+            };
+            let is_worse = |slot: &&mut Option<Hypothesis<S>>| {
+                slot.is_none_or(|worst| {
+                    new_hypothesis.stats.neg2_log_likelihood < worst.stats.neg2_log_likelihood
+                })
+            };
+            if let Some(slot) = slot.filter(is_worse) {
+                *slot = Some(new_hypothesis);
+            }
+        }
+    }
+
+    /// Of two hypotheses that came together the elder stays, which has counted more scans, unless the younger fits far
+    /// better; that takes its number over.
+    fn merge(&mut self) {
+        for i in 0..N {
+            for j in 0..i {
+                let (Some(a), Some(b)) = (self.hypotheses[i], self.hypotheses[j]) else { continue };
+                if is_same(a.belief.pose, b.belief.pose) {
+                    let is_elder = a.scans > b.scans;
+                    let (elder, younger) = if is_elder { (a, b) } else { (b, a) };
+                    let stays = younger.stats.neg2_log_likelihood + self.criteria.min_margin
+                        > elder.stats.neg2_log_likelihood;
+                    let (kept, left) = if is_elder { (i, j) } else { (j, i) };
+                    let better = if stays { elder } else { younger };
+                    self.hypotheses[kept] = Some(Hypothesis { scans: elder.scans, ..better });
+                    self.hypotheses[left] = None;
+                }
+            }
+        }
+    }
+
+    /// Drops what explains next to nothing, and what stands in a wall.
+    fn drop_rejected(&mut self, walls: &[Wall<S>]) {
+        let clearance = self.criteria.min_clearance;
+        let is_rejected = |known: Hypothesis<S>| {
+            let place = known.belief.pose.origin();
+            known.stats.hit_ratio() < S::from_f64(0.35)
+                || walls.iter().any(|wall| wall.distance(place) < clearance)
+        };
+        for slot in &mut self.hypotheses {
+            if slot.is_some_and(is_rejected) {
+                *slot = None;
+            }
+        }
+    }
+
+    /// What is known now.
+    pub fn status(&self) -> GlobalStatus<S> {
+        let (number, scans) = self.leader;
+        let is_held = scans >= self.criteria.min_scans.max(1)
+            && self.keyframes.rotation() >= self.criteria.min_rotation;
+        match (self.hypotheses().count(), self.hypotheses.get(number).copied().flatten()) {
+            (0, _) => GlobalStatus::NoHypothesis,
+            (_, Some(best)) if is_held => GlobalStatus::Localized(best.belief),
+            (count, _) => GlobalStatus::Ambiguous(count),
+        }
+    }
+
+    /// The number of the hypothesis that explains all that is in mind far better than every other, and for how many scans it held.
+    fn leading_hypothesis(&self) -> Option<(usize, u16)> {
+        let criteria = &self.criteria;
+        let costs = || self.hypotheses.iter().map(|slot| neg2_log_likelihood(slot.as_ref())).enumerate();
+        let (number, least) = costs().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let Hypothesis { stats: best, scans, .. } = self.hypotheses.get(number).copied().flatten()?;
+        let explains = best.hit_ratio() >= criteria.min_hit_ratio
+            && best.behind_wall_ratio() <= criteria.max_behind_wall_ratio;
+        let enough =
+            least + (criteria.min_margin + criteria.min_relative_margin * best.neg2_log_likelihood).to_f64();
+        let alone = costs().all(|(other, cost)| other == number || cost > enough);
+        (explains && alone).then_some((number, scans))
+    }
+}
+
+/// The poses from which two lines of the scan lie on walls, and most of the beams do.
+fn line_pair_candidates<S: Float, const N: usize>(
+    beams: &BeamSubset<S, BEAMS>,
+    lines: &[ExtractedLine<S>],
+    walls: &[Wall<S>],
+    body_from_laser: &Pose<Body, Laser, S>,
+    heading_prior: &HeadingPrior<S>,
+) -> TopCandidates<S, N> {
+    let quick = beams.decimated();
+    let uncertain = Covariance::from_std([S::from_f64(0.05), S::from_f64(0.05), S::from_f64(0.02)]);
+    let mut candidates = TopCandidates::new();
+    for_each_line_pair_pose(lines, walls, body_from_laser, heading_prior, |pose| {
+        let seen = quick.evaluate(pose, &uncertain, walls);
+        if seen.hit_ratio() > S::from_f64(0.4) {
+            candidates.insert(pose, seen.neg2_log_likelihood);
+        }
+    });
+    candidates
+}
+
+/// A free slot is worse than any hypothesis.
+fn neg2_log_likelihood<S: Float>(slot: Option<&Hypothesis<S>>) -> f64 {
+    slot.map_or(f64::INFINITY, |known| known.stats.neg2_log_likelihood.to_f64())
+}
+
+fn is_same<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>) -> bool {
+    is_near(a, b, MERGE_TOLERANCE)
+}
+
+fn is_near<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>, (far, turn): (f64, f64)) -> bool {
+    let turned: Angle<S> = a.heading - b.heading;
+    a.origin().distance(b.origin()) < S::from_f64(far) && turned.radians().abs() < S::from_f64(turn)
+}

@@ -1,0 +1,236 @@
+//! The estimating half of a step: from sensor input to a supervised belief.
+
+use crate::estimation::{
+    Belief, DelayedEkf, Measurement, MeasurementOutcome, MeasurementStats, OdometryOutcome, RejectReason,
+    WheelOdometry,
+};
+use crate::lidar::{Scan, ScanEvent, ScanProcessor};
+use crate::map::MapView;
+use crate::safety::{Health, SafetyAction};
+use crate::scalar::Float;
+use crate::time::{Stamp, Stamped};
+
+use super::input::{Odometry, SensorInput, SensorReading};
+use super::monitor::{LocalizationMonitor, MonitorConfig};
+use super::observer::LoopObserver;
+
+/// Filter with history, scan processor and localization monitor.
+///
+/// | capacity | meaning |
+/// |---|---|
+/// | `HISTORY` | events that the filter can rewind over |
+/// | `BEAMS` | beams of a scan; 0 for a robot without a laser, whose processor is [disabled](ScanProcessor::disabled) |
+/// | `HYPOTHESES`, `KEYFRAMES` | poses and scans that the global search keeps |
+#[derive(Clone, Debug)]
+pub struct Localizer<
+    S,
+    const HISTORY: usize,
+    const BEAMS: usize,
+    const HYPOTHESES: usize = 24,
+    const KEYFRAMES: usize = 24,
+> {
+    estimator: DelayedEkf<S, HISTORY>,
+    scan_processor: ScanProcessor<S, BEAMS>,
+    /// `None` estimates without supervision and relocalization.
+    monitor: Option<LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>>,
+}
+
+impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize, const KEYFRAMES: usize>
+    Localizer<S, HISTORY, BEAMS, HYPOTHESES, KEYFRAMES>
+{
+    /// Localizer with supervision and relocalization.
+    pub fn new(
+        estimator: DelayedEkf<S, HISTORY>,
+        scan_processor: ScanProcessor<S, BEAMS>,
+        monitor: MonitorConfig<S>,
+    ) -> Self {
+        let monitor = LocalizationMonitor::new(monitor, *estimator.ekf(), estimator.stamp());
+        Self { estimator, scan_processor, monitor: Some(monitor) }
+    }
+
+    /// Localizer that always trusts its estimate: for recordings whose reference judges it.
+    pub fn unsupervised(estimator: DelayedEkf<S, HISTORY>, scan_processor: ScanProcessor<S, BEAMS>) -> Self {
+        Self { estimator, scan_processor, monitor: None }
+    }
+
+    /// The filter.
+    pub fn estimator(&self) -> &DelayedEkf<S, HISTORY> {
+        &self.estimator
+    }
+
+    /// The scan processor, for a laser whose noise or mounting changes.
+    pub fn scan_processor_mut(&mut self) -> &mut ScanProcessor<S, BEAMS> {
+        &mut self.scan_processor
+    }
+
+    /// The newest belief; meaningless while [`Localizer::health`] is [`Health::Lost`].
+    pub fn belief(&self) -> Belief<S> {
+        self.estimator.belief()
+    }
+
+    /// When the newest belief holds.
+    pub fn stamp(&self) -> Stamp {
+        self.estimator.stamp()
+    }
+
+    /// What was accepted and what was rejected so far.
+    pub fn measurement_stats(&self) -> &MeasurementStats {
+        self.estimator.measurement_stats()
+    }
+
+    /// How far the belief can be trusted now.
+    pub fn health(&self) -> Health {
+        let health = |monitor: &LocalizationMonitor<S, _, _>| monitor.health(self.stamp(), &self.belief());
+        self.monitor.as_ref().map_or(Health::Healthy, health)
+    }
+
+    /// What the wheels may do now.
+    pub fn action(&self) -> SafetyAction {
+        let action = |monitor: &LocalizationMonitor<S, _, _>| monitor.action(self.stamp(), &self.belief());
+        self.monitor.as_ref().map_or(SafetyAction::Proceed, action)
+    }
+
+    /// The monitor; `None` where the localizer is unsupervised.
+    pub fn monitor(&self) -> Option<&LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>> {
+        self.monitor.as_ref()
+    }
+
+    /// Starts anew at `stamp` with a belief that is known to be right.
+    pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
+        self.estimator.reset(stamp, belief);
+        if let Some(monitor) = &mut self.monitor {
+            monitor.reset(stamp);
+        }
+    }
+
+    /// Takes the belief of a moment in the past as right and carries it to now with the odometry since. A moment outside the
+    /// history counts as now.
+    pub fn reset_at(&mut self, stamp: Stamp, belief: Belief<S>) {
+        self.estimator.reset_at(stamp, belief);
+        let now = self.stamp();
+        if let Some(monitor) = &mut self.monitor {
+            monitor.reset(now);
+        }
+    }
+
+    /// Declares the pose unknown and starts the global search.
+    pub fn mark_lost(&mut self) {
+        let now = self.stamp();
+        if let Some(monitor) = &mut self.monitor {
+            monitor.mark_lost(now);
+        }
+    }
+
+    /// Carries the belief to `input.stamp`: odometry predicts; each measurement and each scan, gated, corrects.
+    ///
+    /// `commanded` replaces odometry that is missing or rejected; [`WheelOdometry::from_command`] makes it from a command.
+    ///
+    /// The work is bounded: one filter step for odometry, at most `HISTORY` + 2 for each measurement and each wall in a
+    /// scan, and one extraction, one association and one comparison with the map for each scan.
+    pub fn update(
+        &mut self,
+        input: &SensorInput<'_, S>,
+        commanded: WheelOdometry<S>,
+        map: &MapView<'_, S>,
+        observer: &mut impl LoopObserver<S>,
+    ) -> Belief<S> {
+        self.predict(input.stamp, input.odometry, commanded, observer);
+        for reading in input.readings {
+            self.process(reading, map, observer);
+        }
+        self.belief()
+    }
+
+    /// Corrects the belief by one reading.
+    pub fn process(
+        &mut self,
+        reading: &Stamped<SensorReading<'_, S>>,
+        map: &MapView<'_, S>,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        match &reading.value {
+            SensorReading::Measurement(measurement) => {
+                let measurement = Stamped::new(reading.stamp, *measurement);
+                let outcome = self.estimator.update(measurement);
+                self.note_measurement(&measurement, outcome, observer);
+            }
+            SensorReading::Scan(scan) => self.process_scan(reading.stamp, scan, map, observer),
+        }
+    }
+
+    /// Predicts by odometry, or by the command where odometry is missing or rejected.
+    fn predict(
+        &mut self,
+        stamp: Stamp,
+        odometry: Odometry<S>,
+        commanded: WheelOdometry<S>,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        let elapsed = stamp.since(self.stamp());
+        let reported = match odometry {
+            Odometry::Travel(travel) => Some(self.estimator.wheel_odometry(stamp, travel)),
+            Odometry::WithVariance(odometry) => Some(odometry),
+            Odometry::Missing => None,
+        };
+        let outcome = match reported.map(|odometry| self.estimator.predict_with(stamp, odometry)) {
+            Some(Ok(())) => OdometryOutcome::Used,
+            Some(Err(reason)) => OdometryOutcome::Rejected(reason),
+            None => OdometryOutcome::Missing,
+        };
+        let reported = reported.filter(|_| outcome == OdometryOutcome::Used);
+        if reported.is_none() {
+            // A rejected prediction is counted.
+            let _counted = self.estimator.predict_with(stamp, commanded);
+        }
+        let used = reported.unwrap_or(commanded);
+        if let Some(monitor) = &mut self.monitor {
+            monitor.on_odometry(stamp, elapsed, commanded.travel, used, outcome);
+        }
+        observer.on_odometry(stamp, &used, outcome);
+    }
+
+    /// Finds the walls of a scan on the map, from the belief at the time of the scan, and corrects by them.
+    fn process_scan(
+        &mut self,
+        stamp: Stamp,
+        scan: &Scan<'_, S>,
+        map: &MapView<'_, S>,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        let Self { estimator, scan_processor, monitor } = self;
+        // A scan from before the history cannot be placed. It is counted, and so is one that cannot be read.
+        let Ok(belief) = estimator.belief_at_or_reject(stamp) else { return };
+        let laser = scan_processor.laser_of(scan);
+        let Ok(observation) = scan_processor.process(estimator.ekf(), &belief, scan, map.walls) else {
+            return estimator.reject(RejectReason::UnreadableScan);
+        };
+        for measurement in observation.measurements() {
+            let measurement = Stamped::new(stamp, measurement);
+            let outcome = estimator.update(measurement);
+            if let Some(monitor) = monitor.as_mut() {
+                monitor.on_measurement(&measurement, outcome);
+            }
+            observer.on_measurement(&measurement, outcome);
+        }
+        let Some(belief) = estimator.belief_at(stamp) else { return };
+        let event = ScanEvent { stamp, laser: &laser, scan, observation: &observation, belief, map };
+        if let Some(monitor) = monitor.as_mut() {
+            monitor.on_scan(estimator, &event);
+        }
+        // After a relocalization the scan was taken from elsewhere.
+        let belief = estimator.belief_at(stamp).unwrap_or(belief);
+        observer.on_scan(&ScanEvent { belief, ..event });
+    }
+
+    fn note_measurement(
+        &mut self,
+        measurement: &Stamped<Measurement<S>>,
+        outcome: MeasurementOutcome,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        if let Some(monitor) = &mut self.monitor {
+            monitor.on_measurement(measurement, outcome);
+        }
+        observer.on_measurement(measurement, outcome);
+    }
+}
