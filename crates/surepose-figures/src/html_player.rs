@@ -13,10 +13,10 @@ const PLACE: &str = "/*DRIVE*/null";
 
 /// Data of the page.
 #[derive(Serialize)]
-struct Drive<'a> {
+struct PageData<'a> {
     walls: Vec<[f64; 4]>,
-    start: Place,
-    goal: Place,
+    start: MapPose,
+    goal: MapPose,
     track: f64,
     tolerance_m: f64,
     factor: f64,
@@ -24,7 +24,7 @@ struct Drive<'a> {
 }
 
 #[derive(Serialize)]
-struct Place {
+struct MapPose {
     x_m: f64,
     y_m: f64,
     heading_deg: f64,
@@ -38,10 +38,10 @@ pub fn html_player(scenario: &Scenario, samples: &[Sample]) -> Result<String, se
     let place = |section: [&param::Parameter; 3]| {
         // In the user's own degrees.
         let [x_m, y_m, heading] = section.map(|parameter| scenario.config.number(parameter));
-        Place { x_m, y_m, heading_deg: rounded(heading.to_degrees()) }
+        MapPose { x_m, y_m, heading_deg: rounded(heading.to_degrees()) }
     };
     let walls = scenario.arena.walls().iter();
-    let drive = Drive {
+    let drive = PageData {
         walls: walls.map(|wall| [wall.start.x, wall.start.y, wall.end.x, wall.end.y]).collect(),
         start: place([&param::START_X, &param::START_Y, &param::START_HEADING]),
         goal: place([&param::GOAL_X, &param::GOAL_Y, &param::GOAL_HEADING]),

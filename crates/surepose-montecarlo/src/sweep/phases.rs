@@ -35,7 +35,7 @@ pub(super) fn decide<T: Element>(batch: &mut TrialBatch<T>, law: &Law<f64>) {
 
 /// Applies the commands for one `period` \[s], with the noise of the wheels.
 pub(super) fn drive<T: Element>(batch: &mut TrialBatch<T>, noise: Option<&SweepNoise>, period: f64) {
-    dispatch_simd(Drive(batch, noise, period));
+    dispatch_simd(ApplyCommand(batch, noise, period));
     dispatch_simd(Move(batch));
 }
 
@@ -260,9 +260,9 @@ fn all<T: Element, H: Step>(batch: &mut TrialBatch<T>, law: &Law<LaneScalar<T>>)
 }
 
 /// Kernel: applies wheel limits and noise.
-struct Drive<'a, T: Element>(&'a mut TrialBatch<T>, Option<&'a SweepNoise>, f64);
+struct ApplyCommand<'a, T: Element>(&'a mut TrialBatch<T>, Option<&'a SweepNoise>, f64);
 
-impl<T: Element> Kernel for Drive<'_, T> {
+impl<T: Element> Kernel for ApplyCommand<'_, T> {
     type Output = ();
 
     #[inline(always)]

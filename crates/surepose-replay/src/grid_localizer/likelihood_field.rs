@@ -32,7 +32,7 @@ pub(super) type CellIndex = (i32, i32);
 impl LikelihoodField {
     /// Computes the field of `grid` for standard deviations up to `widest` \[m].
     pub(super) fn from_grid(grid: &Grid, widest: f64) -> Self {
-        // The maximum number of cells is `grid::MOST_CELLS`.
+        // The maximum number of cells is `grid::MAX_CELLS`.
         let [width, height] = [grid.width, grid.height].map(|cells| i32::try_from(cells).unwrap_or(i32::MAX));
         let free = grid.cells.iter().map(|cell| is_free(*cell)).collect();
         let mut field = Self {
