@@ -1,9 +1,9 @@
-//! What goes wrong on the way to the goal, and whether the robot parks all the same:
+//! Parking under disturbances:
 //! `cargo run --release -p surepose-experiments --example disturbances [DRIVES] [PART OF A NAME] [SECONDS] [CLUTTER] [SENSORS]`.
 //!
-//! The default scenario, each disturbance so many SECONDS (4) after the start, with things on no map in front of this
-//! part (0) of what the laser could see; the seeds 1 to DRIVES (40); SENSORS
-//! are `laser+compass` unless they are `laser`.
+//! The default scenario with seeds 1 to DRIVES (40). Each disturbance starts SECONDS (4) after the start;
+//! obstacles that are not on the map hide a fraction CLUTTER (0) of the scan. SENSORS is `laser+compass`
+//! (default) or `laser`.
 
 use std::process::ExitCode;
 
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// By name, what goes wrong `start` \[s] after the start.
+/// Returns the disturbances by name; each starts `start` \[s] after the start of the drive.
 fn disturbances(start: f64) -> Vec<(String, Option<Fault>)> {
     let mut all = vec![("nothing".to_owned(), None)];
     for push in [

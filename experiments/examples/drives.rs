@@ -1,8 +1,9 @@
-//! Many drives of the simulated robot, summed up: `cargo run --release -p surepose-experiments --example drives [COUNT]`.
+//! Statistics of many simulated drives: `cargo run --release -p surepose-experiments --example drives [COUNT]`.
 //!
-//! The default scenario with the seeds 1 to COUNT (100), then twice as many random starts in the arena without its
-//! plates for each direction of approach. Every drive is checked: it ends within 1 cm and 1° of the goal, no wheel is
-//! ever told to be faster or to change faster than its limit, and no number of its time series is NaN or infinite.
+//! The default scenario with seeds 1 to COUNT (100), then, for each direction of approach, twice as many
+//! random starts in the arena without its plates. Every drive is checked. It must end within 1 cm and 1° of
+//! the goal. No commanded wheel speed or acceleration may exceed its limit. No number of the time series may
+//! be NaN or infinite.
 
 use std::process::ExitCode;
 
@@ -20,7 +21,7 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     println!(
-        "               runs reached   nees  final error mm     final error °     time s   nearest  worst use of limit %  NaN"
+        "               runs reached   nees  final error mm     final error °     time s   nearest  max. use of limit %  NaN"
     );
     println!(
         "                                     p50   p95   max      p95   max    p50   max   wall m      speed  accel."
@@ -46,11 +47,11 @@ fn main() -> ExitCode {
     ExitCode::from(u8::from(!all_right))
 }
 
-/// A drive, and what its robot may do.
+/// A drive with the limits of its robot.
 struct Run {
     summary: SimulationSummary,
     limits: Limits<f64>,
-    /// Numbers of its time series that are none.
+    /// Number of NaN or infinite values in its time series.
     broken: usize,
 }
 
@@ -68,7 +69,7 @@ impl Run {
             && final_heading_error_deg <= 1.0
     }
 
-    /// The largest wheel speed and acceleration that were asked for, over what is allowed.
+    /// Returns maximum commanded wheel speed and acceleration over their limits.
     fn use_of_limits(&self) -> [f64; 2] {
         [
             self.summary.wheel_speed_max_m_s / self.limits.wheel_speed,
@@ -77,7 +78,7 @@ impl Run {
     }
 }
 
-/// How many numbers of a row are NaN or infinite: JSON has neither, and writes null.
+/// Counts the NaN or infinite numbers of a row, which JSON writes as null.
 fn broken(sample: &Sample) -> usize {
     match serde_json::to_value(sample) {
         Ok(serde_json::Value::Object(row)) => row.values().filter(|value| value.is_null()).count(),
@@ -85,7 +86,7 @@ fn broken(sample: &Sample) -> usize {
     }
 }
 
-/// Prints one line; says whether all went right.
+/// Prints one line and returns whether all checks passed.
 fn report(name: &str, runs: &[Run]) -> bool {
     let reached = runs.iter().filter(|run| run.is_parked()).count();
     let broken: usize = runs.iter().map(|run| run.broken).sum();
@@ -117,7 +118,7 @@ fn report(name: &str, runs: &[Run]) -> bool {
         100.0 * speed,
         100.0 * acceleration,
     );
-    // A limit may be met to the last bit but one: rims are made of v and ω and these of rims.
+    // A limit may be exceeded by rounding: rims are computed from v and ω and vice versa.
     let within = |used: f64| used <= 1.0 + 1e-12;
     reached == runs.len() && broken == 0 && within(speed) && within(acceleration)
 }

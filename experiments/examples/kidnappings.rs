@@ -1,6 +1,6 @@
-//! Kidnaps robots:
-//! `cargo run --release -p surepose-experiments --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml] [FIRST SEED] [SENSORS]`,
-//! with SENSORS `laser`, `laser+compass` or, without it, both in turn.
+//! Statistics of kidnapped-robot trials:
+//! `cargo run --release -p surepose-experiments --example kidnappings -- [TRIALS] [CLUTTER] [ARENA or MAP.yaml] [FIRST SEED] [SENSORS]`
+//! with SENSORS `laser` or `laser+compass`; by default both in turn.
 
 use surepose::geometry::{Body, Map, Pose};
 use surepose_config::{Config, ScanMethod};
@@ -41,7 +41,7 @@ fn main() {
                 format!("({:.2}, {:.2}, {:.0}°)", at.x, at.y, at.heading.degrees())
             };
             println!(
-                "  {seed}: {} to {}, flagged {:.2?}, found {:.2?}, NEES {:.1?}, off {:.3} m{}",
+                "  {seed}: {} to {}, flagged {:.2?}, found {:.2?}, NEES {:.1?}, error {:.3} m{}",
                 pose(trial.from),
                 pose(trial.to),
                 trial.flagged,

@@ -1,4 +1,5 @@
-//! The figures of localisation in the loop world: `localization RUNS [BEAMS]`.
+//! Localization accuracy in the loop world: `cargo run --release -p surepose-experiments --example localisation RUNS
+//! [BEAMS]`.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! Lost and found: a robot is lifted and put down somewhere else. Does it notice, find itself, and never fool itself?
+//! Kidnapped-robot trials: detection, relocalization and wrong poses.
 
 mod report;
 mod spawn_area;

@@ -1,10 +1,10 @@
-//! Experiments of the project itself: the paper's figures, the loop world, kidnapped robots.
+//! Experiments of the project: the paper's figures, the loop world, kidnapped robots.
 //!
 //! | module | purpose |
 //! |---|---|
 //! | [`reproduce`] | the experiments behind the paper's figures and the loop world |
-//! | [`picture`] | the paper's figures, drawn |
-//! | [`kidnapping`] | trials in which the robot is displaced and has to find itself again |
+//! | [`picture`] | pictures of the paper's figures |
+//! | [`kidnapping`] | kidnapped-robot trials: detection and relocalization |
 
 pub mod kidnapping;
 pub mod picture;

@@ -1,4 +1,4 @@
-//! The paper's figures.
+//! Pictures of the paper's figures.
 
 mod figures;
 mod localization;

@@ -1,4 +1,4 @@
-//! The experiments of the paper's figures, and of the worlds in which the project is judged.
+//! Experiments of the paper's figures, and benchmark worlds.
 
 mod extraction;
 mod following;

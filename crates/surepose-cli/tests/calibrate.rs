@@ -25,7 +25,7 @@ fn a_clock_that_stands_still_is_named() {
     let run = surepose(&["calibrate", "ticks", &log]);
     assert_eq!(run.code, 3, "{}", run.stderr);
     let said = run.stderr.replace("\n  │ ", " ");
-    assert!(said.contains("no two records of different times"), "{said}");
+    assert!(said.contains("no two records with different stamps"), "{said}");
 }
 
 #[test]

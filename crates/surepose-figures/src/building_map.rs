@@ -1,4 +1,4 @@
-//! A replay on an occupancy grid: the scans where the robot took them.
+//! Picture of a replay on an occupancy grid, with the scans at the estimated poses.
 
 use surepose::geometry::{Body, Map, Point, Pose};
 use surepose_io::recording::{Recording, ScanRecord, StampedPose, laser_extrinsics};
@@ -9,16 +9,16 @@ use crate::plot::{Color, MapPlot as Drawing, Picture, Stroke};
 
 use super::walls::{Bounds, grid_keys};
 
-/// One scan of so many is drawn.
+/// Every n-th scan is drawn.
 const EVERY: usize = 10;
-/// Beams that are longer are left out \[m]: a degree moves them across half a room.
+/// Maximum range of a drawn beam \[m]; a heading error of 1° moves a longer beam by more than 0.26 m.
 const MAX_SIDE: f64 = 15.0;
-/// Margin around what is drawn \[m].
+/// Margin around the drawing \[m].
 const MARGIN: f64 = 2.0;
-/// Where it may be: so many places are shown.
+/// Maximum number of candidate poses shown.
 const PLACES: usize = 12;
 
-/// The grid, the robot's way, and on it what the laser saw; where the robot was not found, where it may be.
+/// Draws the grid, the trajectory and the scans; if no pose was found, the candidate poses.
 pub fn building_map(building: &BuildingMap, log: &Recording<StampedPose>, followed: &WeanReplay) -> Picture {
     let point = |pose: &Pose<Map, Body, f64>| (pose.x, pose.y);
     let trajectory: Vec<_> = followed.trajectory.iter().flatten().map(point).collect();
@@ -36,29 +36,29 @@ pub fn building_map(building: &BuildingMap, log: &Recording<StampedPose>, follow
         seen.iter().chain(&before).for_each(|at| include(*at));
     }
     let found = followed.candidates.is_empty();
-    let mut map = Drawing::new(if found { "Scans on the grid" } else { "Where the robot may be" });
+    let mut map = Drawing::new(if found { "Scans on the grid" } else { "Candidate poses of the robot" });
     if let Some(heatmap) = bounds.tiles_of(building.grid()) {
         map = map.heatmap(heatmap, grid_keys());
     }
     if !seen.is_empty() {
-        map = map.points("ends of beams", seen, Color::Vermilion);
+        map = map.points("beam end points", seen, Color::Vermilion);
     }
     if !before.is_empty() {
-        map = map.trace("way until found", before, Stroke::solid(Color::Green));
+        map = map.trace("path before localization", before, Stroke::solid(Color::Green));
     }
     if let Some(first) = followed.trajectory.iter().flatten().next() {
-        map = map.trace("way since", trajectory, Stroke::solid(Color::Blue));
-        let label = if followed.before.is_empty() { "start" } else { "found here" };
+        map = map.trace("estimated path", trajectory, Stroke::solid(Color::Blue));
+        let label = if followed.before.is_empty() { "start" } else { "localized here" };
         map = map.pose(label, point(first), first.heading.radians(), Color::Blue);
     }
     for (i, pose) in followed.candidates.iter().take(PLACES).enumerate() {
-        let label = if i == 0 { "may be it" } else { "" };
+        let label = if i == 0 { "candidate" } else { "" };
         map = map.pose(label, point(pose), pose.heading.radians(), Color::Blue);
     }
     map.picture()
 }
 
-/// Where the beams of a scan ended that was taken at `pose`.
+/// Returns the beam end points of a scan taken at `pose`.
 fn ends(scan: &ScanRecord, pose: Pose<Map, Body, f64>) -> Vec<(f64, f64)> {
     let map_from_laser = pose * laser_extrinsics(scan.mount);
     let beams = scan.ranges.iter().enumerate().filter(|(_, range)| range.is_finite() && **range < MAX_SIDE);

@@ -1,11 +1,11 @@
-//! What of a long drive is drawn.
+//! Downsampling of long drives for pictures.
 
 use surepose_sim::simulation::Sample;
 
-/// More samples than this lie closer together than a picture has pixels.
+/// Maximum number of samples; more would be closer together than pixels.
 const MAX_SAMPLES: usize = 4000;
 
-/// Evenly chosen samples, the first and the last among them; all, where they are no more than a picture shows.
+/// Returns evenly spaced samples, including the first and the last; all, if there are at most `MAX_SAMPLES`.
 pub fn downsampled(samples: &[Sample]) -> Vec<Sample> {
     let (count, last) = (samples.len().min(MAX_SAMPLES), samples.len().saturating_sub(1));
     (0..count).filter_map(|k| samples.get(k * last / (count - 1).max(1))).copied().collect()
@@ -19,7 +19,7 @@ mod tests {
     use super::{MAX_SAMPLES, downsampled};
 
     #[test]
-    fn long_drives_are_thinned_and_short_ones_are_not() {
+    fn only_long_drives_are_downsampled() {
         let (short, _) = simulate(&Scenario::default(), 1);
         assert_eq!(downsampled(&short), short);
         assert!(downsampled(&[]).is_empty());

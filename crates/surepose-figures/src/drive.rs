@@ -1,4 +1,4 @@
-//! One drive: its way with the walls, and what happened over time.
+//! Pictures of one drive: path, walls and time series.
 
 use core::f64::consts::TAU;
 
@@ -8,49 +8,49 @@ use surepose_sim::simulation::{ControlMode, Sample};
 
 use crate::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, Subplot, XyPlot, hstack, hstack_column};
 
-/// Time between two ellipses \[s].
+/// Interval between two ellipses \[s].
 const ELLIPSE_EVERY: f64 = 1.0;
-/// Three standard deviations that can be seen on a map of metres \[m].
+/// Size of three standard deviations that is visible on a map of several meters \[m].
 const VISIBLE: f64 = 0.06;
 /// Half the side of the window around the goal \[m].
 const WINDOW: f64 = 0.03;
 
-/// The way with the walls, start and goal; and the last centimetres, with the tolerance.
+/// Draws path, walls, start and goal, and the last centimeters with the tolerance.
 pub fn trajectory(scenario: &Scenario, samples: &[Sample]) -> Picture {
     hstack(vec![from_above(scenario, samples).cell(), at_the_goal(scenario, samples)])
 }
 
-/// v and ω, asked and true.
+/// Draws v and ω, commanded and true.
 pub fn velocities(samples: &[Sample]) -> Picture {
     XyPlot::over("time [s]")
-        .panel(speeds(Panel::new("Speed", "v [m/s]"), samples, ["asked", "true"]))
+        .panel(speeds(Panel::new("Speed", "v [m/s]"), samples, ["commanded", "true"]))
         .panel(turn_rate(samples))
         .picture()
 }
 
-/// Heading error and distance from the goal.
+/// Draws heading error and distance to the goal.
 pub fn heading_error(scenario: &Scenario, samples: &[Sample]) -> Picture {
     XyPlot::over("time [s]").panel(heading(scenario, samples)).panel(distance(scenario, samples)).picture()
 }
 
-/// V of the law in charge, with the changes of law.
+/// Draws V of the active law and the switches between laws.
 pub fn lyapunov(samples: &[Sample]) -> Picture {
-    let title = "V_g of the global law; shaded: V_l of the local law; dashed: hand-over, arrival";
+    let title = "V_g of the global law; shaded: V_l of the local law; dashed: switch, arrival";
     XyPlot::over("time [s]").panel(descent(title, samples)).picture()
 }
 
-/// The drive at one glance, small enough for a column of text; titles say what is what, so that legends take no room.
+/// Draws an overview that fits a text column; panel titles replace legends.
 pub fn overview(scenario: &Scenario, samples: &[Sample]) -> Picture {
     let chart = XyPlot::over("time [s]")
         .compact()
-        .panel(speeds(Panel::new("Speed: true (blue), asked (grey)", "v [m/s]"), samples, ["", ""]))
+        .panel(speeds(Panel::new("Speed: true (blue), commanded (gray)", "v [m/s]"), samples, ["", ""]))
         .panel(heading(scenario, samples))
-        .panel(descent("V; shaded: local law; dashed: hand-over, arrival", samples));
+        .panel(descent("V; shaded: local law; dashed: switch, arrival", samples));
     hstack_column(from_above(scenario, samples).compact().cell(), chart.cells())
 }
 
-/// How many times ellipses are enlarged on a map of the whole way: a laser knows the place to millimetres, and on a map of
-/// metres that is nothing to see.
+/// Returns the scale factor of ellipses: a standard deviation of millimeters is otherwise invisible on a map
+/// of meters.
 pub(super) fn enlargement(samples: &[Sample]) -> f64 {
     let mut quantile_plots: Vec<f64> = every(samples, ELLIPSE_EVERY).into_iter().map(spread).collect();
     quantile_plots.sort_by(f64::total_cmp);
@@ -62,35 +62,38 @@ fn from_above(scenario: &Scenario, samples: &[Sample]) -> MapPlot {
     let (start, goal) = (scenario.start(), scenario.goal());
     let shown = every(samples, ELLIPSE_EVERY);
     let factor = enlargement(samples);
-    let label =
-        if factor > 1.0 { format!("3σ × {factor}, each second") } else { "3σ, each second".to_owned() };
+    let label = if factor > 1.0 {
+        format!("3σ × {factor}, one per second")
+    } else {
+        "3σ, one per second".to_owned()
+    };
     let here = |sample: &Sample| (sample.estimated_x_m, sample.estimated_y_m);
     let ellipses = shown.into_iter().map(|sample| ellipse(sample, here(sample), 3.0 * factor)).collect();
     MapPlot::new("From start to goal")
         .walls(walls(scenario))
-        .trace("true way", true_way(samples), Stroke::wide(Color::Silver))
-        .trace("estimated way", estimated_way(samples), Stroke::thin(Color::Vermilion))
+        .trace("true path", true_way(samples), Stroke::wide(Color::Silver))
+        .trace("estimated path", estimated_way(samples), Stroke::thin(Color::Vermilion))
         .outlines(label, ellipses, Stroke::thin(Color::Blue))
         .pose("start", (start.x, start.y), start.heading.radians(), Color::Green)
         .pose("goal", (goal.x, goal.y), goal.heading.radians(), Color::Purple)
 }
 
-/// The neighbourhood of the goal, seen from it.
+/// Draws the neighborhood of the goal, relative to the goal.
 fn at_the_goal(scenario: &Scenario, samples: &[Sample]) -> Subplot {
     let goal = scenario.goal();
     let from_goal =
         |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x - goal.x, y - goal.y)).collect();
     let tolerance = scenario.config.number(&param::POSITION_TOLERANCE);
     let circle = turn().map(|(cos, sin)| (tolerance * cos, tolerance * sin)).collect();
-    let mut map = MapPlot::new("The last centimetres")
+    let mut map = MapPlot::new("The last centimeters")
         .outlines("tolerance", vec![circle], Stroke::solid(Color::Purple))
-        .trace("true way", from_goal(true_way(samples)), Stroke::wide(Color::Silver))
-        .trace("estimated way", from_goal(estimated_way(samples)), Stroke::thin(Color::Vermilion));
+        .trace("true path", from_goal(true_way(samples)), Stroke::wide(Color::Silver))
+        .trace("estimated path", from_goal(estimated_way(samples)), Stroke::thin(Color::Vermilion));
     let here = |sample: &Sample| (sample.estimated_x_m - goal.x, sample.estimated_y_m - goal.y);
     let near = every(samples, ELLIPSE_EVERY).into_iter().chain(samples.last());
     let near = near.filter(|sample| here(sample).0.abs().max(here(sample).1.abs()) < WINDOW);
     let ellipses = near.map(|sample| ellipse(sample, here(sample), 3.0)).collect();
-    map = map.outlines("3σ, each second", ellipses, Stroke::thin(Color::Blue));
+    map = map.outlines("3σ, one per second", ellipses, Stroke::thin(Color::Blue));
     if let Some(end) = samples.last() {
         let at = (end.x_m - goal.x, end.y_m - goal.y);
         map = map.pose("true pose at the end", at, end.heading_deg.to_radians(), Color::Black);
@@ -101,16 +104,16 @@ fn at_the_goal(scenario: &Scenario, samples: &[Sample]) -> Subplot {
         .cell()
 }
 
-fn speeds(panel: Panel, samples: &[Sample], [asked, actual]: [&str; 2]) -> Panel {
+fn speeds(panel: Panel, samples: &[Sample], [commanded, actual]: [&str; 2]) -> Panel {
     panel
-        .series(asked, over(samples, |s| s.commanded_v_m_s), Stroke::wide(Color::Silver))
+        .series(commanded, over(samples, |s| s.commanded_v_m_s), Stroke::wide(Color::Silver))
         .series(actual, over(samples, |s| s.v_m_s), Stroke::solid(Color::Blue))
         .marks([Mark::Level(0.0)])
 }
 
 fn turn_rate(samples: &[Sample]) -> Panel {
     Panel::new("Turn rate", "ω [°/s]")
-        .series("asked", over(samples, |s| s.commanded_omega_deg_s), Stroke::wide(Color::Silver))
+        .series("commanded", over(samples, |s| s.commanded_omega_deg_s), Stroke::wide(Color::Silver))
         .series("true", over(samples, |s| s.omega_deg_s), Stroke::solid(Color::Blue))
         .marks([Mark::Level(0.0)])
 }
@@ -129,7 +132,8 @@ fn distance(scenario: &Scenario, samples: &[Sample]) -> Panel {
         .logarithmic()
 }
 
-/// When V is V_l. It goes on falling while the robot holds: it is the law that counts, not the mode.
+/// Returns the intervals in which V is V_l. They include the holding time: the active law counts, not the
+/// mode.
 fn local_law_intervals(samples: &[Sample]) -> Vec<(f64, f64)> {
     stretches(samples, |sample| sample.local)
 }
@@ -137,7 +141,7 @@ fn local_law_intervals(samples: &[Sample]) -> Vec<(f64, f64)> {
 fn descent(title: &str, samples: &[Sample]) -> Panel {
     let local = local_law_intervals(samples);
     let holding = stretches(samples, |sample| sample.mode == ControlMode::Holding);
-    // What the marks are is said in the title: beside them, near the end of the drive, there is no room for it.
+    // The title explains the marks: near the end of the drive there is no room for labels.
     let marks =
         [local.first(), holding.first()].map(|found| found.map(|(at, _)| Mark::At(*at, String::new())));
     Panel::new(title, "V")
@@ -151,7 +155,7 @@ fn over(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
     samples.iter().map(|sample| (sample.time_s, value(sample))).collect()
 }
 
-/// The same angles \[°] without jumps by a turn.
+/// Unwraps angles \[°].
 pub fn unwrapped(mut series: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let mut before: Option<f64> = None;
     for (_, angle) in &mut series {
@@ -163,7 +167,7 @@ pub fn unwrapped(mut series: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     series
 }
 
-/// From when to when the samples were such.
+/// Returns the time intervals in which `condition` holds.
 fn stretches(samples: &[Sample], condition: impl Fn(&Sample) -> bool) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut inside = false;
@@ -179,7 +183,7 @@ fn stretches(samples: &[Sample], condition: impl Fn(&Sample) -> bool) -> Vec<(f6
     found
 }
 
-/// Every so many seconds a sample.
+/// Returns one sample per `seconds`.
 fn every(samples: &[Sample], seconds: f64) -> Vec<&Sample> {
     let mut next = seconds;
     let due = |sample: &&Sample| {
@@ -190,12 +194,12 @@ fn every(samples: &[Sample], seconds: f64) -> Vec<&Sample> {
     samples.iter().filter(due).collect()
 }
 
-/// Three standard deviations of the worse coordinate \[m].
+/// Returns three standard deviations of the less certain coordinate \[m].
 fn spread(sample: &Sample) -> f64 {
     3.0 * sample.variance_x_m2.max(sample.variance_y_m2).max(0.0).sqrt()
 }
 
-/// The contour of so many standard deviations around (x, y).
+/// Returns the contour of `sigmas` standard deviations around (x, y).
 fn ellipse(sample: &Sample, (x, y): (f64, f64), sigmas: f64) -> Vec<(f64, f64)> {
     // With P = L Lᵀ the contour is L·(cos, sin).
     let l11 = sample.variance_x_m2.max(0.0).sqrt();
@@ -204,7 +208,7 @@ fn ellipse(sample: &Sample, (x, y): (f64, f64), sigmas: f64) -> Vec<(f64, f64)> 
     turn().map(|(cos, sin)| (x + sigmas * l11 * cos, y + sigmas * (l21 * cos + l22 * sin))).collect()
 }
 
-/// Cosines and sines once round.
+/// Returns cosines and sines of a full circle.
 fn turn() -> impl Iterator<Item = (f64, f64)> {
     (0..=48).map(|i| f64::from(i) * TAU / 48.0).map(|angle| (angle.cos(), angle.sin()))
 }
@@ -231,9 +235,9 @@ mod tests {
 
     use super::{local_law_intervals, overview, stretches};
 
-    /// The V that is drawn is V_l from the switch to the end of the drive, which the robot spends holding.
+    /// V_l is plotted from the switch to the end of the drive, including the holding time.
     #[test]
-    fn shading_covers_all_of_the_local_law() {
+    fn shading_covers_the_whole_time_of_the_local_law() {
         let (samples, _) = simulate(&Scenario::default(), 1);
         let local = local_law_intervals(&samples);
         let holding = stretches(&samples, |sample| sample.mode == ControlMode::Holding);
@@ -241,20 +245,20 @@ mod tests {
             panic!("{local:?}, {holding:?}");
         };
         assert!(last.0 < held.0 && held.1 >= end.time_s && last.1 >= end.time_s, "{local:?}, {holding:?}");
-        // Where V changes from one law's to the other's it jumps, and nowhere else does it grow by a half.
+        // V jumps where the laws switch; elsewhere it never grows by a half.
         for pair in samples.windows(2) {
             assert!(pair[0].local != pair[1].local || pair[1].lyapunov < 1.5 * pair[0].lyapunov + 1e-4);
         }
     }
 
-    /// In a README's column of 830 px nothing is drawn smaller than at four fifths: letters of 12 px stay above 9.
+    /// In a README column of 830 px the scale is at least 0.8, so that 12 px letters are at least 9 px.
     #[test]
-    fn overview_is_no_wider_than_can_be_read_in_a_column() {
+    fn overview_fits_a_readme_column() {
         let scenario = Scenario::default();
         let svg = overview(&scenario, &simulate(&scenario, 1).0).svg();
         let width = svg.split("width=\"").nth(1).and_then(|rest| rest.split('"').next());
         let width: f64 = width.and_then(|width| width.parse().ok()).expect("a width");
         assert!(width <= 830.0 / 0.8, "{width}");
-        assert!(svg.contains("dashed: hand-over, arrival"));
+        assert!(svg.contains("dashed: switch, arrival"));
     }
 }

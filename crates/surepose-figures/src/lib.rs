@@ -1,6 +1,6 @@
-//! Figures: drives, maps, sweeps and certificates as SVG, PNG and HTML pages.
+//! Figures of drives, maps, sweeps and certificates as SVG, PNG and HTML pages.
 //!
-//! [`plot`] draws axes, maps and charts and knows nothing of robots; the other functions draw one subject each with it.
+//! [`plot`] draws axes, maps and charts of any data; the other functions draw one subject each with it.
 
 mod building_map;
 mod downsampled;

@@ -1,4 +1,4 @@
-//! The margin of the certificate: how fast W falls at the least, over how the goal is seen, and over the distance.
+//! Pictures of the certificate's margin: lower bound of the decrease of W over direction and distance.
 
 use core::f64::consts::PI;
 
@@ -13,18 +13,19 @@ use crate::plot::{
 
 const NOT_SHOWN: Color = Color::Vermilion;
 
-/// The margin over (α, φ), at the capture radius and at its least over all distances; and a state in which W rises,
-/// if one is known. Where the fall is not shown everywhere, the first is that of the farthest distances with a gap.
+/// Draws the margin over (α, φ) at the capture radius and at its minimum over all distances. A state in which
+/// W rises is marked, if one is known. If the decrease is not proved everywhere, the first map is at the
+/// largest distances with a gap.
 pub fn margin(margins: &Margins, rises: Option<&DisturbedState>) -> Picture {
     let least = margins.least();
-    // One scale for both, so that they can be compared, and on it the small margins, which are those that count.
+    // One scale for both, for comparison; small margins are resolved because they matter most.
     let shown = |of: &MarginMap| Quantiles::from_values(of.fall.iter().copied().filter(|fall| *fall > 0.0));
     let most = shown(&least).or(shown(&margins.nearest)).map_or(1.0, |spread| spread.p95);
-    let scale = Scale::new(format!("least fall of W shown [1/s]; darkest: {most:.2} or more"), 0.0, most);
+    let scale = Scale::new(format!("lower bound of −dW/dt [1/s]; darkest: {most:.2} or more"), 0.0, most);
     let map = |title: String, of: &MarginMap| {
         let side = of.side.max(1);
         let cell = |k: usize| {
-            // The map has α̂ by α̂; a picture has row by row, which are those of φ̂.
+            // The map is stored α̂ by α̂; a picture is stored in rows of φ̂.
             let fall = of.fall.get((k % side) * side + k / side).copied().unwrap_or(f64::NAN);
             if fall > 0.0 { HeatmapCell::Value(fall) } else { HeatmapCell::Plain(NOT_SHOWN) }
         };
@@ -32,28 +33,30 @@ pub fn margin(margins: &Margins, rises: Option<&DisturbedState>) -> Picture {
         let gaps = cells.contains(&HeatmapCell::Plain(NOT_SHOWN));
         let heatmap = Heatmap { low: (-PI, -PI), side: 2.0 * PI / side as f64, columns: side, cells };
         let map = MapPlot::new(title)
-            .heatmap(heatmap, gaps.then(|| ("not shown".to_owned(), NOT_SHOWN)))
+            .heatmap(heatmap, gaps.then(|| ("not proved".to_owned(), NOT_SHOWN)))
             .scale(scale.clone())
             .axes(
                 1f64.to_degrees(),
-                "bearing of the goal as seen α [°]",
-                "direction of approach as seen φ [°]",
+                "estimated bearing of the goal α [°]",
+                "estimated direction of approach φ [°]",
             )
             .numbered_every(45.0);
-        // On the map of its own distance only.
+        // Only on the map of its own distance.
         let inside = |at: &&DisturbedState| {
             let rho = at.x.hypot(at.y);
             of.rho.0 <= rho && rho <= of.rho.1
         };
         match rises.filter(inside) {
-            Some(at) => map.dots("W rises in a tick", vec![seen(at)], DotPaint::Plain(Color::Black)).cell(),
+            Some(at) => {
+                map.dots("W increases in one tick", vec![seen(at)], DotPaint::Plain(Color::Black)).cell()
+            }
             None => map.cell(),
         }
     };
     let whole = |of: &&MarginMap| of.fall.iter().all(|fall| *fall > 0.0);
     let edge = margins.ranges.iter().rev().find(|range| !whole(range));
     let first = match edge {
-        Some(range) => map(format!("The farthest gap: {}", distances(range)), range),
+        Some(range) => map(format!("Farthest gap: {}", distances(range)), range),
         None => {
             map(format!("Margin at the capture radius, {}", distances(&margins.nearest)), &margins.nearest)
         }
@@ -61,10 +64,10 @@ pub fn margin(margins: &Margins, rises: Option<&DisturbedState>) -> Picture {
     hstack(vec![first, map(format!("Least margin from {}", distances(&least)), &least)])
 }
 
-/// The least margin over the distance.
+/// Draws the minimum margin over the distance.
 pub fn margin_over_distance(margins: &Margins) -> Picture {
     let worst = |map: &MarginMap| map.fall.iter().copied().fold(f64::INFINITY, f64::min);
-    // A gap is no margin of 0: the line is broken there.
+    // A gap is not a margin of 0, so the line is interrupted.
     let (mut runs, mut gaps, mut most) = (vec![Vec::new()], Vec::new(), 0.1_f64);
     for range in &margins.ranges {
         let (near, far) = range.rho;
@@ -79,8 +82,8 @@ pub fn margin_over_distance(margins: &Margins) -> Picture {
             gaps.push((near, far));
         }
     }
-    let note = if gaps.is_empty() { "" } else { "; shaded: not shown" };
-    let panel = Panel::new(format!("Least fall of W shown, over all directions{note}"), "−dW/dt [1/s]")
+    let note = if gaps.is_empty() { "" } else { "; shaded: not proved" };
+    let panel = Panel::new(format!("Lower bound of −dW/dt over all directions{note}"), "−dW/dt [1/s]")
         .range(0.0, 1.08 * most)
         .shaded(gaps, NOT_SHOWN);
     let panel = runs
@@ -90,7 +93,7 @@ pub fn margin_over_distance(margins: &Margins) -> Picture {
     XyPlot::over("true distance from the goal ρ [m]").logarithmic().panel(panel).picture()
 }
 
-/// How the goal is seen in a state: bearing and direction of approach \[rad].
+/// Returns the estimated bearing and direction of approach of a state \[rad].
 fn seen(at: &DisturbedState) -> (f64, f64) {
     let heading = Angle::from_radians(at.heading + at.noise_heading);
     let estimate: Pose<MapFrame, Body, f64> = Pose::new(at.x + at.noise_x, at.y + at.noise_y, heading);
@@ -101,7 +104,7 @@ fn seen(at: &DisturbedState) -> (f64, f64) {
 
 fn distances(of: &MarginMap) -> String {
     let (near, far) = of.rho;
-    let short = |metres: f64| format!("{metres:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
+    let short = |meters: f64| format!("{meters:.3}").trim_end_matches('0').trim_end_matches('.').to_owned();
     if near < far { format!("{} m to {} m", short(near), short(far)) } else { format!("{} m", short(near)) }
 }
 
@@ -111,7 +114,7 @@ mod tests {
 
     use super::margin_over_distance;
 
-    /// A gap is told apart from a margin of 0, also where there is nothing but gaps.
+    /// Gaps are distinguishable from a margin of 0, even if there are only gaps.
     #[test]
     fn gaps_are_shaded_and_named() {
         let map = |rho, fall: f64| MarginMap { rho, side: 1, fall: vec![fall] };
@@ -121,10 +124,10 @@ mod tests {
             margin_over_distance(&Margins { nearest, ranges }).svg()
         };
         let gap = f64::NEG_INFINITY;
-        assert!(!drawn([0.3, 0.2]).contains("not shown"));
+        assert!(!drawn([0.3, 0.2]).contains("not proved"));
         for falls in [[gap, 0.2], [0.3, gap], [gap, gap]] {
             let svg = drawn(falls);
-            assert!(svg.contains("shaded: not shown") && svg.contains("true distance"), "{falls:?}");
+            assert!(svg.contains("shaded: not proved") && svg.contains("true distance"), "{falls:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A sweep: where its trials started and how they went, and how their figures are spread.
+//! Pictures of a sweep: results over the start poses, and histograms.
 
 use core::f64::consts::{PI, TAU};
 
@@ -11,21 +11,21 @@ use crate::plot::{
     vstack,
 };
 
-/// With fewer trials than this each one is a dot; with more, they are counted in cells.
+/// Number of trials below which each is a dot; above, trials are binned into cells.
 const CROWD: usize = 400;
-/// Trials in a cell, on average, and the range of cells along a side.
+/// Mean number of trials per cell, and the range of cells per side.
 const PER_CELL: f64 = 15.0;
 const SIDES: (f64, f64) = (8.0, 60.0);
-/// By how much a square is larger than what lies in it.
+/// Ratio of a square's side to the extent of its contents.
 const MARGIN: f64 = 1.02;
-/// Bars of a histogram.
+/// Number of bars of a histogram.
 const BARS: usize = 60;
-/// Errors are shown up to so many tolerances.
+/// Maximum error shown, in tolerances.
 const TOLERANCES_SHOWN: f64 = 3.0;
 
 const FAILED: Color = Color::Vermilion;
 
-/// Success and time over the start's place, and time over the directions in which start and goal lie.
+/// Draws success and time over the start position, and time over the directions of start and goal.
 pub fn start_map(trials: &[Trial]) -> Picture {
     let places: Vec<_> = trials.iter().map(|trial| (trial.start_x_m, trial.start_y_m)).collect();
     let directions: Vec<_> = trials.iter().map(directions).collect();
@@ -38,17 +38,17 @@ pub fn start_map(trials: &[Trial]) -> Picture {
     let by_place = Shown::of(&places, &ratios, plane, median);
     let by_direction = Shown::of(&directions, &ratios, circle, median);
 
-    let rate = Scale::new("trials that succeeded [%]", 0.0, 1.0).times(100.0);
-    // One scale for both, so that they can be compared.
+    let rate = Scale::new("successful trials [%]", 0.0, 1.0).times(100.0);
+    // One scale for both, for comparison.
     let medians: Vec<f64> = by_place.values().into_iter().chain(by_direction.values()).collect();
     let (ratio, most) = ratio_scale(medians, trials.len() >= CROWD);
-    let timed = MapPlot::new(format!("Time over the least possible; darkest: {} or more", short(most)));
+    let timed = MapPlot::new(format!("Time / optimal time; darkest: {} or more", short(most)));
     let failed = |at: &[(f64, f64)]| -> Vec<_> {
         at.iter().zip(trials).filter(|(_, trial)| !trial.success).map(|(at, _)| *at).collect()
     };
     let ran = trials.iter().filter(|trial| trial.success).count();
     let title = format!("Success over the start: {ran} of {}", counted(trials.len()));
-    let directed = MapPlot::new("The same over the directions at the start")
+    let directed = MapPlot::new("Time / optimal time over the directions at the start")
         .axes(1f64.to_degrees(), "bearing of the goal α [°]", "direction of approach φ [°]")
         .numbered_every(45.0);
     hstack(vec![
@@ -58,19 +58,13 @@ pub fn start_map(trials: &[Trial]) -> Picture {
     ])
 }
 
-/// How time and final errors are spread over the trials.
+/// Draws the distributions of time and final errors.
 pub fn quantile_plots(trials: &[Trial]) -> Picture {
     let all = |value: fn(&Trial) -> Option<f64>| trials.iter().filter_map(value).collect::<Vec<_>>();
     let tolerances = |tolerance: f64| TOLERANCES_SHOWN * tolerance;
     let (position, heading) = (1e3 * POSITION_TOLERANCE, HEADING_TOLERANCE.to_degrees());
     vstack(vec![
-        histogram(
-            "Time over the least possible",
-            ("time / least possible", ""),
-            &all(Trial::time_ratio),
-            1.0,
-            None,
-        ),
+        histogram("Time / optimal time", ("time / optimal time", ""), &all(Trial::time_ratio), 1.0, None),
         histogram(
             "Final distance",
             ("final position error [mm]", " mm"),
@@ -88,7 +82,7 @@ pub fn quantile_plots(trials: &[Trial]) -> Picture {
     ])
 }
 
-/// How the goal lies, seen from the start: its bearing, and the direction of approach \[rad].
+/// Returns bearing of the goal and direction of approach at the start \[rad].
 fn directions(trial: &Trial) -> (f64, f64) {
     let heading = Angle::from_degrees(trial.start_heading_deg);
     let start: Pose<MapFrame, Body, f64> = Pose::new(trial.start_x_m, trial.start_y_m, heading);
@@ -97,7 +91,7 @@ fn directions(trial: &Trial) -> (f64, f64) {
     (seen.alpha.radians(), seen.phi.radians())
 }
 
-/// A part of a plane.
+/// A square in a plane.
 #[derive(Clone, Copy)]
 struct Square {
     low: (f64, f64),
@@ -106,14 +100,14 @@ struct Square {
 
 /// Values over a square.
 enum Shown {
-    /// A summary of each cell's.
+    /// A statistic of each cell.
     Cells(Heatmap),
-    /// Each one in its place.
+    /// Individual values.
     Dots(Square, Vec<(f64, f64)>, Vec<f64>),
 }
 
 impl Shown {
-    /// `values` in their `places`, or where they are many the `summary` of each cell's.
+    /// Shows each of `values` at its place; if there are many, the `summary` of each cell.
     fn of(
         places: &[(f64, f64)],
         values: &[Option<f64>],
@@ -163,13 +157,13 @@ impl Shown {
         }
     }
 
-    /// On `map`, with those that `failed` as long as they can be told apart.
+    /// Adds the values to `map`, with the trials that `failed` if they are drawn individually.
     fn drawn(self, map: MapPlot, scale: Scale, failed: Vec<(f64, f64)>) -> Subplot {
         let map = map.scale(scale);
         let map = match self {
             Self::Cells(heatmap) => {
                 let none = heatmap.cells.contains(&HeatmapCell::Plain(FAILED));
-                map.heatmap(heatmap, none.then(|| ("no success here".to_owned(), FAILED)))
+                map.heatmap(heatmap, none.then(|| ("no success".to_owned(), FAILED)))
             }
             Self::Dots(Square { low, side }, places, values) => {
                 let high = (low.0 + side, low.1 + side);
@@ -183,12 +177,12 @@ impl Shown {
     }
 }
 
-/// From what is least to what nearly all that is shown has at most, which is returned too.
+/// Returns a scale from the minimum to the 95 % quantile of the shown values, and that maximum.
 fn ratio_scale(mut shown: Vec<f64>, of_cells: bool) -> (Scale, f64) {
     shown.sort_by(f64::total_cmp);
     let least = shown.first().copied().unwrap_or(1.0);
     let most = Quantiles::from_values(shown).map_or(1.1, |spread| spread.p95);
-    let what = if of_cells { "time / least possible, median of a cell" } else { "time / least possible" };
+    let what = if of_cells { "time / optimal time, median per cell" } else { "time / optimal time" };
     let most = most.max(least + 0.02);
     (Scale::new(what, least, most), most)
 }
@@ -201,7 +195,7 @@ fn median(values: &mut [f64]) -> f64 {
     Quantiles::from_values(values.iter().copied()).map_or(f64::NAN, |spread| spread.p50)
 }
 
-/// A square around all places.
+/// Returns a square around all places.
 fn square_around(places: &[(f64, f64)]) -> Square {
     let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
     for (x, y) in places {
@@ -215,8 +209,8 @@ fn square_around(places: &[(f64, f64)]) -> Square {
     Square { low: (0.5 * (low.0 + high.0 - side), 0.5 * (low.1 + high.1 - side)), side }
 }
 
-/// Counts of `values` from `least` on, up to what nearly all have at most, or as far as the tolerance is of interest; a `unit`
-/// follows every number but those of the axis.
+/// Draws a histogram of `values` from `least` to a high quantile or to some tolerances. A `unit` follows
+/// every number except those of the axis.
 fn histogram(
     title: &str,
     (label, unit): (&str, &str),
@@ -235,7 +229,7 @@ fn histogram(
     let mut counts = vec![0.0; BARS];
     let mut beyond = 0;
     for value in &sorted {
-        // What ends the axis is on it.
+        // The upper end of the axis belongs to the last bar.
         let bar = (((value - low) / width) as usize).min(BARS - 1);
         match counts.get_mut(bar) {
             Some(count) if *value <= most => *count += 1.0,
@@ -259,7 +253,7 @@ fn histogram(
             let line = vec![(at, 0.0), (at, top)];
             panel = panel.series(format!("{name}: {number}"), line, Stroke::solid(color));
         } else {
-            // A legend's line would be looked for in vain.
+            // A legend entry would refer to a line outside the axis.
             beyond.push(format!("{name} {number}"));
         }
     }
@@ -270,12 +264,12 @@ fn histogram(
     XyPlot::over(label).panel(panel).cells()
 }
 
-/// So many trials.
+/// Formats a number of trials.
 fn counted(trials: usize) -> String {
     format!("{trials} {}", if trials == 1 { "trial" } else { "trials" })
 }
 
-/// Three significant digits.
+/// Formats a value with three significant digits.
 fn short(value: f64) -> String {
     if value.abs() >= 1e6 {
         return format!("{value:.2e}");
@@ -290,9 +284,9 @@ mod tests {
 
     use super::histogram;
 
-    /// A legend's line is on the axes; what lies beyond them is told in the title.
+    /// The legend lists lines on the axis; the title lists lines beyond it.
     #[test]
-    fn legend_names_no_line_beyond_the_axis() {
+    fn lines_beyond_the_axis_are_listed_in_the_title() {
         let values: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
         let drawn = |tolerance| drawn(&values, Some(tolerance));
         let (far, near) = (drawn((10.0, 30.0)), drawn((1.0, 3.0)));
@@ -300,16 +294,16 @@ mod tests {
         assert!(near.contains("tolerance: 1.00 mm") && !near.contains("tolerance 1.00"), "on the axis");
     }
 
-    /// The largest value of all ends the axis, and is on it.
+    /// The maximum value is at the upper end of the axis and is drawn.
     #[test]
     fn one_trial_is_drawn() {
         let svg = drawn(&[1.5], None);
         assert!(svg.contains("Errors: 1 trial<") && svg.contains("median: 1.50 mm"), "{svg}");
     }
 
-    /// Errors of robots that run away.
+    /// Errors of diverging robots.
     #[test]
-    fn titles_are_no_wider_than_their_panel() {
+    fn titles_fit_their_panel() {
         let svg = drawn(&[1.234e300; 1000], Some((10.0, 30.0)));
         let title = svg.split(['<', '>']).find(|text| text.starts_with("Errors")).expect("a title");
         assert!(title.contains("beyond the axis: 1000 trials, median 1.23e300 mm"), "{title}");

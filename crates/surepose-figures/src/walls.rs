@@ -1,4 +1,4 @@
-//! A wall map, and what it was made from below it.
+//! Picture of a wall map over its source data.
 
 use surepose_io::grid::Grid;
 use surepose_io::wall_map::WallMap;
@@ -7,22 +7,22 @@ use surepose_mapping::from_grid::{is_free, is_solid};
 
 use crate::plot::{Color, Heatmap, HeatmapCell, MapPlot, Picture};
 
-/// What lies below the walls of a map.
+/// Background of a wall map.
 #[derive(Clone, Copy, Debug)]
 pub enum MapBackground<'a> {
-    /// The paper.
+    /// No background.
     Nothing,
     /// An occupancy grid.
     Grid(&'a Grid),
-    /// Where the beams of scans ended \[m].
+    /// Beam end points of scans \[m].
     Ends(&'a [(f64, f64)]),
 }
 
-/// Most cells along a side: more than that, and a picture has no pixel for each.
+/// Maximum number of cells per side; more would exceed the pixels.
 const MAX_CELLS_PER_SIDE: usize = 1000;
-/// Side of a cell in which beams ended \[m], at least.
+/// Minimum side of a cell of beam end points \[m].
 const CELL: f64 = 0.05;
-/// Cells around what is known, and space around walls \[m].
+/// Margin around known cells, and around walls \[m].
 const MARGIN: usize = 6;
 const SPACE: f64 = 0.5;
 
@@ -30,7 +30,7 @@ const SOLID: Color = Color::Black;
 const UNKNOWN: Color = Color::Mist;
 const SEEN: Color = Color::Grey;
 
-/// The walls of a map over what they were made from.
+/// Draws the walls of a map over their source data.
 pub fn wall_map(map: &WallMap, ground: MapBackground<'_>) -> Picture {
     let MapReport { walls, length_m, .. } = MapReport::from_map(map);
     let figures = format!("{walls} walls, {length_m:.1} m");
@@ -40,7 +40,7 @@ pub fn wall_map(map: &WallMap, ground: MapBackground<'_>) -> Picture {
         MapBackground::Nothing => None,
         MapBackground::Grid(grid) => grid_tiles(grid, map).map(|heatmap| (heatmap, grid_keys())),
         MapBackground::Ends(ends) => {
-            end_tiles(ends, map).map(|heatmap| (heatmap, vec![("beams ended here".to_owned(), SEEN)]))
+            end_tiles(ends, map).map(|heatmap| (heatmap, vec![("beam end points".to_owned(), SEEN)]))
         }
     };
     match below {
@@ -49,11 +49,11 @@ pub fn wall_map(map: &WallMap, ground: MapBackground<'_>) -> Picture {
     }
 }
 
-/// The part of a grid that is known, and that the walls lie in.
+/// Returns the known part of a grid, with margin, that covers the walls.
 fn grid_tiles(grid: &Grid, map: &WallMap) -> Option<Heatmap> {
     let mut bounds = Bounds::from_walls(map, 0.0);
     for row in 0..grid.height {
-        // The outermost known cells of a row are enough.
+        // The outermost known cells of a row suffice.
         let known = |column: &usize| grid.occupancy(*column, row).is_some();
         let ends = [(0..grid.width).find(known), (0..grid.width).rev().find(known)];
         ends.into_iter().flatten().for_each(|column| bounds.include(grid.center(column, row)));
@@ -61,7 +61,7 @@ fn grid_tiles(grid: &Grid, map: &WallMap) -> Option<Heatmap> {
     bounds.tiles_of(grid)
 }
 
-/// The cells around the walls in which beams ended.
+/// Returns the cells of beam end points around the walls.
 fn end_tiles(ends: &[(f64, f64)], map: &WallMap) -> Option<Heatmap> {
     let bounds = Bounds::from_walls(map, SPACE);
     let extent = [bounds.high.0 - bounds.low.0, bounds.high.1 - bounds.low.1];
@@ -82,24 +82,24 @@ fn end_tiles(ends: &[(f64, f64)], map: &WallMap) -> Option<Heatmap> {
     Some(Heatmap { low: bounds.low, side, columns, cells })
 }
 
-/// What the colours of a grid's tiles mean.
+/// Legend of a grid's colors.
 pub(super) fn grid_keys() -> Vec<(String, Color)> {
     vec![("occupied".to_owned(), SOLID), ("unknown".to_owned(), UNKNOWN)]
 }
 
-/// The corners of what is to be seen \[m].
+/// Corners of the visible area \[m].
 pub(super) struct Bounds {
     low: (f64, f64),
     high: (f64, f64),
 }
 
 impl Bounds {
-    /// Around nothing yet.
+    /// Returns empty bounds.
     pub(super) fn new() -> Self {
         Self { low: (f64::MAX, f64::MAX), high: (f64::MIN, f64::MIN) }
     }
 
-    /// Around all walls, with `space` on each side.
+    /// Returns bounds around all walls, with `space` on each side.
     fn from_walls(map: &WallMap, space: f64) -> Self {
         let mut bounds = Self::new();
         for [x, y] in map.walls.iter().flat_map(|wall| [wall.from, wall.to]) {
@@ -118,14 +118,14 @@ impl Bounds {
         self.low.0 <= self.high.0
     }
 
-    /// The cells of a grid within these corners, and a few around them.
+    /// Returns the cells of a grid within the bounds, with a margin.
     pub(super) fn tiles_of(&self, grid: &Grid) -> Option<Heatmap> {
         let margin = MARGIN as f64 * grid.resolution;
         let extent = [self.high.0 - self.low.0, self.high.1 - self.low.1].map(|side| side + 2.0 * margin);
-        // Where there are more cells than pixels, several are one; it is as solid as the most solid of them.
+        // If there are more cells than pixels, several are merged; the most occupied of them counts.
         let merged = (extent[0].max(extent[1]) / grid.resolution / MAX_CELLS_PER_SIDE as f64).ceil().max(1.0);
         let side = merged * grid.resolution;
-        // Cells of the picture are cells of the grid, unless that is turned in the map.
+        // Cells of the picture are aligned with cells of the grid, unless the grid is rotated in the map.
         let aligned = |low: f64, origin: f64| origin + ((low - margin - origin) / side).floor() * side;
         let low = (aligned(self.low.0, grid.origin.x), aligned(self.low.1, grid.origin.y));
         let [columns, rows] = extent.map(|extent| (extent / side).ceil() as usize + 1);
@@ -170,26 +170,26 @@ mod tests {
     }
 
     #[test]
-    fn each_solid_cell_is_one_tile_where_it_lies() {
+    fn each_solid_cell_is_one_tile_at_its_position() {
         let heatmap = grid_tiles(&room(40, 0.0), &WallMap::default()).expect("a room");
         let solid: Vec<usize> = (0..heatmap.cells.len())
             .filter(|k| heatmap.cells.get(*k) == Some(&HeatmapCell::Plain(SOLID)))
             .collect();
         assert_eq!(solid.len(), 4 * 39);
-        let first = solid.first().expect("156 of them");
+        let first = solid.first().expect("156 solid cells");
         let at = |k: usize, low: f64| low + (k as f64 + 0.5) * heatmap.side;
         let (x, y) = (at(first % heatmap.columns, heatmap.low.0), at(first / heatmap.columns, heatmap.low.1));
         assert!((x + 2.95).abs() < 1e-9 && (y - 7.05).abs() < 1e-9, "{x} {y}");
     }
 
     #[test]
-    fn large_grids_keep_their_thin_walls_and_turned_ones_their_place() {
+    fn large_grids_keep_thin_walls_and_rotated_grids_keep_their_position() {
         let heatmap = grid_tiles(&room(2500, 0.0), &WallMap::default()).expect("a room");
         assert!(heatmap.columns <= MAX_CELLS_PER_SIDE + 2 && heatmap.rows() <= MAX_CELLS_PER_SIDE + 2);
         let solid = heatmap.cells.iter().filter(|tile| **tile == HeatmapCell::Plain(SOLID)).count();
         assert!(solid >= 4 * 2499 / 3, "{solid}");
         let turned = grid_tiles(&room(40, 0.5), &WallMap::default()).expect("a room");
-        // A square of 4 m, turned by 0.5 rad, is 4·(cos 0.5 + sin 0.5) m wide.
+        // A square of 4 m, rotated by 0.5 rad, is 4·(cos 0.5 + sin 0.5) m wide.
         let width = turned.columns as f64 * turned.side;
         assert!((width - 4.0 * (0.5_f64.cos() + 0.5_f64.sin()) - 1.2).abs() < 0.35, "{width}");
     }

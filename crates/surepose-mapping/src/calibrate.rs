@@ -1,24 +1,28 @@
-//! Calibration: wheel radii, track, noise factor, sensor mountings and latencies, from a recording.
+//! Calibration of wheel radii, wheel separation, noise factor, sensor mountings and latencies from a
+//! recording.
 //!
-//! Wheel ticks say how far the wheels turned, walls seen again say how far the robot came. Poses, walls and parameters
-//! are found together, by maximum likelihood:
+//! Wheel ticks measure how far the wheels turned; walls that are observed repeatedly measure how far the
+//! robot moved. Poses, walls and parameters are estimated jointly by maximum likelihood:
 //!
-//! 1. *line observations*: the lines of every scan, as the core finds them, each with its covariance;
-//! 2. *association*: a line near where a wall was last seen is that wall; a wall out of sight for 1.5 s is forgotten, so
-//!    no map is needed and a place that looks like another does no harm;
-//! 3. *fit*: Gauss–Newton over all poses, walls and parameters at once. Unknowns leave in the order of time, so the cost
-//!    grows with the length of the recording only. Residuals far out count less [Huber1964];
-//! 4. *scatter*: δ and the scatter of the walls by restricted maximum likelihood [Harville1977], and 2 to 4 once more;
-//! 5. *standard errors*: the inverse normal matrix, enlarged where stretches of the recording disagree by more [White1980].
+//! 1. *line observations*: the core extracts lines from every scan, each with its covariance;
+//! 2. *association*: a line near the last observation of a wall belongs to that wall. Walls expire 1.5 s
+//!    after their last observation, so no map is needed and places that look alike are not confused;
+//! 3. *fit*: Gauss–Newton over all poses, walls and parameters. Variables are eliminated in order of time, so
+//!    the cost is linear in the length of the recording. Outliers have reduced weight [Huber1964];
+//! 4. *scatter*: δ and the scatter of the walls by restricted maximum likelihood [Harville1977]. Steps 2 to 4
+//!    run twice;
+//! 5. *standard errors*: the inverse normal matrix, enlarged where segments of the recording disagree by more
+//!    [White1980].
 //!
-//! # What it cannot tell
-//! All lengths are in the laser's metres: a laser whose ranges are 1 % long makes wheels and track 1 % too large.
-//! The standard errors do not contain that.
+//! # Limitations
+//! All lengths are scaled by the laser's ranges: ranges that are 1 % long make radii and wheel separation 1 %
+//! too large. The standard errors do not include this scale error.
 //!
-//! The compass' offset is that against the map, so a heading in the map must be known: [`Options::start_heading`].
-//! Without scans nothing is known but the ratio of radii to track, and only with a compass: scans are required.
+//! The compass offset is relative to the map, so it requires a known map heading: [`Options::start_heading`].
+//! Scans are required. Without them only the ratio of radii to wheel separation is observable, and only with
+//! a compass.
 //!
-//! δ belongs to the period of the wheel counters: see `Slip` of `surepose-sim`.
+//! δ applies to the sampling period of the wheel counters; see `Slip` of `surepose-sim`.
 //!
 //! # Tested by
 //! `true_values_lie_in_their_intervals`, `two_runs_of_the_rover_agree`.
@@ -50,14 +54,14 @@ use fit::Fit;
 use surepose_sim::CancelToken;
 use uncertainty::{Uncertainty, uncertainty};
 
-/// How many stages a calibration has.
+/// Number of stages of a calibration.
 pub const STAGES: usize = 9;
 
-/// Fits the parameters to a recording; `cancel` counts the [`STAGES`], and may end it between two.
+/// Fits the parameters to a recording; `cancel` counts the [`STAGES`] and is polled between them.
 ///
 /// # Errors
-/// A recording that does not allow it, see [`CalibrationError`]. A parameter that the motion did not excite is no error:
-/// its [`ParameterEstimate`] says so.
+/// [`CalibrationError`], if the recording does not allow a calibration. A parameter that the motion does not
+/// excite is not an error: its [`ParameterEstimate`] reports it.
 pub fn calibrate(
     recording: &CalibrationRecording,
     options: &Options,

@@ -1,50 +1,51 @@
-//! Straight walls from points on surfaces.
+//! Fit of straight walls to surface points.
 
 use surepose_io::wall_map::{MapWall, WallCovariance};
 
 use super::point_cloud::{PointCloud, PointMoments, SurfacePoint};
 
-/// What makes points a wall.
+/// Thresholds of the wall fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallFitSettings {
-    /// A point farther from the line than this is not on the wall \[m].
+    /// Maximum distance of a point from its wall's line \[m].
     pub tolerance: f64,
-    /// A stretch of this length without points ends the wall \[m].
+    /// Length without points that ends a wall \[m].
     pub gap: f64,
-    /// Shorter walls are none \[m].
+    /// Minimum length of a wall \[m].
     pub shortest: f64,
-    /// Walls with fewer points are none.
+    /// Minimum number of points of a wall.
     pub fewest: usize,
-    /// Cosine of the largest angle between the normal of a point and that of its wall.
+    /// Cosine of the maximum angle between the normals of a point and of its wall.
     pub alignment: f64,
 }
 
-/// A wall, and the points that it is made of.
+/// A wall with its points.
 #[derive(Clone, Debug)]
 pub struct FittedWall {
-    /// The middle of its points.
+    /// Centroid of the points.
     pub middle: (f64, f64),
-    /// Its unit normal, towards free space.
+    /// Unit normal, towards free space.
     pub normal: (f64, f64),
-    /// Where it begins and ends, along the left of the normal from the middle \[m].
+    /// Start and end, measured to the left of the normal from the centroid \[m].
     pub extent: (f64, f64),
-    /// The points on it, by number.
+    /// Indices of the points.
     pub members: Vec<u32>,
-    /// Sum of the squared distances of its points from its line \[m²].
+    /// Sum of the squared distances of the points from the line \[m²].
     pub residual_sum_of_squares: f64,
 }
 
 impl FittedWall {
-    /// Where on the wall the foot of a point lies: the distance to the left of the normal from the middle \[m].
+    /// Returns the coordinate of a point along the wall, to the left of the normal from the centroid \[m].
     pub fn along(&self, x: f64, y: f64) -> f64 {
         (y - self.middle.1) * self.normal.0 - (x - self.middle.0) * self.normal.1
     }
 
-    /// The wall over `extent`, in the form of the file and in the frame into which `place` takes the points.
+    /// Converts the wall over `extent` to the file format, in the frame into which `place` maps points.
     ///
-    /// `line_covariance` is that of the offset at the middle and of the slope, in the file's frame: variance \[m²], covariance
-    /// \[m], variance. The file has that of (r, ψ): the normal turns by −s, and r, the distance of the line from the
-    /// map's origin, changes by o + s·b, where b is how far along the wall the origin's foot lies.
+    /// `line_covariance` is that of the offset o at the centroid and of the slope s, in the file's frame:
+    /// variance \[m²], covariance \[m], variance. The file stores that of (r, ψ). The normal turns by −s. The
+    /// distance r of the line from the map's origin changes by o + s·b, where b is the coordinate along the
+    /// wall of the foot of the origin.
     pub fn to_map_wall(
         &self,
         extent: (f64, f64),
@@ -63,13 +64,14 @@ impl FittedWall {
     }
 }
 
-/// How often a wall's points are chosen anew by its line, and its line by its points.
+/// Maximum number of alternations between selection of points and fit of the line.
 const ROUNDS: usize = 10;
 
-/// The walls of `cloud`, those on the smoothest points first.
+/// Extracts the walls of `cloud`, starting with the smoothest points.
 ///
-/// From the smoothest free point on, a line is followed both ways for as long as there are points on it whose normals
-/// agree; the line is fitted to them and followed again until nothing changes. Each point is part of one wall at most.
+/// From the smoothest free point, a line is followed in both directions while it has points whose normals
+/// agree. The line is refitted and followed again until it no longer changes. Each point belongs to at most
+/// one wall.
 pub fn fit_walls(cloud: &PointCloud, rules: &WallFitSettings) -> Vec<FittedWall> {
     let mut order: Vec<u32> = (0..cloud.points().len() as u32).collect();
     let roughness =
@@ -113,7 +115,7 @@ fn fit_wall(cloud: &PointCloud, rules: &WallFitSettings, seed: u32, free: &[bool
         residual_sum_of_squares: 0.0,
     };
     for _ in 0..ROUNDS {
-        // The seed's foot on the line, so that the wall stays the one that was started.
+        // The foot of the seed on the line, so that the fit stays on the wall that it started with.
         let off = (start.x - line.middle.0) * line.normal.0 + (start.y - line.middle.1) * line.normal.1;
         let foot = (start.x - off * line.normal.0, start.y - off * line.normal.1);
         let mut members = Vec::new();
@@ -131,8 +133,7 @@ fn fit_wall(cloud: &PointCloud, rules: &WallFitSettings, seed: u32, free: &[bool
     Some(line)
 }
 
-/// Walks from `foot` along the line, to the left of its normal where `way` is 1 and to the right where it is −1, and
-/// collects the points on it.
+/// Collects the points on the line from `foot`, to the left of its normal if `way` is 1, to the right if −1.
 fn follow(
     cloud: &PointCloud,
     rules: &WallFitSettings,
@@ -176,11 +177,11 @@ fn agrees(point: &SurfacePoint, normal: (f64, f64), rules: &WallFitSettings) -> 
     cosine > rules.alignment || (point.both_sides && -cosine > rules.alignment)
 }
 
-/// The line of least squares through the members, its normal on the side of `facing`.
+/// Fits a least-squares line to the members; its normal is on the side of `facing`.
 fn fitted(cloud: &PointCloud, members: Vec<u32>, facing: (f64, f64)) -> FittedWall {
     let points = || members.iter().filter_map(|&number| cloud.points().get(number as usize));
     let mut scatter = PointMoments::default();
-    // About the first member, for the digits.
+    // Relative to the first member, for numerical accuracy.
     let (x0, y0) = points().next().map_or((0.0, 0.0), |p| (p.x, p.y));
     for point in points() {
         scatter.add(point.x - x0, point.y - y0);

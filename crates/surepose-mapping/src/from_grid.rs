@@ -1,4 +1,4 @@
-//! Walls from an occupancy grid.
+//! Extraction of walls from an occupancy grid.
 
 use surepose::geometry::Point;
 use surepose_io::grid::Grid;
@@ -8,23 +8,23 @@ use super::fit_walls::{WallFitSettings, fit_walls};
 use super::point_cloud::{PointCloud, SurfacePoint};
 use super::{MapReport, MappingResult};
 
-/// A cell is solid above this probability, and free below one minus this.
+/// Occupancy probability above which a cell is solid; below one minus this it is free.
 const SOLID: f32 = 0.65;
 
-/// What makes cells a wall, in cells.
+/// Thresholds of the wall fit, in cells.
 ///
-/// The middles of the cells of a straight wall lie within half a diagonal of its line, 0.71, wherever it runs.
+/// The cell centers of a straight wall lie within half a cell diagonal of its line, 0.71, at any angle.
 const RULES: WallFitSettings =
     WallFitSettings { tolerance: 0.9, gap: 3.5, shortest: 2.0, fewest: 3, alignment: 0.7 };
 
-/// Side of the boxes in which cells are looked for, and the reach of their normals, in cells.
+/// Side of the search cells, and radius of the normal estimation, in grid cells.
 const REACH: f64 = 3.0;
 
-/// The walls of a grid: straight lines through the middles of the solid cells that border free ones.
+/// Extracts walls: straight lines through the centers of solid cells that border free ones.
 ///
-/// Scans mark the cell that a wall's surface lies in, so its middle is where the surface is, on average over a wall that
-/// does not run along the grid. A wall of two cells or more has a face towards each free side; a thinner one is one
-/// wall, seen from both. What no free cell borders, nobody sees: it is no wall.
+/// A scan marks the cell that contains the wall's surface. For walls that are not parallel to the grid, the
+/// cell center is on average on the surface. A wall of two cells or more has one face towards each free side;
+/// a thinner one becomes one wall, visible from both sides. Solid cells without a free neighbor are ignored.
 pub fn extract_walls(grid: &Grid) -> MappingResult {
     let mut points = Vec::new();
     let mut free_side = Vec::new();
@@ -48,9 +48,9 @@ pub fn extract_walls(grid: &Grid) -> MappingResult {
     cloud.estimate_normals(&free_side, REACH, 2);
     let grown = fit_walls(&cloud, &RULES);
     let to_map_wall = grown.iter().map(|wall| {
-        // The first and the last cell reach half a side beyond their middles.
+        // The first and the last cell extend half a side beyond their centers.
         let extent = (wall.extent.0 - 0.5, wall.extent.1 + 0.5);
-        // The surface lies somewhere in its cells, and at either end of the wall somewhere else.
+        // The surface lies anywhere in its cells, independently at the two ends of the wall.
         let of_cell = grid.resolution * grid.resolution / 12.0;
         let half = 0.5 * (extent.1 - extent.0) * grid.resolution;
         let line_covariance = [0.5 * of_cell, 0.0, 0.5 * of_cell / (half * half)];
@@ -62,24 +62,24 @@ pub fn extract_walls(grid: &Grid) -> MappingResult {
     MappingResult { map, report }
 }
 
-/// Whether a cell of this occupancy stops a beam.
+/// Returns whether a cell of this occupancy stops a beam; unknown cells do not.
 pub fn is_solid(occupancy: Option<f32>) -> bool {
     occupancy.is_some_and(|p| p > SOLID)
 }
 
-/// Whether a beam passes through a cell of this occupancy. What is unknown is neither.
+/// Returns whether a beam passes through a cell of this occupancy; unknown cells are neither solid nor free.
 pub fn is_free(occupancy: Option<f32>) -> bool {
     occupancy.is_some_and(|p| p < 1.0 - SOLID)
 }
 
-/// What a solid cell shows.
+/// Surface of a solid cell.
 struct Surface {
-    /// The sum of the directions to the free cells around it.
+    /// Sum of the directions to the adjacent free cells.
     towards_free: (f64, f64),
     both_sides: bool,
 }
 
-/// What the cell shows, if it is solid and borders a free one.
+/// Returns the surface of a solid cell that borders a free one; `None` for other cells.
 fn surface(grid: &Grid, column: usize, row: usize) -> Option<Surface> {
     if !is_solid(grid.occupancy(column, row)) {
         return None;
@@ -103,7 +103,7 @@ fn surface(grid: &Grid, column: usize, row: usize) -> Option<Surface> {
     Some(Surface { towards_free, both_sides })
 }
 
-/// A place in units of cells, from the middle of cell (0, 0), on the map \[m].
+/// Converts a position in cells, relative to the center of cell (0, 0), to the map \[m].
 fn place(grid: &Grid, x: f64, y: f64) -> [f64; 2] {
     let at = grid.map_from_cells() * Point::new((x + 0.5) * grid.resolution, (y + 0.5) * grid.resolution);
     [at.x, at.y]

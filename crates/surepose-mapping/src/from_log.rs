@@ -1,4 +1,4 @@
-//! Walls from laser scans at known poses.
+//! Extraction of walls from laser scans at known poses.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +10,14 @@ use super::fit_walls::{FittedWall, WallFitSettings, fit_walls};
 use super::point_cloud::{PointCloud, SurfacePoint};
 use super::{MapReport, MappingResult};
 
-/// How walls are made of scans.
+/// Settings of the extraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogMappingSettings {
-    /// What makes points a wall.
+    /// Thresholds of the wall fit.
     pub rules: WallFitSettings,
-    /// Returns from farther away are left out \[m]: their points lie too far apart to show what they are on.
+    /// Maximum range of a return \[m]; points beyond are too far apart for a line.
     pub range_max: f64,
-    /// Normals come from the points within this distance \[m].
+    /// Radius of the normal estimation \[m].
     pub normal_reach: f64,
     /// Standard deviation of a point across its wall \[m].
     pub point_std: f64,
@@ -40,10 +40,10 @@ impl Default for LogMappingSettings {
     }
 }
 
-/// Side of the cells in which points are looked for \[m]; the reach of normals is at most this.
+/// Side of the search cells \[m]; the maximum of `normal_reach`.
 const CELL: f64 = 0.25;
 
-/// The walls that scans at their poses show.
+/// Extracts the walls from scans at their poses.
 pub fn extract_walls<'a>(
     views: impl IntoIterator<Item = (&'a ScanRecord, Pose<Map, Body, f64>)>,
     settings: &LogMappingSettings,
@@ -71,7 +71,7 @@ pub fn extract_walls<'a>(
     MappingResult { map, report }
 }
 
-/// Where the beams that walls are made of ended \[m].
+/// Returns the end points of the beams that are used for walls \[m].
 pub fn beam_endpoints<'a>(
     views: impl IntoIterator<Item = (&'a ScanRecord, Pose<Map, Body, f64>)>,
     settings: &LogMappingSettings,
@@ -85,7 +85,7 @@ pub fn beam_endpoints<'a>(
     found
 }
 
-/// Where the beams of a scan ended, but for those that end too far away.
+/// Returns the end points of a scan's beams within the maximum range.
 fn ends<F: Frame>(
     scan: &ScanRecord,
     map_from_laser: Pose<Map, F, f64>,
@@ -98,19 +98,21 @@ fn ends<F: Frame>(
     })
 }
 
-/// Variance of a wall's offset o \[m²], its covariance with the slope s \[m], variance of the slope, both at the middle.
+/// Returns the variance of a wall's offset o \[m²], its covariance with the slope s \[m], and the variance of
+/// s, at the centroid.
 ///
-/// The fit is (o, s)ᵀ = B·Σ(1, aᵢ)ᵀeᵢ with B = (Σ(1, aᵢ)ᵀ(1, aᵢ))⁻¹, aᵢ along the wall from its middle. The errors eᵢ are the
-/// noise of the point, and the error of the scan's pose that all its points share, a shift δ across the wall and a turn ϑ
-/// about the laser, whose foot on the line is at a₀: e = δ + (aᵢ − a₀)ϑ. So Cov(o, s) = B·M·B with M = σ²B⁻¹ + Σ_scans (σ_δ²ddᵀ +
-/// σ_ϑ²ttᵀ), d = Σ(1, aᵢ)ᵀ, t = Σ(1, aᵢ)ᵀ(aᵢ − a₀).
+/// The fit is (o, s)ᵀ = B·Σ(1, aᵢ)ᵀeᵢ with B = (Σ(1, aᵢ)ᵀ(1, aᵢ))⁻¹, where aᵢ is the coordinate along the
+/// wall from its centroid. The error eᵢ has the noise of the point and the pose error of the scan, which all
+/// its points share. The pose error is a shift δ across the wall and a turn ϑ about the laser, whose foot on
+/// the line is at a₀: e = δ + (aᵢ − a₀)ϑ. So Cov(o, s) = B·M·B with M = σ²B⁻¹ + Σ_scans (σ_δ²ddᵀ + σ_ϑ²ttᵀ),
+/// d = Σ(1, aᵢ)ᵀ, t = Σ(1, aᵢ)ᵀ(aᵢ − a₀).
 fn line_covariance(
     wall: &FittedWall,
     cloud: &PointCloud,
     seen_from: &[(f64, f64)],
     settings: &LogMappingSettings,
 ) -> [f64; 3] {
-    // For each view: how many points, Σa, Σa².
+    // For each view: number of points, Σa, Σa².
     let mut views: BTreeMap<u32, [f64; 3]> = BTreeMap::new();
     for point in wall.members.iter().filter_map(|&number| cloud.points().get(number as usize)) {
         let a = wall.along(point.x, point.y);
@@ -118,7 +120,7 @@ fn line_covariance(
         *sums = [sums[0] + 1.0, sums[1] + a, sums[2] + a * a];
     }
     let total = views.values().fold([0.0; 3], |t, s| [t[0] + s[0], t[1] + s[1], t[2] + s[2]]);
-    // M, and below B, as (first diagonal entry, the one beside it, second diagonal entry).
+    // M, and below B, as (first diagonal entry, off-diagonal entry, second diagonal entry).
     let mut m = total.map(|sum| sum * settings.point_std * settings.point_std);
     let mut add = |[u, v]: [f64; 2], std: f64| {
         m = [m[0] + std * std * u * u, m[1] + std * std * u * v, m[2] + std * std * v * v];

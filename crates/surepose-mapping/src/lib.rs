@@ -1,7 +1,8 @@
-//! Offline fits: wall maps from recorded scans or occupancy grids, and a robot's calibration from its recording.
+//! Wall maps from recorded scans or occupancy grids, and calibration of a robot from its recording.
 //!
-//! A wall map is fitted by [`from_log`] or [`from_grid`]. Both come down to points on surfaces, each with the direction of the free space before it ([`point_cloud`]); straight runs
-//! of such points become walls ([`fit_walls`]). [`calibrate`] fits wheels, laser mount and noise.
+//! [`from_log`] and [`from_grid`] extract wall maps. Both convert their input to surface points with the direction
+//! of free space ([`point_cloud`]); collinear points become walls ([`fit_walls`]). [`calibrate`] fits wheels, laser
+//! mounting and noise.
 
 pub mod calibrate;
 pub mod fit_walls;
@@ -13,32 +14,32 @@ use fit_walls::FittedWall;
 use serde::Serialize;
 use surepose_io::wall_map::WallMap;
 
-/// A wall map, and how well it fits what it was made from.
+/// A wall map with its quality figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappingResult {
-    /// The walls; each one's normal, to the right of the way from its first end to its second, points to free space.
+    /// The walls; each normal, to the right of the direction from first to second end, points to free space.
     pub map: WallMap,
-    /// The figures.
+    /// Quality figures.
     pub report: MapReport,
 }
 
-/// The figures of a wall map, under the names of the command line's JSON.
+/// Figures of a wall map, named as in the command line's JSON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MapReport {
     /// Number of walls.
     pub walls: usize,
-    /// Their length in all \[m].
+    /// Total length of the walls \[m].
     pub length_m: f64,
-    /// Root mean square distance of the points from the wall that they are on \[m].
+    /// Root mean square distance of the points from their wall \[m]; `None` without points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_rms_m: Option<f64>,
-    /// The part of all points that lie on some wall.
+    /// Fraction of the points that lie on a wall; `None` without points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explained: Option<f64>,
 }
 
 impl MapReport {
-    /// The figures of a map of which nothing but the walls is known.
+    /// Returns the figures of a map whose source points are not known.
     pub fn from_map(map: &WallMap) -> Self {
         let length_m =
             map.walls.iter().map(surepose_io::wall_map::MapWall::length).fold(0.0, core::ops::Add::add);

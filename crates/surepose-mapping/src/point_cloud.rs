@@ -1,25 +1,25 @@
-//! Points on surfaces, found again by where they are.
+//! Surface points with a spatial index.
 
 use std::collections::HashMap;
 
-/// A point where something solid begins.
+/// A point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// Position \[m].
+    /// x \[m].
     pub x: f64,
-    /// Position \[m].
+    /// y \[m].
     pub y: f64,
-    /// Unit normal of the surface, towards free space; 0 where the neighbours do not tell.
+    /// Unit normal of the surface, towards free space; 0 if the neighbors do not determine it.
     pub normal: (f64, f64),
     /// Whether there is free space on both sides.
     pub both_sides: bool,
-    /// How good a wall may start here, smallest first.
+    /// Priority as a seed of a wall; the smallest value comes first.
     pub roughness: f64,
-    /// From which of the views the point comes.
+    /// Index of the view that the point comes from.
     pub view: u32,
 }
 
-/// Points in square cells.
+/// Points indexed by square cells.
 #[derive(Clone, Debug)]
 pub struct PointCloud {
     points: Vec<SurfacePoint>,
@@ -28,7 +28,7 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
-    /// `points` in cells of this `side` \[m].
+    /// Indexes `points` by cells of this `side` \[m].
     pub fn new(points: Vec<SurfacePoint>, side: f64) -> Self {
         let mut cells: HashMap<_, Vec<u32>> = HashMap::new();
         for (number, point) in (0_u32..).zip(&points) {
@@ -37,17 +37,17 @@ impl PointCloud {
         Self { points, cells, side }
     }
 
-    /// The points.
+    /// Returns the points.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points
     }
 
-    /// Side of the cells \[m].
+    /// Returns the side of the cells \[m].
     pub fn side(&self) -> f64 {
         self.side
     }
 
-    /// The points in the cell of (`x`, `y`) and in the eight around it, by number.
+    /// Iterates over the points in the cell of (`x`, `y`) and its eight neighbors, with their indices.
     pub fn around(&self, x: f64, y: f64) -> impl Iterator<Item = (u32, &SurfacePoint)> {
         let (column, row) = cell(x, y, self.side);
         let near = (-1..=1).flat_map(move |j| (-1..=1).map(move |i| (column + i, row + j)));
@@ -56,8 +56,9 @@ impl PointCloud {
             .filter_map(|&number| Some((number, self.points.get(number as usize)?)))
     }
 
-    /// Gives each point the normal of the points within `reach` \[m], at most the side of a cell, turned towards where
-    /// the point was seen from, and its roughness. A point with fewer than `fewest` others around it gets none.
+    /// Estimates normal and roughness of each point from the points within `reach` \[m], at most the cell
+    /// side. Normals point to the viewpoint in `seen_from`; a point with fewer than `fewest` neighbors gets
+    /// none.
     pub fn estimate_normals(&mut self, seen_from: &[(f64, f64)], reach: f64, fewest: u32) {
         let normals: Vec<_> = self
             .points
@@ -87,15 +88,15 @@ impl PointCloud {
             return None;
         }
         let line = scatter.line();
-        // The standard error of the line's place: flat and well seen comes first.
+        // The standard error of the line's position: flat surfaces with many points come first.
         Some((line.normal, libm::sqrt(line.across) + reach / scatter.count))
     }
 }
 
-/// Sums over points, from which the line of least perpendicular squares follows.
+/// Moments of points for a total least-squares line.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PointMoments {
-    /// How many points.
+    /// Number of points.
     pub count: f64,
     sum: (f64, f64),
     xx: f64,
@@ -103,12 +104,12 @@ pub struct PointMoments {
     yy: f64,
 }
 
-/// The line of least perpendicular squares.
+/// Line of total least squares.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastSquaresLine {
-    /// The middle of the points.
+    /// Centroid of the points.
     pub middle: (f64, f64),
-    /// A unit normal.
+    /// Unit normal.
     pub normal: (f64, f64),
     /// Mean square distance from the line \[m²].
     pub across: f64,
@@ -124,7 +125,7 @@ impl PointMoments {
         self.yy += y * y;
     }
 
-    /// The line through the points: along the larger principal axis of their scatter.
+    /// Returns the line through the points, along the larger principal axis of their scatter.
     pub fn line(&self) -> LeastSquaresLine {
         let middle = (self.sum.0 / self.count, self.sum.1 / self.count);
         let xx = self.xx / self.count - middle.0 * middle.0;

@@ -1,9 +1,9 @@
-//! Calibration: on simulated recordings whose parameters are known, and on the rover's, run against run.
+//! Calibration of simulated recordings with known parameters, and of the rover's recordings.
 //!
-//! The recordings are not part of this repository: the test looks for them in `$SUREPOSE_DATA`, else in
-//! `../shared/data` beside the workspace, and says so where they are absent.
+//! The recordings are not part of this repository. The test looks for them in `$SUREPOSE_DATA`, else in
+//! `../shared/data` beside the workspace; without them it prints that it is skipped.
 
-#![allow(clippy::expect_used, reason = "a test says what it expects")]
+#![allow(clippy::expect_used, reason = "tests may panic")]
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,13 +23,13 @@ fn options(simulated: &Simulated) -> Options {
     Options { nominal: nominal(), range_max: 8.0, start_heading, ..Options::from_config(&Config::default()) }
 }
 
-/// Errors in standard errors of every parameter, over recordings of a minute.
+/// Returns the errors of every parameter in standard errors, over recordings of one minute.
 fn errors(seeds: std::ops::Range<u64>) -> BTreeMap<&'static str, Vec<f64>> {
     let mut errors: BTreeMap<_, Vec<f64>> = BTreeMap::new();
     for seed in seeds {
         let simulated = drive(seed, 60.0);
         let found = calibrate(&simulated.recording, &options(&simulated), &CancelToken::default())
-            .expect("a drive among walls");
+            .expect("a calibration of a drive among walls");
         let found = found.parameters();
         for (name, truth) in simulated.truths() {
             let (value, std) = (found[name].value.expect(name), found[name].std_error.expect(name));
@@ -39,22 +39,23 @@ fn errors(seeds: std::ops::Range<u64>) -> BTreeMap<&'static str, Vec<f64>> {
     errors
 }
 
-/// Of 12 intervals that hold the truth with 95 %, 8 or fewer do so once in 450 times: for none of 12 parameters in 97 of 100
-/// choices of seeds. Of intervals half as wide (67 %) 8 or fewer hold it in 60 of 100. In standard errors the errors' mean
-/// square is χ²/12; under 0.15 it has probability 3e-4, and intervals twice too wide have it for every third parameter.
+/// Of 12 intervals of 95 %, 8 or fewer contain the truth with a probability of 1/450: for none of 12
+/// parameters in 97 of 100 choices of seeds. Of intervals half as wide (67 %), 8 or fewer contain it in 60 of
+/// 100. The mean square of the errors in standard errors is χ²/12. It is below 0.15 with a probability of
+/// 3e-4; with intervals twice too wide, for every third parameter.
 #[test]
 fn true_values_lie_in_their_intervals() {
     for (name, errors) in errors(0..12) {
         let n = errors.len() as f64;
         let inside = errors.iter().filter(|error| error.abs() <= 1.96).count();
         let square = errors.iter().map(|error| error * error).sum::<f64>() / n;
-        println!("{name}: {inside} of {n} inside, mean square {square:.2}");
+        println!("{name}: {inside} of {n} intervals contain the truth, mean square {square:.2}");
         assert!(inside >= 9, "{name}: {inside} of {n}");
         assert!(square > 0.15, "{name}: {square}");
     }
 }
 
-/// The promise: of 100 recordings, 90 to 99 for each parameter. It takes minutes, so it waits to be asked for.
+/// Required: 90 to 99 of 100 recordings for each parameter. The test takes minutes and runs on request only.
 #[test]
 fn a_hundred_recordings() {
     if std::env::var_os("SUREPOSE_HUNDRED_RECORDINGS").is_none() {
@@ -69,7 +70,7 @@ fn a_hundred_recordings() {
 }
 
 #[test]
-fn what_the_motion_does_not_excite_is_named_and_has_no_number() {
+fn parameters_without_excitation_are_named_without_a_value() {
     let simulated = straight(1, 12.0);
     let found = calibrate(&simulated.recording, &options(&simulated), &CancelToken::default()).unwrap();
     for parameter in
@@ -82,13 +83,13 @@ fn what_the_motion_does_not_excite_is_named_and_has_no_number() {
     let radius = found.wheel_radius();
     let (value, std) = (radius.value.unwrap(), radius.std_error.unwrap());
     let truth = simulated.truths().iter().find(|(name, _)| *name == "wheel_radius_m").unwrap().1;
-    assert!((value - truth).abs() < 3.0 * std && std < 0.001, "{value} ± {std}, truly {truth}");
+    assert!((value - truth).abs() < 3.0 * std && std < 0.001, "got {value} ± {std}, expected {truth}");
     let json = serde_json::to_value(found.parameters()).unwrap();
     assert!(json["track_m"]["value"].is_null() && json["track_m"]["unit"] == "m");
 }
 
 #[test]
-fn the_configuration_is_one_and_holds_what_was_found() {
+fn the_written_configuration_is_valid_and_has_the_estimates() {
     let simulated = drive(3, 30.0);
     let mut options = options(&simulated);
     options.start_heading = None;
@@ -113,7 +114,7 @@ fn the_configuration_is_one_and_holds_what_was_found() {
 }
 
 #[test]
-fn recordings_that_cannot_tell_are_refused_by_reason() {
+fn recordings_without_information_are_refused_by_reason() {
     let simulated = drive(0, 5.0);
     let options = options(&simulated);
     let ticks = StampedTicks { time: 0.0, left: 0, right: 0 };
@@ -154,11 +155,14 @@ fn rover(name: &str) -> Option<Calibration> {
         scans: log.scans,
         headings: Vec::new(),
     };
-    Some(calibrate(&recording, &Options::rover(), &CancelToken::default()).expect("the rover calibrates"))
+    Some(
+        calibrate(&recording, &Options::rover(), &CancelToken::default())
+            .expect("a calibration of the rover"),
+    )
 }
 
-/// Ten differences of which all are within this many standard errors with 95 % probability, if the errors are right: each
-/// with 99.5 %.
+/// Standard errors within which ten differences all are with a probability of 95 %, if the standard errors
+/// are right: each with 99.5 %.
 const ALL_OF_TEN: f64 = 2.81;
 
 #[test]
@@ -175,8 +179,8 @@ fn two_runs_of_the_rover_agree() {
         assert!((a - b).abs() < ALL_OF_TEN * s.hypot(t), "{name}: {a} ± {s}, {b} ± {t}");
         compared += 1;
     }
-    assert_eq!(compared, 10, "all but the compass, which the rover has not");
-    // Errors so wide that anything agrees would be no calibration.
+    assert_eq!(compared, 10, "all but the compass, which the rover does not have");
+    // The standard errors must be small, so that agreement is significant.
     for run in [&first, &second] {
         let relative = |name: &str| run[name].std_error.unwrap() / run[name].value.unwrap();
         assert!(relative("wheel_radius_m") < 0.015 && relative("track_m") < 0.03);

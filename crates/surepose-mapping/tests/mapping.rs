@@ -1,6 +1,6 @@
-//! Wall maps from grids: of a made-up room whose walls are known, and of the shared maps.
+//! Wall maps from grids: a synthetic room with known walls, and the shared maps.
 
-#![allow(clippy::expect_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::expect_used, reason = "tests may panic")]
 
 mod common;
 
@@ -9,7 +9,7 @@ use surepose_io::grid::{Grid, GridOrigin};
 use surepose_io::map_server;
 use surepose_mapping::from_grid;
 
-/// A grid of 5 cm cells whose cells are solid where `solid` says so for their middle \[m].
+/// Returns a grid of 5 cm cells that are solid where `solid` returns true for their center \[m].
 fn grid(solid: impl Fn(f64, f64) -> bool) -> Grid {
     let (width, height, resolution) = (120, 80, 0.05);
     let middle = |index: usize| (index as f64 + 0.5) * resolution;
@@ -19,25 +19,25 @@ fn grid(solid: impl Fn(f64, f64) -> bool) -> Grid {
 }
 
 #[test]
-fn a_thick_wall_has_a_face_on_either_side() {
+fn a_thick_wall_has_two_faces() {
     let mapped = from_grid::extract_walls(&grid(|x, y| (2.0..2.3).contains(&x) && (1.0..3.0).contains(&y)));
     let upright: Vec<_> = mapped.map.walls.iter().filter(|wall| wall.length() > 1.5).collect();
     assert_eq!(upright.len(), 2, "{:?}", mapped.map);
     for wall in upright {
-        // In the middle of the outermost cells, which is within half a cell of the surface.
+        // At the center of the outermost cells, within half a cell of the surface.
         let left = wall.from[0] < 2.15;
         let expected = if left { 2.025 } else { 2.275 };
         assert!(wall.from.iter().zip(wall.to).all(|(a, b)| a.is_finite() && b.is_finite()));
         assert!((wall.from[0] - expected).abs() < 0.002 && (wall.to[0] - expected).abs() < 0.002, "{wall:?}");
         assert!((wall.length() - 2.0).abs() < 0.06);
-        // Free space lies to the right of the way, so the left face runs southwards.
+        // Free space is to the right of the direction of a wall, so the left face runs south.
         let northwards = wall.to[1] > wall.from[1];
         assert_eq!(northwards, !left, "{wall:?}");
     }
 }
 
 #[test]
-fn a_thin_wall_is_one_wall_and_a_slanted_one_is_found_below_the_size_of_a_cell() {
+fn thin_walls_are_single_and_slanted_walls_have_subcell_accuracy() {
     // The line y = 1 + 0.3 (x − 1), one to two cells thick.
     let off = |x: f64, y: f64| (y - 1.0 - 0.3 * (x - 1.0)) / f64::hypot(1.0, 0.3);
     let mapped = from_grid::extract_walls(&grid(|x, y| (1.0..5.0).contains(&x) && off(x, y).abs() < 0.026));
@@ -49,8 +49,9 @@ fn a_thin_wall_is_one_wall_and_a_slanted_one_is_found_below_the_size_of_a_cell()
 }
 
 #[test]
-fn the_shared_maps_become_walls() {
-    // Walls, part of the surface cells on walls, residual [m]: as measured, with little room.
+fn the_shared_maps_meet_their_measured_figures() {
+    // Number of walls, fraction of the surface cells on walls, residual [m]: measured values with a small
+    // tolerance.
     for (name, walls, explained, residual) in [
         ("turtlebot3_world", 40..60, 0.97, 0.013),
         ("nav2_tb3_sandbox", 40..60, 0.97, 0.013),

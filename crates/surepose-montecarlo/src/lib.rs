@@ -2,8 +2,8 @@
 //!
 //! | module | purpose |
 //! |---|---|
-//! | [`sweep`] | millions of seeded trials from many start poses, with and without a filter |
-//! | [`tune`] | a seeded search for the gains that reach the goal soonest |
+//! | [`sweep`] | seeded trials from many start poses, with and without a filter |
+//! | [`tune`] | seeded search for the gains with the shortest trial time |
 //!
 //! A trial's time is compared with the time-optimal bound, [`surepose::optimal`].
 

@@ -1,14 +1,15 @@
-//! Many closed-loop drives to one goal at once: the bench trial that laws are compared by.
+//! Batches of closed-loop drives to one goal: the benchmark trial that compares control laws.
 //!
-//! One trial: a unicycle that moves on exact arcs, with wheels of 0.05 m on a track of 0.60 m that obey a speed limit of
-//! 0.3 m/s and no acceleration limit. The goal is the origin, heading 0. The trial succeeds once the true pose has
-//! been within 1 cm and 1° for 1 s without a break, and fails after 120 s. With bench noise the law sees the pose with
-//! white Gaussian noise of 5 mm in x and y and 0.3°, and each wheel's speed is off by 5 % of itself (1 σ).
+//! In a trial a unicycle moves on exact arcs. Its wheels have a radius of 0.05 m and a separation of 0.60 m,
+//! a speed limit of 0.3 m/s and no acceleration limit. The goal is the origin with heading 0. A trial
+//! succeeds once the true pose has been within 1 cm and 1° for 1 s without interruption, and fails after 120
+//! s. With bench noise the law receives the pose with white Gaussian noise of 5 mm in x and y and 0.3°. Each
+//! wheel's speed has a relative error of 5 % (1 σ).
 //!
-//! In the full loop ([`PoseSource::Filtered`]) the law sees the belief of the core's filter instead. It begins with an error
-//! of 1 cm in x and y and 0.5° (1 σ, known), is carried on by the encoders, which read what the wheels were told, and
-//! is corrected each period by a compass (0.1°) and by two walls at x = 5 m and y = 5 m, each seen within 5 mm and 0.25°.
-//! The report then says whether the filter is consistent.
+//! In the full loop ([`PoseSource::Filtered`]) the law receives the belief of the core's filter. Its initial
+//! error is 1 cm in x and y and 0.5° (1 σ, known). Encoders, which read the commanded wheel speeds, predict
+//! it. A compass (0.1°) and two walls at x = 5 m and y = 5 m, each measured to 5 mm and 0.25°, correct it in
+//! every period. The report then includes the consistency of the filter.
 //!
 //! Every trial draws from its own stream of the seed: results do not depend on the number of threads.
 
@@ -43,12 +44,12 @@ use bench::Termination;
 use trial::TrialResult;
 
 impl Sweep {
-    /// Runs every trial, or those up to where `cancel` stops it. The trials come in the order of their starts; of a sweep that
-    /// is stopped, up to the first that has not ended: those that end late are the ones that fail.
+    /// Runs all trials, or those before cancellation, ordered by start. A canceled sweep keeps the trials
+    /// before the first unfinished one: unfinished trials are often failures, so other selections are biased.
     pub fn run(&self, cancel: &CancelToken) -> SweepReport {
         let termination = Termination::for_benchmark(self.period);
         let (ended, wall) = self.drive(termination, cancel);
-        // The least times take as long to work out as many periods in lanes take to drive: all threads do it.
+        // Optimal times take as long to compute as many simulated periods, so all threads share them.
         let share = ended.len().div_ceil(self.threads.max(1)).max(1);
         let bounded = |thread: usize| {
             let mine = ended.chunks(share).nth(thread).unwrap_or_default();
@@ -57,14 +58,14 @@ impl Sweep {
         SweepReport::from_trials(self.on_threads(bounded).concat(), wall, self.seed)
     }
 
-    /// How many periods a second are driven if every trial goes on for `periods`, on the goal too.
+    /// Measures the periods per second if every trial runs for `periods`, including time at the goal.
     pub fn periods_per_second(&self, periods: u64) -> f64 {
         let termination = Termination { held: f64::INFINITY, most: periods };
         let (ended, wall) = self.drive(termination, &CancelToken::default());
         ended.iter().map(|ended| ended.steps).sum::<u64>() as f64 / wall
     }
 
-    /// Drives every trial to its end, in the order of the starts; also, how long that took \[s].
+    /// Runs every trial to its end, ordered by start; also returns the duration \[s].
     fn drive(&self, termination: Termination, cancel: &CancelToken) -> (Vec<TrialResult>, f64) {
         let begin = Instant::now();
         let next = AtomicUsize::new(0);
@@ -80,7 +81,7 @@ impl Sweep {
         (ended, wall)
     }
 
-    /// What `work` gives on each thread.
+    /// Returns the results of `work` on each thread.
     fn on_threads<T: Send>(&self, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
         std::thread::scope(|scope| {
             let work = &work;

@@ -1,13 +1,14 @@
-//! The gains with which the bench trial takes least time, among those that always arrive and that a certificate holds for.
+//! Tuning of gains for minimum trial time, subject to success of all trials and to a certificate.
 //!
-//! The search is random and local, as evolution strategies are [BeyerSchwefel2002]: each round draws candidates round the
-//! best one known, drives all of them from the same starts with the same noise, the better ones from more starts, and
-//! looks at the mean of the best as well. The sample grows from round to round and is new each time. A candidate
-//! that is quicker than the best one known takes its place only once the certificate holds for it.
+//! The search is random and local, an evolution strategy [BeyerSchwefel2002]. Each round draws candidates
+//! around the current best and simulates them from the same starts with the same noise, the better ones from
+//! more starts. The mean of the best candidates is a candidate, too. The sample grows from round to round and
+//! is new in each. A faster candidate replaces the current best only if its certificate holds.
 //!
-//! That every trial of a few thousand arrives does not say that one of a million will not be lost, and the quickest gains
-//! lie where trials begin to be lost: from starts so near the goal that few random ones are, or by more noise. So
-//! no trial may be lost of as many that start near the goal with [`STRESS`] times the noise either.
+//! Success of a few thousand trials does not imply success of a million, and the fastest gains are near the
+//! limit at which trials fail. Failures start close to the goal, where few random starts are, or with more
+//! noise. Therefore no trial may fail in an equal number of starts near the goal with [`STRESS`] times the
+//! noise.
 
 mod candidate;
 mod search;
@@ -27,45 +28,46 @@ use spec::{slowest, stressed};
 
 use crate::sweep::{Starts, Sweep, SweepReport};
 
-/// What tuning found.
+/// Result of tuning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TuneResult {
-    /// The gains to use: certified, and no slower than those to begin from. None where nothing was certified.
+    /// Certified gains, no slower than the initial ones; `None` if no candidate was certified.
     pub best: Option<GainCandidate>,
-    /// The gains that the search began with, and whether they are certified.
+    /// Initial gains.
     pub start: GainCandidate,
-    /// Whether those are certified.
+    /// Whether the initial gains are certified.
     pub start_certified: bool,
-    /// The trials with them.
+    /// Trials with the initial gains.
     pub before: SweepReport,
-    /// The trials with the best: from the same starts with the same noise. None where nothing was certified.
+    /// Trials with the best gains from the same starts with the same noise; `None` if no candidate was
+    /// certified.
     pub after: Option<SweepReport>,
-    /// The parts of the trials that succeed from near the goal with [`STRESS`] times the noise: with the gains to begin
-    /// from, and with the best.
+    /// Success rates near the goal with [`STRESS`] times the noise: with the initial gains, and with the
+    /// best.
     pub stressed_success: (Option<f64>, Option<f64>),
-    /// How many candidates were driven.
+    /// Number of simulated candidates.
     pub candidates: usize,
-    /// How often the certificate was asked for.
+    /// Number of requested certificates.
     pub certificates: usize,
 }
 
-/// How far a search is, and whether it shall end early. Shared with whoever watches.
+/// Progress and cancel flag of a search, shared with its caller.
 #[derive(Debug, Default)]
 pub struct TuneProgress {
     sweeps: surepose_sim::CancelToken,
     steps: AtomicUsize,
 }
 
-/// Trials that judge the result of a search that was stopped: whoever stopped it does not want to wait.
+/// Number of trials that evaluate the result of a canceled search, for a quick end.
 const RUNS_AFTER_STOP: usize = 2000;
 
 impl TuneProgress {
-    /// How many of the rounds, and the judgement after them, are done.
+    /// Returns the number of completed rounds, including the evaluation.
     pub fn completed(&self) -> usize {
         self.steps.load(Ordering::Relaxed)
     }
 
-    /// Ends the search: the best that was certified so far is still judged.
+    /// Cancels the search: the best certified candidate so far is still evaluated.
     pub fn cancel(&self) {
         self.sweeps.cancel();
     }
@@ -76,7 +78,7 @@ impl TuneProgress {
 }
 
 impl Tune {
-    /// Searches. `certified` says whether a law may be used.
+    /// Runs the search. `certified` returns whether a certificate holds for a law.
     pub fn run(&self, certified: &dyn Fn(&Law<f64>) -> bool, progress: &TuneProgress) -> TuneResult {
         let mut search = Search::new(self, certified, &progress.sweeps);
         let start_certified = search.begin();
@@ -90,7 +92,7 @@ impl Tune {
         self.judged(&search, start_certified, progress)
     }
 
-    /// The best candidates on trials that the search has not seen: the first that stands the test is taken.
+    /// Evaluates the best candidates on new trials and returns the first that passes.
     fn judged(&self, search: &Search<'_>, start_certified: bool, progress: &TuneProgress) -> TuneResult {
         let start = GainCandidate::from_law(&self.sweep.law);
         let starts = match &self.sweep.starts {
@@ -109,7 +111,7 @@ impl Tune {
         let before = drive(&start);
         let found = search.certified().rev().filter(|candidate| **candidate != start).find_map(|candidate| {
             let after = drive(candidate);
-            // Gains that are not certified are no rival: whatever they take, they may not be used.
+            // If the initial gains are not certified, they are no alternative, whatever their time.
             let stands = !start_certified || no_worse(&after.0, &before.0) && after.1 >= before.1;
             stands.then_some((*candidate, after))
         });
@@ -133,8 +135,7 @@ impl Tune {
     }
 }
 
-/// Whether no figure that counts is worse: success, the median and 95 % quantile of the time ratio, and the slowest trial,
-/// which neither of them sees.
+/// Returns whether no figure is worse: success, median and 95 % quantile of the time ratio, and maximum time.
 fn no_worse(report: &SweepReport, than: &SweepReport) -> bool {
     let (Some(now), Some(then)) = (report.time_ratio, than.time_ratio) else {
         return than.time_ratio.is_none();

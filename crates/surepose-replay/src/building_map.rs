@@ -1,4 +1,4 @@
-//! What a replay knows of a building: walls to follow a robot by, and the grid on which it is sought.
+//! Map of a building for a replay: walls for localization, and a grid for global localization.
 
 use surepose::geometry::Point;
 use surepose::map::Wall;
@@ -6,13 +6,13 @@ use surepose_io::grid::{Grid, GridOrigin};
 use surepose_io::wall_map::{WallMap, walls_from_map};
 use surepose_mapping::from_grid;
 
-/// Side of the cells that walls without a grid are drawn in \[m].
+/// Cell side of a grid rasterized from walls \[m].
 const SIDE: f64 = 0.1;
 
-/// Most of these cells: a square kilometre. On a larger map nobody is sought.
+/// Maximum number of these cells: 1 km². Larger maps allow no global localization.
 const MAX_CELLS: f64 = 1e8;
 
-/// A building.
+/// Walls and grid of a building.
 #[derive(Clone, Debug)]
 pub struct BuildingMap {
     walls: Vec<Wall<f64>>,
@@ -20,29 +20,29 @@ pub struct BuildingMap {
 }
 
 impl BuildingMap {
-    /// The building of an occupancy grid.
+    /// Extracts the walls of an occupancy grid.
     pub fn from_grid(grid: Grid) -> Self {
         Self { walls: walls_from_map(&from_grid::extract_walls(&grid).map), grid }
     }
 
-    /// The building of a wall map, in which a robot can be anywhere among the walls.
+    /// Rasterizes a wall map; the robot may be anywhere among the walls.
     pub fn from_wall_map(map: &WallMap) -> Self {
         let walls = walls_from_map(map);
         Self { grid: rasterize(&walls), walls }
     }
 
-    /// The walls.
+    /// Returns the walls.
     pub fn walls(&self) -> &[Wall<f64>] {
         &self.walls
     }
 
-    /// The grid; of a wall map, the walls drawn on free cells.
+    /// Returns the grid; for a wall map, the walls rasterized on free cells.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 }
 
-/// Walls, drawn on a grid that is free elsewhere.
+/// Rasterizes walls on a grid that is free elsewhere.
 fn rasterize(walls: &[Wall<f64>]) -> Grid {
     let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
     for end in walls.iter().flat_map(Wall::ends) {
@@ -60,7 +60,7 @@ fn rasterize(walls: &[Wall<f64>]) -> Grid {
         };
     }
     let (width, height) = (width as usize, height as usize);
-    // The lowest and the leftmost wall run through the middles of cells.
+    // The lowest and the leftmost wall run through cell centers.
     let origin = GridOrigin { x: low.0 - 1.5 * SIDE, y: low.1 - 1.5 * SIDE, heading: 0.0 };
     let mut grid = Grid { width, height, resolution: SIDE, origin, cells: vec![Some(0.0); width * height] };
     for wall in walls {
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn walls_are_drawn_where_they_are() {
+    fn walls_are_rasterized_at_their_positions() {
         let wall = |a: (f64, f64), b: (f64, f64)| {
             Wall::between(Point::new(a.0, a.1), Point::new(b.0, b.1)).expect("a wall")
         };

@@ -1,7 +1,7 @@
-//! CARMEN logs: raw odometry predicts, the laser corrects, the poses that SLAM found judge.
+//! Replay of CARMEN logs: raw odometry predicts, the laser corrects, SLAM poses are the reference.
 //!
-//! Without a map of its own, every second scan at its reference pose makes the map; the estimate sees and is judged on
-//! the other scans only.
+//! Without a given map, every second scan at its reference pose makes the map. The estimate uses, and is
+//! evaluated at, the other scans only.
 
 use std::time::Instant;
 
@@ -18,28 +18,28 @@ use super::laser_replay::{LaserReplay, LaserReplaySettings};
 use super::odometry::{pose_after, pose_of};
 use super::report::{ReplayError, ReplayReport};
 
-/// What the replay assumes: one set for all logs.
+/// Settings of the replay, the same for all logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarmenSettings {
     /// Odometry and laser.
     pub replay: LaserReplaySettings,
-    /// How many odometry records before its own place in the log a scan was taken.
+    /// Delay of a scan's record, in odometry records.
     ///
-    /// The loggers stamped a scan with the odometry that they had last received. Where the robot turns, the corrected
-    /// poses lag behind raw odometry by 0.64 records in `freiburg-101`, 0.47 in `belgioioso` (regression of the
-    /// difference of turns over the turn rate, which falls from 2.2° to 0.7° and from 4.4° to 2.4°).
+    /// The loggers stamped a scan with the odometry received last. During turns, the corrected poses lag raw
+    /// odometry by 0.64 records in `freiburg-101` and 0.47 in `belgioioso`. The figures are the regression of
+    /// the heading difference over the turn rate, which reduces it from 2.2° to 0.7° and from 4.4° to 2.4°.
     pub lag_records: f64,
-    /// How the map is made where none is given.
+    /// Settings of the map extraction, if no map is given.
     pub mapping: from_log::LogMappingSettings,
 }
 
 impl CarmenSettings {
-    /// The configuration that fits the format better than the defaults, before the user's own values.
+    /// Returns the format's preset, which the user's values override.
     pub fn preset() -> Config {
         LaserReplaySettings::preset("carmen")
     }
 
-    /// The settings of a configuration.
+    /// Reads the settings of a configuration.
     pub fn from_config(config: &Config) -> Self {
         let mapping = from_log::LogMappingSettings::default();
         Self { replay: LaserReplaySettings::from_config(config), lag_records: 0.55, mapping }
@@ -52,7 +52,8 @@ impl Default for CarmenSettings {
     }
 }
 
-/// The walls that the scans of a log show at their reference poses: all of them, or every second one, the first included.
+/// Extracts the walls of a log at its reference poses: from all scans, or from every second one, starting
+/// with the first.
 pub fn map_from_log(
     log: &Recording<StampedPose>,
     every: usize,
@@ -61,16 +62,17 @@ pub fn map_from_log(
     from_log::extract_walls(views(log).step_by(every.max(1)), settings)
 }
 
-/// The scans of a log at their reference poses.
+/// Iterates over the scans of a log and their reference poses.
 pub fn views(log: &Recording<StampedPose>) -> impl Iterator<Item = (&ScanRecord, Pose<Map, Body, f64>)> {
     log.scans.iter().zip(log.reference.iter().map(pose_of))
 }
 
-/// Replays a log, from the reference pose of its first scan on; on `map`, or on a map of its own. `cancel` counts its scans, and may
-/// end it early.
+/// Replays a log from the reference pose of its first scan, on `map` or on a map of its own.
+///
+/// `cancel` counts the scans.
 ///
 /// # Errors
-/// [`ReplayError::NoStart`] where there are no two scans.
+/// [`ReplayError::NoStart`] if there are fewer than two scans.
 pub fn replay_log(
     log: &Recording<StampedPose>,
     map: Option<&WallMap>,
@@ -78,7 +80,7 @@ pub fn replay_log(
     cancel: &CancelToken,
 ) -> Result<ReplayReport, ReplayError> {
     let begun = Instant::now();
-    // The map's own scans would only say again what the reference says.
+    // The map's own scans would repeat the reference.
     let (walls, every) = match map {
         Some(map) => (walls_from_map(map), 1),
         None => (walls_from_map(&map_from_log(log, 2, &settings.mapping).map), 2),
@@ -87,7 +89,7 @@ pub fn replay_log(
     let (Some(first), Some(start)) = (log.scans.first(), log.reference.first().map(pose_of)) else {
         return Err(ReplayError::NoStart);
     };
-    // The clock counts odometry records: stamps are unusable in some logs, their order never is.
+    // The clock counts odometry records: in some logs the stamps are unusable, but the order is right.
     let mut rolled = taken(first.odometry_before);
     let Some(raw_start) = pose_after(&log.odometry, rolled).filter(|_| log.scans.len() > 1) else {
         return Err(ReplayError::NoStart);

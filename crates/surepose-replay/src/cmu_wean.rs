@@ -1,6 +1,6 @@
-//! CMU Wean Hall: odometry predicts, the laser corrects on walls made from the hall's occupancy grid.
+//! Replay of CMU Wean Hall: odometry predicts, the laser corrects on walls from the occupancy grid.
 //!
-//! The recordings have no reference, so nothing is judged but how much of what the laser sees the walls explain.
+//! The recordings have no reference. The only figure is the fraction of the beams that the walls explain.
 
 use std::time::Instant;
 
@@ -20,19 +20,20 @@ use super::laser_replay::{LaserReplay, LaserReplaySettings, ScanOverlap};
 use super::odometry::pose_of;
 use super::report::ReplayReport;
 
-/// A start that somebody pointed at on a map is not known to centimetres: standard deviations of x \[m], y \[m], θ \[rad].
+/// Standard deviations of a start pose picked on a map: x \[m], y \[m], θ \[rad].
 const START_STD: [f64; 3] = [0.3, 0.3, 0.2];
 
-/// The configuration that fits the format better than the defaults, before the user's own values.
+/// Returns the format's preset, which the user's values override.
 ///
-/// Odometry is trusted more than in other formats, 3 cm and 3° over a metre: it comes with every scan, ten times a second,
-/// and along the hall's corridors there is little else. The grid's cells are 10 cm, and a beam is taken to be as coarse.
+/// Odometry has a smaller standard deviation than in other formats, 3 cm and 3° over one meter: it comes with
+/// every scan, ten times per second, and corridors offer little else. The range noise is that of the grid's
+/// 10 cm cells.
 pub fn preset() -> Config {
     LaserReplaySettings::with_rim_variance("wean", 0.002)
         .with_preset("wean", &[(&param::LASER_RANGE_STD, 0.1)])
 }
 
-/// The settings of a configuration: rooms drawn so coarsely are recognised by small faces, and by fewer of the beams.
+/// Returns the settings of a configuration; coarse grids require short faces and fewer matching beams.
 pub fn settings(config: &Config) -> LaserReplaySettings {
     let common = LaserReplaySettings::from_config(config);
     let scan_matcher =
@@ -40,27 +41,28 @@ pub fn settings(config: &Config) -> LaserReplaySettings {
     LaserReplaySettings { scan_matcher, start_std: START_STD, ..common }
 }
 
-/// What came of a replay.
+/// Result of a replay.
 #[derive(Clone, Debug)]
 pub struct WeanReplay {
-    /// The figures.
+    /// Figures.
     pub report: ReplayReport,
-    /// Where the robot was at each scan, from when that was known.
+    /// Pose at each scan; `None` before localization.
     pub trajectory: Vec<Option<Pose<Map, Body, f64>>>,
-    /// The way to where it was found, as that place saw it, at each look until then; empty if it was not found.
+    /// Path of the accepted hypothesis up to localization, one pose per update; empty if the robot was not
+    /// localized.
     pub before: Vec<Pose<Map, Body, f64>>,
-    /// Where it may be at the end, the likeliest first, if it was not found.
+    /// Remaining hypotheses, the most likely first, if the robot was not localized.
     pub candidates: Vec<Pose<Map, Body, f64>>,
 }
 
-/// How well a pose that was found is known: standard deviations of x \[m], y \[m], θ \[rad]. Walls are drawn up to half a
-/// metre thick, and along a corridor only the edges of its doorways tell where it is.
+/// Standard deviations of a localized pose: x \[m], y \[m], θ \[rad]. Drawn walls are up to 0.5 m thick, and
+/// along a corridor only the edges of doorways determine the position.
 const FOUND_STD: [f64; 3] = [0.2, 0.2, 0.05];
 
-/// Replays a log in `building` from `start` on, or from where the scans put it once one place is left.
+/// Replays a log in `building`, from `start` or from global localization if it is `None`.
 ///
-/// A scan carries the odometry of its own moment, so the estimate goes from scan to scan. A place that was found is held
-/// against what is seen from then on, and withdrawn if it does not explain that. `cancel` counts the scans, and may end it early.
+/// A scan carries the odometry of its time, so the estimate advances from scan to scan. A localized pose is
+/// checked against later scans and withdrawn if it does not explain them. `cancel` counts the scans.
 pub fn replay(
     log: &Recording<StampedPose>,
     building: &BuildingMap,

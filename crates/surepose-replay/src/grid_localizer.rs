@@ -1,9 +1,9 @@
-//! Where a recording begins, if nobody says: every place of an occupancy grid is tried, and followed until one is left.
+//! Global localization on an occupancy grid by multiple hypotheses.
 //!
-//! The first scan is held against every free place in every heading. What explains it becomes a [`PoseHypothesis`], which
-//! odometry carries and each further scan puts right; what speaks for it adds up along the way. One that is less likely
-//! than the best by the [`MARGIN`] is given up; the last one is the place, if it explains what was seen ([Wald1945]: a
-//! sequential test among as many hypotheses as there are places).
+//! The first scan is scored at every free position and heading. The best poses become [`PoseHypothesis`]es,
+//! which odometry predicts and further scans correct. Their evidence is accumulated along the path. A
+//! hypothesis whose evidence is below the best by [`MARGIN`] is dropped. The last one is accepted if it
+//! explains the scans: a sequential test [Wald1945] among all hypotheses.
 
 mod consistency;
 mod hypothesis;
@@ -30,57 +30,57 @@ use super::laser_replay::LaserReplaySettings;
 
 /// By how much the log likelihood of the place must be above that of any other.
 ///
-/// A piece of surface that is not where the map has it takes 3 at most, and a door is nine of them at 10 cm: the margin
-/// outweighs three doors that stand otherwise than on the map and by chance as another place has them.
+/// A surface cell that is not on the map costs at most 3, and a door has nine cells at 10 cm. The margin
+/// exceeds three doors that differ from the map and happen to match another pose.
 const MARGIN: f64 = 100.0;
 
-/// The place explains at least this part of the surface that was seen.
+/// Minimum fraction of the observed surface that an accepted pose explains.
 const EXPLAINED: f64 = 0.6;
 
-/// At most this part was seen where nothing can be seen from there; beyond twice as much the place is withdrawn.
+/// Maximum fraction of the observed surface behind walls; beyond twice as much an accepted pose is withdrawn.
 const BEYOND: f64 = 0.05;
 
-/// A robot that is sought looks again after so much way \[m] or turn \[rad].
+/// Minimum travel \[m] or turn \[rad] between two updates.
 const SCAN_EVERY: (f64, f64) = (0.3, 20.0 * PI / 180.0);
 
-/// Odometry's heading is off by so much at least \[rad].
+/// Minimum standard deviation of the odometry heading \[rad].
 const MIN_HEADING_STD: f64 = 0.001;
 
-/// A scan of which fewer beams came back tells nothing.
+/// Minimum number of returns of a usable scan.
 const MIN_BEAMS: usize = 10;
 
-/// Most hypotheses to begin with.
+/// Maximum number of initial hypotheses.
 const MAX_HYPOTHESES: usize = 8192;
 
-/// Hypotheses nearer than this \[m], \[rad] are one.
+/// Distance \[m] and angle \[rad] below which two hypotheses are merged.
 const MERGE_DISTANCE: (f64, f64) = (0.3, 0.15);
 
-/// How far off a place of the lattice may be from where the first scan was taken.
+/// Uncertainty of a pose of the initial grid.
 const START_UNCERTAINTY: PoseUncertainty = PoseUncertainty { position: 0.5, heading: 0.3 };
 
-/// Looks for a robot with a laser on a grid.
+/// Global localizer of a robot with a laser on a grid.
 #[derive(Debug)]
 pub(super) struct GridLocalizer {
     field: LikelihoodField,
     settings: LaserReplaySettings,
     law: LikelihoodTable,
-    /// An end so near to a wall is on it \[m].
+    /// Distance from a wall within which an end point is on it \[m].
     within: f64,
     hypotheses: Vec<PoseHypothesis>,
     surface: SurfaceCells,
     endpoint_history: Vec<ScanEndpoints>,
-    /// Of the last hypothesis, once one is left.
+    /// Consistency of the last remaining hypothesis.
     consistency: ConsistencyCheck,
     odometry_from_body: Pose<Map, Body, f64>,
-    /// Where odometry put the robot when it looked last.
+    /// Odometry pose at the last update.
     last_scan_pose: Option<Pose<Map, Body, f64>>,
-    /// Way \[m] and turn \[rad] since, and the variance of the travel of each rim.
+    /// Travel \[m] and turn \[rad] since the last update, and the variance of the travel of each rim.
     since: (f64, f64),
     variance: f64,
 }
 
 impl GridLocalizer {
-    /// Knows nothing but the grid.
+    /// Starts without any prior pose.
     pub(super) fn new(grid: &Grid, settings: LaserReplaySettings) -> Self {
         // The wall is anywhere in its cell.
         let std = libm::hypot(settings.range_std, rounding(grid.resolution));
@@ -100,14 +100,14 @@ impl GridLocalizer {
         }
     }
 
-    /// Rolls on by `motion`.
+    /// Predicts by `motion`.
     pub(super) fn predict(&mut self, motion: Motion<f64>) {
         self.odometry_from_body = self.odometry_from_body.integrate(motion, Integration::Arc);
         self.since = (self.since.0 + motion.length.abs(), self.since.1 + motion.turn.abs());
         self.variance += self.settings.wheel_odometry(motion).variance.left;
     }
 
-    /// Looks at a scan, if the robot moved since it looked last, and anything came back. Returns whether it did.
+    /// Updates by a scan if the robot moved enough and the scan is usable; returns whether it did.
     pub(super) fn update(&mut self, scan: &ScanRecord) -> bool {
         let moved = self.since.0 >= SCAN_EVERY.0 || self.since.1 >= SCAN_EVERY.1;
         if self.last_scan_pose.is_some() && !moved {
@@ -141,20 +141,20 @@ impl GridLocalizer {
         true
     }
 
-    /// The place, if one is left and explains what was seen.
+    /// Returns the pose, if one hypothesis remains and explains the scans.
     pub(super) fn found(&self) -> Option<Pose<Map, Body, f64>> {
         let [place] = self.hypotheses.as_slice() else { return None };
         let ConsistencyShares { hits, behind_wall, .. } = self.consistency.shares();
         (hits >= EXPLAINED && behind_wall <= BEYOND).then(|| self.field.map_from_cells * place.pose)
     }
 
-    /// Whether the place that was found does not explain what was seen since.
+    /// Returns whether the accepted pose fails to explain later scans.
     pub(super) fn is_inconsistent(&self) -> bool {
         let ConsistencyShares { hits, behind_wall, .. } = self.consistency.shares();
         hits < EXPLAINED || behind_wall > 2.0 * BEYOND
     }
 
-    /// Forgets everything but the grid: the robot may be anywhere.
+    /// Resets to a uniform prior.
     pub(super) fn reset(&mut self) {
         self.hypotheses.clear();
         self.endpoint_history.clear();
@@ -163,12 +163,12 @@ impl GridLocalizer {
         self.last_scan_pose = None;
     }
 
-    /// The places that it may be, the likeliest first.
+    /// Returns the remaining poses, the most likely first.
     pub(super) fn candidates(&self) -> Vec<Pose<Map, Body, f64>> {
         self.hypotheses.iter().map(|known| self.field.map_from_cells * known.pose).collect()
     }
 
-    /// What the likeliest place explains.
+    /// Returns what the most likely hypothesis explains.
     pub(super) fn shares(&self) -> Option<ConsistencyShares> {
         let best = self.hypotheses.first()?;
         let mut consistency = self.consistency.clone();
@@ -176,13 +176,13 @@ impl GridLocalizer {
         Some(consistency.shares())
     }
 
-    /// The way on which the likeliest place was reached, from look to look.
+    /// Returns the path of the most likely hypothesis, one pose per update.
     pub(super) fn trajectory(&self) -> Vec<Pose<Map, Body, f64>> {
         let trajectory = self.hypotheses.first().map_or(&[][..], |best| &best.trajectory);
         trajectory.iter().map(|pose| self.field.map_from_cells * *pose).collect()
     }
 
-    /// What odometry may be off by since the last look; places are no finer than the rounding to cells.
+    /// Returns the odometry uncertainty since the last update, at least the quantization of cells.
     fn uncertainty(&self) -> PoseUncertainty {
         let (rims, wheel_separation) = (2.0 * self.variance, self.settings.wheel_separation);
         let rounded = rounding(self.field.resolution());
@@ -192,7 +192,7 @@ impl GridLocalizer {
         }
     }
 
-    /// Keeps the likeliest of each place, and gives up those that are worse than the best by the margin.
+    /// Merges nearby hypotheses and drops those below the best by the margin.
     fn prune(&mut self) {
         self.hypotheses.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         let least = self.hypotheses.first().map_or(0.0, |best| best.evidence) - MARGIN;
@@ -214,7 +214,7 @@ impl GridLocalizer {
     }
 }
 
-/// Standard deviation of a coordinate that is rounded to a cell \[m].
+/// Returns the standard deviation of a coordinate rounded to a cell \[m].
 fn rounding(resolution: f64) -> f64 {
     resolution / libm::sqrt(12.0)
 }

@@ -1,4 +1,4 @@
-//! What all replays with a laser share: odometry rolls the estimate on, scans laid on the walls correct it.
+//! Laser replay shared by all formats: odometry predicts, scan matching corrects.
 
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, MeasurementOutcome, WheelOdometry};
 use surepose::geometry::{Angle, Body, Map, Pose};
@@ -14,41 +14,41 @@ use surepose::time::{Stamp, Stamped};
 use surepose_config::Config;
 use surepose_io::recording::{self, laser_extrinsics};
 
-/// The most beams of a scan.
+/// Maximum number of beams of a scan.
 const MAX_BEAMS: usize = 2048;
 
-/// What a replay assumes of odometry and laser.
+/// Noise model and scan matching of a replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaserReplaySettings {
-    /// Distance between the rims that scatter so \[m]. Where a recording tells poses instead of wheels, this only says how
-    /// the variance of the heading follows from that of the way.
+    /// Wheel separation of the noise model \[m]. For recordings of poses instead of wheels, it only relates
+    /// the variance of heading to that of distance.
     pub wheel_separation: f64,
-    /// Variance of a rim's travel for each metre driven \[m²/m].
+    /// Variance of a rim's travel per meter driven \[m²/m].
     pub rim_variance_per_metre: f64,
-    /// Variance of a rim's travel for each radian turned \[m²/rad].
+    /// Variance of a rim's travel per radian turned \[m²/rad].
     pub rim_variance_per_radian: f64,
     /// Standard deviation of a range \[m].
     pub range_std: f64,
     /// Standard deviation of a bearing \[rad].
     pub bearing_std: f64,
-    /// A consistent scan passes the gate with this probability.
+    /// Probability with which a consistent scan passes the gate.
     pub gate_probability: f64,
-    /// How scans are laid on walls.
+    /// Scan matcher.
     pub scan_matcher: ScanMatcher<f64>,
-    /// Standard deviations of the pose that the replay starts from: x \[m], y \[m], θ \[rad].
+    /// Standard deviations of the start pose: x \[m], y \[m], θ \[rad].
     pub start_std: [f64; 3],
 }
 
 impl LaserReplaySettings {
-    /// What fits recordings of robots with a laser better than the defaults, before the user's own values.
+    /// Returns the preset of laser recordings, which the user's values override.
     ///
-    /// Odometry is trusted for 12 cm and 12° over a metre, several times its usual scatter: logs skip (belgioioso has jumps
-    /// of 0.45 m and of 32°), and the laser puts the pose right to centimetres anyway.
+    /// Odometry has a standard deviation of 12 cm and 12° over one meter, several times its usual error. Logs
+    /// have jumps (in belgioioso 0.45 m and 32°), and the laser corrects the pose to centimeters.
     pub fn preset(name: &'static str) -> Config {
         Self::with_rim_variance(name, 0.03)
     }
 
-    /// The same for odometry whose rims scatter by this variance over a metre, and over a radian \[m²].
+    /// Returns the preset for this variance of a rim per meter and per radian \[m²].
     pub(super) fn with_rim_variance(name: &'static str, rim_variance: f64) -> Config {
         let values = [
             (&param::WHEEL_SEPARATION, 1.2),
@@ -60,7 +60,7 @@ impl LaserReplaySettings {
         Config::default().with_preset(name, &values)
     }
 
-    /// The settings of a configuration.
+    /// Reads the settings of a configuration.
     pub fn from_config(config: &Config) -> Self {
         let number = |parameter| config.number(parameter);
         Self {
@@ -85,13 +85,13 @@ impl LaserReplaySettings {
 }
 
 impl LaserReplaySettings {
-    /// The filter: the variance of each travel is given with it, so δ plays no part.
+    /// Returns the filter; δ is unused, because each travel comes with its variance.
     pub(super) fn ekf(&self) -> Ekf<f64> {
         let drive = DiffDrive::new(1.0, self.wheel_separation);
         Ekf { drive, delta: 0.0, integration: Integration::Arc }
     }
 
-    /// What the rims rolled for `motion`, as vague as this odometry is.
+    /// Converts `motion` to rim travel with the variance of this odometry.
     pub(super) fn wheel_odometry(&self, motion: Motion<f64>) -> WheelOdometry<f64> {
         let rims = self.ekf().drive.wheel_speeds_from_twist(Twist::new(motion.length, motion.turn));
         let variance = self.rim_variance_per_metre * motion.length.abs()
@@ -99,7 +99,7 @@ impl LaserReplaySettings {
         WheelOdometry { travel: rims, variance: WheelPair::new(variance, variance) }
     }
 
-    /// The laser that took a scan.
+    /// Returns the model of the laser that took a scan.
     pub(super) fn laser(&self, mount: recording::SensorPose) -> RangeFinder<f64> {
         RangeFinder {
             body_from_laser: laser_extrinsics(mount),
@@ -111,14 +111,14 @@ impl LaserReplaySettings {
     }
 }
 
-/// A recorded scan in the core's form.
+/// Converts a recorded scan to the core's type.
 pub(super) fn scan_view(scan: &recording::ScanRecord) -> Scan<'_, f64> {
     let body_from_laser = laser_extrinsics(scan.mount);
     let geometry = LaserGeometry { body_from_laser, range_min: MIN_RANGE, range_max: MAX_RANGE };
     Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &scan.ranges).with_geometry(geometry)
 }
 
-/// An estimate that follows a robot with a laser among known walls.
+/// Estimator of a robot with a laser among known walls.
 #[derive(Debug)]
 pub(super) struct LaserReplay {
     pub(super) localizer: Box<Localizer<f64, 64, MAX_BEAMS>>,
@@ -126,23 +126,23 @@ pub(super) struct LaserReplay {
     walls: Vec<Wall<f64>>,
 }
 
-/// What became of a scan.
+/// Result of processing a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ScanOutcome {
-    /// It lies on walls; what the filter made of that.
+    /// Matched; with the decision of the filter.
     Evaluated(MeasurementOutcome, ScanMatchResult<f64>),
-    /// Too few of its beams lie on walls of the map.
+    /// Too few beams are on walls of the map.
     LowOverlap,
-    /// No wall of the map was in sight.
+    /// No wall of the map is in view.
     NoOverlap,
-    /// The time at which it was taken is not remembered: the estimator counted that.
+    /// The scan's time is outside the history; the estimator counts it.
     OutsideHistory,
-    /// It cannot be read.
+    /// The scan is malformed.
     Invalid,
 }
 
 impl ScanOutcome {
-    /// The name under which a report counts a scan that the filter never saw.
+    /// Returns the reason under which a report counts a scan that did not reach the filter; `None` if it did.
     pub(super) fn skip_reason(&self) -> Option<&'static str> {
         match self {
             Self::Evaluated(..) | Self::OutsideHistory => None,
@@ -153,7 +153,7 @@ impl ScanOutcome {
     }
 }
 
-/// How much of what came back to the laser lies on walls.
+/// Fraction of the returns that are on walls.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ScanOverlap {
     sum: f64,
@@ -161,7 +161,7 @@ pub(super) struct ScanOverlap {
 }
 
 impl ScanOverlap {
-    /// Adds a scan; one that lies on no wall adds nothing to the sum.
+    /// Adds a scan; a scan on no wall adds 0.
     pub(super) fn add(&mut self, seen: &ScanOutcome) {
         self.scans += 1.0;
         if let ScanOutcome::Evaluated(_, aligned) = seen {
@@ -169,7 +169,7 @@ impl ScanOverlap {
         }
     }
 
-    /// The mean over scans.
+    /// Returns the mean over scans; `None` without scans.
     pub(super) fn mean(self) -> Option<f64> {
         (self.scans > 0.0).then(|| self.sum / self.scans)
     }
@@ -185,7 +185,8 @@ impl LaserReplay {
     ) -> Self {
         let gate = Gate::new(settings.gate_probability);
         let belief = Belief::new(pose, settings.start_std);
-        // The history is as long as its memory: some replays count records, where others count seconds.
+        // Unlimited in time, because some replays count records instead of seconds; the number of events
+        // limits it.
         let estimator = DelayedEkf::new(settings.ekf(), gate, f64::INFINITY, stamp, belief);
         // Each scan brings the mounting of its laser.
         let laser = settings.laser(recording::SensorPose::default());
@@ -193,20 +194,20 @@ impl LaserReplay {
         Self { localizer: Box::new(Localizer::unsupervised(estimator, scan_processor)), settings, walls }
     }
 
-    /// Takes other walls for the map.
+    /// Replaces the map.
     pub(super) fn set_map(&mut self, walls: Vec<Wall<f64>>) {
         self.walls = walls;
     }
 
-    /// Rolls on by `motion` until `stamp`.
+    /// Predicts by `motion` until `stamp`.
     pub(super) fn predict(&mut self, stamp: Stamp, motion: Motion<f64>) {
-        // A refusal is in the estimator's measurement statistics, and so in the report.
+        // The report includes rejections from the estimator's statistics.
         let travel = self.settings.wheel_odometry(motion);
         let input = SensorInput { stamp, odometry: Odometry::WithVariance(travel), readings: &[] };
         self.localizer.update(&input, travel, &MapView::empty(), &mut ());
     }
 
-    /// Corrects the belief by a scan that was taken at `stamp`.
+    /// Corrects the belief by a scan taken at `stamp`.
     pub(super) fn correct(&mut self, stamp: Stamp, scan: &recording::ScanRecord) -> ScanOutcome {
         let is_remembered = self.localizer.estimator().belief_at(stamp).is_some();
         let mut last_scan = LastScan::default();
@@ -225,7 +226,7 @@ impl LaserReplay {
     }
 }
 
-/// What became of the scan that was heard last.
+/// Result of the last scan.
 #[derive(Default)]
 struct LastScan {
     outcome: Option<MeasurementOutcome>,
@@ -242,8 +243,8 @@ impl LoopObserver<f64> for LastScan {
     }
 }
 
-/// Returns from nearer than this are the robot's own \[m].
+/// Minimum range \[m]; nearer returns are from the robot itself.
 pub(super) const MIN_RANGE: f64 = 0.02;
 
-/// Returns from farther away are not used \[m]: there, a degree of heading moves a beam across half a room.
+/// Maximum range \[m]; beyond, a heading error of 1° moves a return by more than 0.5 m.
 pub(super) const MAX_RANGE: f64 = 30.0;

@@ -1,7 +1,7 @@
-//! Replays recordings of real robots through the estimator, and measures the errors against their references.
+//! Replay of recordings of real robots through the estimator, with evaluation against a reference.
 //!
-//! One module per format. Each one merges its streams by stamp and is causal: a pose is estimated from what had
-//! been recorded by then, and is judged at that time.
+//! There is one module per format. Each merges its streams by stamp and is causal: a pose is estimated from
+//! the records up to its time, and evaluated at that time.
 
 mod building_map;
 pub mod carmen;

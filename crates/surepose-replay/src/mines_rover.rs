@@ -1,8 +1,8 @@
-//! Wheel ticks and laser without a map: the walls are made from the scans on the way, and later scans laid on them.
+//! Replay of wheel ticks and laser without a map: walls are mapped from the scans on the way.
 //!
-//! The recordings have neither a map nor a reference, so nothing is judged but how much of what the laser sees the walls
-//! that were made before explain. The estimate starts at the origin; its covariance is against its own map, and does not
-//! hold what the map itself has drifted.
+//! The recordings have neither a map nor a reference. The only figure is the fraction of the returns that
+//! previously mapped walls explain. The estimate starts at the origin. Its covariance is relative to its own
+//! map and excludes the map's drift.
 
 use std::time::Instant;
 
@@ -19,28 +19,28 @@ use surepose_sim::CancelToken;
 use super::laser_replay::{LaserReplay, LaserReplaySettings, ScanOverlap};
 use super::report::ReplayReport;
 
-/// A scan becomes part of the map where the robot has come this far \[m] or turned this far \[rad] since the last one.
+/// Minimum travel \[m] or turn \[rad] between two scans that are added to the map.
 const NEW_VIEW: (f64, f64) = (0.3, 0.4);
 
-/// The configuration that fits the format better than the defaults, before the user's own values.
+/// Returns the format's preset, which the user's values override.
 pub fn preset() -> Config {
     LaserReplaySettings::preset("ticks")
 }
 
-/// What came of a replay that makes its own map.
+/// Result of a replay that makes its own map.
 #[derive(Clone, Debug)]
 pub struct RoverReplay {
-    /// The figures.
+    /// Figures.
     pub report: ReplayReport,
-    /// The walls in the end.
+    /// Final walls.
     pub mapped: MappingResult,
-    /// Where the robot was at each scan.
+    /// Pose at each scan.
     pub way: Vec<Pose<Map, Body, f64>>,
-    /// Where its wheels alone would have it.
+    /// Dead-reckoned pose at each scan.
     pub dead_reckoning: Vec<Pose<Map, Body, f64>>,
 }
 
-/// Replays a recording of the rover; `cancel` counts its scans, and may end it early.
+/// Replays a recording of the rover; `cancel` counts its scans.
 pub fn replay_log(
     log: &Recording<StampedTicks>,
     settings: &LaserReplaySettings,
@@ -90,7 +90,7 @@ pub fn replay_log(
     RoverReplay { report, mapped: from_log::extract_walls(views, &mapping), way, dead_reckoning }
 }
 
-/// The motion that the wheels' counters tell.
+/// Returns the motion between two records of the wheel counters.
 fn motion(before: &StampedTicks, after: &StampedTicks) -> Motion<f64> {
     let rover = data::ROVER;
     let drive = DiffDrive::new(rover.wheel_radius, rover.wheel_separation);

@@ -1,4 +1,4 @@
-//! MRCLAM: commanded velocities predict, landmarks seen by the camera correct.
+//! Replay of MRCLAM: commanded velocities predict, landmark observations correct.
 
 mod camera;
 mod response;
@@ -24,27 +24,27 @@ use super::report::{ReplayError, ReplayReport};
 pub use camera::Camera;
 pub use response::Response;
 
-/// What the replay assumes of robot and camera: one set for all robots of a data set.
+/// Model of robot and camera, the same for all robots of a data set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MrclamSettings {
-    /// How the base follows its commands.
+    /// Response of the base to commands.
     pub response: Response,
     /// Distance between the wheels \[m].
     pub wheel_separation: f64,
-    /// Variance of a rim's travel for each metre driven \[m²/m]: 1° of heading in a second of straight way.
+    /// Variance of a rim's travel per meter driven \[m²/m]: 1° of heading per second of straight motion.
     pub rim_variance_per_metre: f64,
-    /// Variance of a rim's travel for each radian turned \[m²/rad].
+    /// Variance of a rim's travel per radian turned \[m²/rad].
     ///
-    /// 8° of heading for a radian turned, as the robots scatter over a minute. Most of it is in when a turn starts and
-    /// ends: turns that were commanded for 0.06 s to 0.33 s by the record all came out at about 5°.
+    /// 8° of heading per radian, the scatter of the robots over a minute. Most of the error arises at the
+    /// start and end of a turn: turns commanded for 0.06 s to 0.33 s all resulted in about 5°.
     pub rim_variance_per_radian: f64,
     /// The camera.
     pub camera: Camera,
-    /// A consistent sighting passes the gate with this probability.
+    /// Probability with which a consistent observation passes the gate.
     pub gate_probability: f64,
-    /// How far back a late sighting may reach \[s].
+    /// Maximum age of a late observation \[s].
     pub history: f64,
-    /// Standard deviations of the reference pose that the replay starts from: x \[m], y \[m], θ \[rad].
+    /// Standard deviations of the reference pose at the start: x \[m], y \[m], θ \[rad].
     pub start_std: [f64; 3],
 }
 
@@ -66,7 +66,7 @@ impl Default for MrclamSettings {
 /// Reads the log of `robot` in the data set at `folder` and replays it.
 ///
 /// # Errors
-/// A data set that cannot be read, or whose reference says nothing about the start.
+/// [`ReplayError`], if the data set cannot be read or has no reference pose at the start.
 pub fn replay(folder: &Path, robot: u32, settings: &MrclamSettings) -> Result<ReplayReport, ReplayError> {
     let begun = Instant::now();
     let log = data::read(folder, robot)?;
@@ -75,9 +75,9 @@ pub fn replay(folder: &Path, robot: u32, settings: &MrclamSettings) -> Result<Re
     Ok(report)
 }
 
-/// Replays a log, from its first command that has a reference pose on.
+/// Replays a log from its first command that has a reference pose.
 ///
-/// A command is a step of the filter at the time when it takes effect; the estimate is judged there.
+/// A command is a filter step at the time when it takes effect; the estimate is evaluated at that time.
 ///
 /// # Errors
 /// [`ReplayError::NoStart`].
@@ -123,18 +123,18 @@ pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayRep
     Ok(report)
 }
 
-/// A replay under way.
+/// State of a replay.
 struct Replay<'a> {
     log: &'a RobotLog,
     settings: &'a MrclamSettings,
-    /// The command in effect.
+    /// Command in effect.
     command: Twist<f64>,
     localizer: Localizer<f64, 64, 0>,
     report: ReplayReport,
 }
 
 impl<'a> Replay<'a> {
-    /// At the reference pose when `begin` takes effect; `None` where there is none.
+    /// Starts at the reference pose when `begin` takes effect; `None` if there is none.
     fn start(
         log: &'a RobotLog,
         settings: &'a MrclamSettings,
@@ -143,7 +143,7 @@ impl<'a> Replay<'a> {
     ) -> Option<Self> {
         let time = begin.time + settings.response.dead_time;
         let belief = Belief::new(reference.at(time)?, settings.start_std);
-        // The travel of the rims is derived from commands, so neither the radius of the wheels nor δ plays a part.
+        // Rim travel is derived from commands, so neither the wheel radius nor δ has an effect.
         let drive = DiffDrive::new(1.0, settings.wheel_separation);
         let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };
         let gate = Gate::new(settings.gate_probability);
@@ -159,20 +159,20 @@ impl<'a> Replay<'a> {
         })
     }
 
-    /// Predicts up to `time` \[s] under the command that holds; the past stays as it is.
+    /// Predicts up to `time` \[s] under the current command; past states are unchanged.
     fn advance(&mut self, time: f64) {
         let stamp = Stamp::from_seconds(time);
         let period = stamp.since(self.localizer.estimator().stamp());
         if period > 0.0 {
             let travel =
                 self.wheel_odometry(self.settings.response.twist(self.command).integrate_for(period));
-            // A refusal is in the estimator's measurement statistics, and so in the report.
+            // The report includes rejections from the estimator's statistics.
             let input = SensorInput { stamp, odometry: Odometry::WithVariance(travel), readings: &[] };
             self.localizer.update(&input, travel, &MapView::empty(), &mut ());
         }
     }
 
-    /// The rims' travel that makes `motion`, and how well it is known.
+    /// Returns the rim travel of `motion` with its variance.
     fn wheel_odometry(&self, motion: Motion<f64>) -> WheelOdometry<f64> {
         let rims = self
             .localizer
@@ -185,7 +185,7 @@ impl<'a> Replay<'a> {
         WheelOdometry { travel: rims, variance: WheelPair::new(variance, variance) }
     }
 
-    /// Corrects by what the camera saw, if it was a landmark of the map.
+    /// Corrects by an observation of a mapped landmark.
     fn correct(&mut self, sighting: &LandmarkObservation) {
         self.advance(sighting.time);
         let landmark = match sighting.target {
@@ -207,7 +207,8 @@ impl<'a> Replay<'a> {
     }
 }
 
-/// The score of the commands as recorded, each held until the next, from the reference pose of the first on.
+/// Returns the errors of the recorded commands, each held until the next, from the reference pose of the
+/// first.
 fn dead_reckoning(commands: &[StampedTwist], reference: &Reference<'_>) -> ErrorAccumulator {
     let mut score = ErrorAccumulator::default();
     let Some(begin) = commands.first() else { return score };

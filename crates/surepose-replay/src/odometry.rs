@@ -1,15 +1,15 @@
-//! Odometry that comes as poses.
+//! Interpolation of recorded odometry poses.
 
 use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose::kinematics::{Integration, Motion};
 use surepose_io::recording::StampedPose;
 
-/// A recorded pose in the core's form.
+/// Converts a recorded pose to the core's type.
 pub(crate) fn pose_of(at: &StampedPose) -> Pose<Map, Body, f64> {
     Pose::new(at.x, at.y, Angle::from_radians(at.heading))
 }
 
-/// The pose after `count` records, between two of them along the arc that joins them.
+/// Returns the pose after `count` records, interpolated on the arc between two of them; `None` without records.
 pub(super) fn pose_after(records: &[StampedPose], count: f64) -> Option<Pose<Map, Body, f64>> {
     let whole = libm::floor(count);
     let last = records.len().checked_sub(1)?;
@@ -25,7 +25,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn between_records_the_pose_is_on_the_arc() {
+    fn interpolated_poses_are_on_the_arc() {
         let at = |x: f64| StampedPose { time: 0.0, x, y: 0.0, heading: 0.0 };
         let records = [at(0.0), at(1.0), at(3.0)];
         let x = |count: f64| pose_after(&records, count).map(|pose| pose.x);

@@ -1,30 +1,30 @@
-//! The true path of a recording, at any time that it covers.
+//! Reference trajectory of a recording.
 
 use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose_io::recording::StampedPose;
 
-/// Between samples farther apart than this \[s] the truth is not known well enough to judge by.
+/// Maximum interval between samples for interpolation \[s].
 const MAX_GAP: f64 = 0.1;
 
-/// Reference poses, interpolated between neighbours.
+/// Reference poses with interpolation.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference<'a> {
     poses: &'a [StampedPose],
 }
 
 impl<'a> Reference<'a> {
-    /// The reference through `poses`, which are in order of time.
+    /// Creates the reference from `poses`, which are ordered by time.
     pub fn new(poses: &'a [StampedPose]) -> Self {
         Self { poses }
     }
 
-    /// The true pose at `time` \[s]; `None` outside the record and inside its gaps.
+    /// Returns the true pose at `time` \[s]; `None` outside the record and inside its gaps.
     pub fn at(&self, time: f64) -> Option<Pose<Map, Body, f64>> {
         let after = self.poses.partition_point(|pose| pose.time <= time);
         let before = self.poses.get(after.checked_sub(1)?)?;
         let heading = Angle::from_radians(before.heading);
         let Some(next) = self.poses.get(after) else {
-            // On the very last sample there is nothing to interpolate towards, and no need to.
+            // The last sample has no successor to interpolate to.
             return (before.time >= time).then(|| Pose::new(before.x, before.y, heading));
         };
         let span = next.time - before.time;
@@ -40,7 +40,7 @@ impl<'a> Reference<'a> {
         ))
     }
 
-    /// Length of the true path between `start` and `end` \[m].
+    /// Returns the length of the true path between `start` and `end` \[m].
     pub fn distance(&self, start: f64, end: f64) -> f64 {
         let first = self.poses.partition_point(|pose| pose.time < start);
         let last = self.poses.partition_point(|pose| pose.time <= end);
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn interpolates_the_short_way_round() {
+    fn headings_are_interpolated_over_the_shorter_arc() {
         let poses = [pose(0.0, 0.0, 3.1), pose(0.1, 1.0, -3.1)];
         let middle = Reference::new(&poses).at(0.05).unwrap();
         assert!((middle.x - 0.5).abs() < 1e-12 && (middle.y - 1.0).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! What a replay found, under the names of the command line's JSON, and why it may fail.
+//! Report of a replay, named as in the command line's JSON, and its errors.
 
 use std::collections::BTreeMap;
 
@@ -10,17 +10,17 @@ use surepose_sim::ErrorSummary;
 
 use super::grid_localizer::ConsistencyShares;
 
-/// The figures of one replay; those that need a reference are absent where the recording has none.
+/// Figures of one replay; those that need a reference are `None` for recordings without one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ReplayReport {
-    /// Odometry records that moved the estimate.
+    /// Odometry records with motion.
     pub steps: u64,
-    /// Time from the first to the last of them \[s]; absent where the recording's stamps are too coarse to tell.
+    /// Time from the first to the last of them \[s]; `None` if the recording's stamps are too coarse.
     #[serde(skip_serializing_if = "is_unknown")]
     pub duration_s: f64,
-    /// Length of the way \[m].
+    /// Length of the path \[m].
     pub distance_m: f64,
-    /// Time that reading and replaying took \[s].
+    /// Processing time, including reading \[s].
     pub wall_s: f64,
     /// Root mean square of the position error \[m].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -31,64 +31,64 @@ pub struct ReplayReport {
     /// Median of the position error \[m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_median_m: Option<f64>,
-    /// Mean of the normalised estimation error squared; 3 for a consistent filter.
+    /// Mean of the normalized estimation error squared (NEES); 3 for a consistent filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_mean: Option<f64>,
-    /// Median of the same; 2.37 for a consistent filter.
+    /// Median of the NEES; 2.37 for a consistent filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_median: Option<f64>,
-    /// Position error of the recorded odometry alone \[m].
+    /// Root mean square position error of the recorded odometry alone \[m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dead_reckoning_position_rmse_m: Option<f64>,
-    /// Heading error of the recorded odometry alone \[°].
+    /// Root mean square heading error of the recorded odometry alone \[°].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dead_reckoning_heading_rmse_deg: Option<f64>,
-    /// Part of the beams that came back which lie on walls of the map, mean over scans.
+    /// Fraction of the returns on walls of the map, mean over scans.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beams_on_walls: Option<f64>,
-    /// When one place was left that explains the scans, for a recording that started anywhere \[s].
+    /// Time of global localization since the start of the recording \[s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found_s: Option<f64>,
-    /// Where that was: x \[m].
+    /// Localized pose: x \[m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found_x_m: Option<f64>,
-    /// Where that was: y \[m].
+    /// Localized pose: y \[m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found_y_m: Option<f64>,
-    /// Where that was: heading \[°].
+    /// Localized pose: heading \[°].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found_heading_deg: Option<f64>,
-    /// How many places explain the scans in the end; 1 where the robot was found.
+    /// Number of remaining hypotheses at the end; 1 if the robot was localized.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hypotheses_left: Option<usize>,
-    /// How often a place was withdrawn because it did not explain what was seen from there afterwards.
+    /// Number of localized poses that were withdrawn because later scans contradicted them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withdrawn: Option<u32>,
-    /// Part of the surface that was seen which lies on walls of the map, from where the robot was found or from the likeliest
-    /// place; each piece as large as a cell counts once.
+    /// Fraction of the observed surface on walls of the map, by the localized pose or the most likely
+    /// hypothesis. Each surface cell counts once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explained: Option<f64>,
-    /// Part of it that stands before walls, as people and furniture do.
+    /// Fraction of the observed surface in front of walls: people and furniture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub before_walls: Option<f64>,
-    /// Part of it where nothing could be seen if the map were right.
+    /// Fraction of the observed surface where the map allows no observation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beyond_walls: Option<f64>,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
-    /// Measurements that the filter refused, by reason.
+    /// Measurements that the filter rejected, by reason.
     pub rejected: BTreeMap<&'static str, u32>,
-    /// Records that are no measurement of the map, by kind; the filter never saw them.
+    /// Records that did not reach the filter, by kind.
     pub skipped: BTreeMap<&'static str, u32>,
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_unknown(duration: &f64) -> bool {
     *duration <= 0.0
 }
 
 impl ReplayReport {
-    /// Fills in the figures of the filter.
+    /// Sets the errors of the filter.
     pub fn set_filter_errors(&mut self, filter: Option<ErrorSummary>) {
         self.position_rmse_m = filter.map(|summary| summary.position_rmse);
         self.heading_rmse_deg = filter.map(|summary| summary.heading_rmse.to_degrees());
@@ -97,40 +97,40 @@ impl ReplayReport {
         self.nees_median = filter.and_then(|summary| summary.nees_median);
     }
 
-    /// Fills in the figures of the odometry alone.
+    /// Sets the errors of the odometry alone.
     pub fn set_odometry_errors(&mut self, odometry: Option<ErrorSummary>) {
         self.dead_reckoning_position_rmse_m = odometry.map(|summary| summary.position_rmse);
         self.dead_reckoning_heading_rmse_deg = odometry.map(|summary| summary.heading_rmse.to_degrees());
     }
 
-    /// The robot was found at `pose`, so many seconds after the recording began.
+    /// Records a localization at `pose`, `after` seconds from the start of the recording.
     pub(super) fn found(&mut self, after: f64, pose: Pose<Map, Body, f64>) {
         self.found_s = Some(after);
         (self.found_x_m, self.found_y_m) = (Some(pose.x), Some(pose.y));
         self.found_heading_deg = Some(pose.heading.degrees());
     }
 
-    /// The robot is not where it was found.
+    /// Records the withdrawal of a localized pose.
     pub(super) fn withdraw(&mut self) {
         self.withdrawn = Some(self.withdrawn.unwrap_or(0) + 1);
         (self.found_s, self.found_x_m, self.found_y_m, self.found_heading_deg) = (None, None, None, None);
     }
 
-    /// Fills in what a place explains.
+    /// Sets what a hypothesis explains.
     pub(super) fn set_consistency(&mut self, consistency: Option<ConsistencyShares>) {
         self.explained = consistency.map(|consistency| consistency.hits);
         self.before_walls = consistency.map(|consistency| consistency.short);
         self.beyond_walls = consistency.map(|consistency| consistency.behind_wall);
     }
 
-    /// Counts a record that the filter never saw, if there is a name for why.
+    /// Counts a record that did not reach the filter; `None` counts nothing.
     pub fn skip(&mut self, kind: Option<&'static str>) {
         if let Some(kind) = kind {
             *self.skipped.entry(kind).or_default() += 1;
         }
     }
 
-    /// Fills in what became of the measurements; every reason is named, also those that never occurred.
+    /// Sets the measurement statistics; every reason has an entry, even if 0.
     pub fn count(&mut self, stats: &MeasurementStats) {
         self.accepted = stats.accepted;
         self.rejected =
@@ -138,14 +138,16 @@ impl ReplayReport {
     }
 }
 
-/// Why a recording could not be replayed.
+/// Reasons for which a replay fails.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The recording is unreadable or malformed.
+    /// The recording cannot be read or is malformed.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// Nothing says where the robot starts.
-    #[error("no reference pose at the time of any odometry record, so there is nowhere to start")]
+    /// No pose to start from.
+    #[error(
+        "recording: no reference pose at the time of any odometry record, start unknown; check the stamps of odometry and reference"
+    )]
     NoStart,
 }
 
@@ -153,9 +155,9 @@ pub enum ReplayError {
 mod tests {
     use super::*;
 
-    /// The keys that scripts rely on; what does not exist is absent, never 0 and never null.
+    /// Keys that scripts rely on; missing values are absent, never 0 or null.
     #[test]
-    fn the_json_has_the_promised_keys() {
+    fn the_json_has_the_documented_keys() {
         let keys = |report: &ReplayReport| -> Vec<String> {
             let json = serde_json::to_value(report).unwrap();
             let mut keys: Vec<String> = json.as_object().unwrap().keys().cloned().collect();

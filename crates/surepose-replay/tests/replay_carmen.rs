@@ -1,9 +1,9 @@
-//! The CARMEN replay on the real recordings, held to what was measured.
+//! The CARMEN replay on real recordings, compared with measured figures.
 //!
-//! The recordings are not part of this repository: the tests look for them in `$SUREPOSE_DATA`, else in
-//! `../shared/data` beside the workspace, and say so where they are absent.
+//! The recordings are not part of this repository. The tests look for them in `$SUREPOSE_DATA`, else in
+//! `../shared/data` beside the workspace; without them they print that they are skipped.
 
-#![allow(clippy::expect_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::expect_used, reason = "tests may panic")]
 
 mod common;
 
@@ -20,10 +20,10 @@ fn log(name: &str) -> Option<Recording<StampedPose>> {
     Some(data::read(&path).expect("a readable log"))
 }
 
-/// Promised: 0.080 m and 0.9° in `freiburg-101`, 0.17 m and 1.7° in `belgioioso`, NEES 2 to 4. Held here to what was
-/// measured, with little room. Laying each judged scan on the points of the others, from the reference pose on, differs
-/// from the reference by 0.033 m and 0.27° in the first and by 0.023 m and 0.29° in the second: the reference itself is no
-/// better.
+/// Required: 0.080 m and 0.9° in `freiburg-101`, 0.17 m and 1.7° in `belgioioso`, NEES 2 to 4. The bounds are
+/// the measured values with a small tolerance. Direct alignment of each evaluated scan with the points of the
+/// others, from its reference pose, differs from the reference by 0.033 m and 0.27° in the first log and
+/// 0.023 m and 0.29° in the second. This is the accuracy of the reference.
 const MEASURED: [(&str, f64, f64, u32); 2] =
     [("freiburg-101", 0.037, 0.29, 146), ("belgioioso", 0.028, 0.37, 197)];
 
@@ -36,7 +36,7 @@ fn assert_followed(name: &str, report: &ReplayReport, position: f64, heading: f6
 }
 
 #[test]
-fn both_logs_are_followed_with_one_set_of_settings() {
+fn both_logs_meet_their_figures_with_one_set_of_settings() {
     for (name, position, heading, scans) in MEASURED {
         let Some(log) = log(name) else { continue };
         let report = replay_log(&log, None, &CarmenSettings::default(), &CancelToken::default())
@@ -46,7 +46,7 @@ fn both_logs_are_followed_with_one_set_of_settings() {
     }
 }
 
-/// Odometry that turns by `bias` \[rad] too much from each scan to the next.
+/// Returns the log with an odometry bias of `bias` \[rad] from scan to scan.
 fn biased(log: &Recording<StampedPose>, bias: f64) -> Recording<StampedPose> {
     let mut result = log.clone();
     let pose =
@@ -65,14 +65,14 @@ fn biased(log: &Recording<StampedPose>, bias: f64) -> Recording<StampedPose> {
 }
 
 #[test]
-fn odometry_that_turns_too_much_does_no_harm() {
+fn a_heading_bias_of_the_odometry_is_corrected() {
     for (name, position, heading, scans) in MEASURED {
         let Some(log) = log(name) else { continue };
         let log = biased(&log, -1.8_f64.to_radians());
         let report = replay_log(&log, None, &CarmenSettings::default(), &CancelToken::default())
             .expect("a log with scans");
         assert_followed(name, &report, position, heading, scans);
-        // The odometry is as bad as that: by itself it ends tens of metres off, 1.8 m in `belgioioso` without the bias.
+        // With the bias, odometry alone ends tens of meters off; without it, 1.8 m in `belgioioso`.
         assert!(report.dead_reckoning_position_rmse_m.is_some_and(|rmse| rmse > 20.0), "{name}");
     }
 }
@@ -86,7 +86,7 @@ fn a_map_from_all_scans_explains_them() {
     assert!(mapped.report.residual_rms_m.is_some_and(|rms| rms < 0.024));
     let report = replay_log(&log, Some(&mapped.map), &CarmenSettings::default(), &CancelToken::default())
         .expect("a log with scans");
-    assert_eq!(report.accepted, 291, "with a map of its own every scan but the first is seen");
+    assert_eq!(report.accepted, 291, "with its own map every scan but the first is accepted");
 }
 
 #[test]

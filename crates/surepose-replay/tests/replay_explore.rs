@@ -1,8 +1,8 @@
-//! The replays without a reference: what the walls explain of what the laser sees.
+//! Replays without a reference: fraction of the returns that the walls explain.
 //!
 //! The recordings are not part of this repository; see `common`.
 
-#![allow(clippy::expect_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::expect_used, reason = "tests may panic")]
 
 mod common;
 
@@ -15,31 +15,31 @@ use surepose_replay::cmu_wean::{self, WeanReplay};
 use surepose_replay::{BuildingMap, LaserReplaySettings, mines_rover};
 use surepose_sim::CancelToken;
 
-/// A scan by number, and the pose (x, y, θ) at which it was taken.
+/// Index of a scan, and the pose (x, y, θ) at which it was taken.
 type Taken = (usize, f64, f64, f64);
 
-/// Both runs begin at the same place of the hall, found by a particle filter over the whole grid. The same filter has
-/// the robot at these poses at these scans, each to about 0.15 m.
+/// Both runs start at the same place of the hall. A particle filter over the whole grid localized the robot
+/// at these scans at these poses, each to about 0.15 m.
 const PLACES: [(&str, [Taken; 3]); 2] = [
     ("robotdata1", [(118, 44.89, 39.57, -0.04), (272, 49.78, 38.98, -2.95), (704, 39.91, 41.42, 1.30)]),
     ("robotdata3", [(118, 42.19, 39.61, 0.04), (272, 45.01, 39.55, -0.04), (704, 37.25, 40.09, 1.19)]),
 ];
 
-/// The log, and the hall's grid, where both are there.
+/// Returns the log and the hall's grid; `None` if either is absent.
 fn run(name: &str) -> Option<(Recording<StampedPose>, Grid)> {
     let grid = recording("cmu_wean/wean.dat.gz")?;
     let log = recording(&format!("cmu_wean/{name}.log.gz"))?;
     Some((data::read(&log).expect("a readable log"), data::read_grid(&grid).expect("a readable grid")))
 }
 
-/// How far the robot is believed from where a scan was taken \[m], \[rad].
+/// Returns the error of the estimate at a scan \[m], \[rad]; `None` before localization.
 fn off((scan, x, y, heading): Taken, trajectory: &[Option<Pose<Map, Body, f64>>]) -> Option<(f64, f64)> {
     let at = trajectory[scan]?;
     Some((libm::hypot(at.x - x, at.y - y), (at.heading - Angle::from_radians(heading)).radians().abs()))
 }
 
 #[test]
-fn wean_hall_is_followed_from_a_given_start() {
+fn wean_hall_is_tracked_from_a_given_start() {
     let settings = cmu_wean::settings(&cmu_wean::preset());
     for ((name, places), share) in PLACES.into_iter().zip([0.75, 0.79]) {
         let Some((log, grid)) = run(name) else { continue };
@@ -55,14 +55,15 @@ fn wean_hall_is_followed_from_a_given_start() {
         assert!(report.beams_on_walls.is_some_and(|mean| mean > share), "{name}");
         assert_eq!(report.position_rmse_m, None);
         for place in places {
-            let (off, turned) = off(place, &trajectory).expect("followed from the start");
+            let (off, turned) = off(place, &trajectory).expect("a pose at every scan");
             assert!(off < 0.3 && turned < 0.1, "{name}, scan {}: {off} m, {turned} rad", place.0);
         }
     }
 }
 
-/// From the start, and from half a minute later, when the robot has left the doorway that is like no other. The place that
-/// looks most like the true one is six metres away; along the corridor walls tell little, and two beliefs differ by up to 0.7 m.
+/// From the start, and from 30 s later, when the robot has left a unique doorway. The most similar wrong pose
+/// is 6 m away. Along the corridor the walls have little information, and two estimates differ by up to 0.7
+/// m.
 #[test]
 fn wean_hall_start_pose_is_found() {
     let settings = cmu_wean::settings(&cmu_wean::preset());
@@ -92,8 +93,7 @@ fn wean_hall_start_pose_is_found() {
     }
 }
 
-/// The corridor repeats itself every six metres: after a quarter of a minute in it several places explain the scans, and
-/// none is said to be it.
+/// The corridor repeats every 6 m: after 15 s in it several poses explain the scans, and none is accepted.
 #[test]
 fn wean_hall_ambiguity_is_reported() {
     let Some((mut log, grid)) = run("robotdata1") else { return };
@@ -111,9 +111,9 @@ fn wean_hall_ambiguity_is_reported() {
     assert!(candidates.len() > 1 && trajectory.iter().all(Option::is_none));
 }
 
-/// On a grid without the part of the corridor in which the robot drives, other parts fit for a while.
+/// On a grid without the corridor segment of the robot, other segments match for a while.
 #[test]
-fn wean_hall_is_not_mistaken_for_another_part_of_it() {
+fn no_wrong_pose_is_accepted_on_an_incomplete_map_of_wean_hall() {
     let settings = cmu_wean::settings(&cmu_wean::preset());
     for (name, _) in PLACES {
         let Some((log, mut grid)) = run(name) else { continue };
@@ -127,9 +127,9 @@ fn wean_hall_is_not_mistaken_for_another_part_of_it() {
     }
 }
 
-/// The wheels alone end 3.4 m away from where the laser puts the robot in the first run.
+/// In the first run, dead reckoning ends 3.4 m away from the laser's estimate.
 #[test]
-fn the_rover_makes_its_own_map() {
+fn the_rover_is_tracked_on_its_own_map() {
     for (name, share, scans) in [("exp1", 0.79, 755), ("exp2", 0.77, 640)] {
         let Some(path) = recording(&format!("mines_rover/{name}.dat.gz")) else { continue };
         let settings = LaserReplaySettings::from_config(&mines_rover::preset());

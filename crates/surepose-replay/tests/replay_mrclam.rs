@@ -1,8 +1,7 @@
-//! The MRCLAM replay: on a made-up log whose outcome is known, and on the real recordings, held to the figures that
-//! the project promises.
+//! The MRCLAM replay on a synthetic log with a known result, and on real recordings.
 //!
-//! The recordings are not part of this repository: the test looks for them in `$SUREPOSE_DATA`, else in
-//! `../shared/data` beside the workspace, and says so where they are absent.
+//! The recordings are not part of this repository. The test looks for them in `$SUREPOSE_DATA`, else in
+//! `../shared/data` beside the workspace; without them it prints that it is skipped.
 
 use std::path::PathBuf;
 
@@ -11,7 +10,7 @@ use surepose_io::recording::{StampedPose, StampedTwist};
 use surepose_replay::mrclam::{MrclamSettings, replay, replay_log};
 use surepose_replay::{ReplayError, ReplayReport};
 
-/// A robot that is told to stand still at (1, 0) facing a landmark at (4, 0), for 10 s.
+/// Log of a robot commanded to stand still at (1, 0), facing a landmark at (4, 0), for 10 s.
 fn standing(sightings: Vec<LandmarkObservation>) -> RobotLog {
     let times = || (0..=1000).map(|tick| f64::from(tick) * 0.01);
     RobotLog {
@@ -22,13 +21,13 @@ fn standing(sightings: Vec<LandmarkObservation>) -> RobotLog {
     }
 }
 
-/// What the camera records of that landmark.
+/// Returns the camera's record of that landmark.
 fn seen(time: f64, target: Target) -> LandmarkObservation {
     LandmarkObservation { time, target, range: 3.0 * MrclamSettings::default().camera.scale, bearing: 0.0 }
 }
 
 #[test]
-fn every_sighting_is_accounted_for() {
+fn every_observation_is_counted() {
     let outlier = LandmarkObservation { range: 30.0, ..seen(5.0, Target::Landmark(6)) };
     let behind = LandmarkObservation { bearing: 3.0, ..seen(6.0, Target::Landmark(6)) };
     let log = standing(vec![
@@ -41,7 +40,8 @@ fn every_sighting_is_accounted_for() {
         seen(20.0, Target::Landmark(6)),
     ]);
     let report = replay_log(&log, &MrclamSettings::default()).unwrap();
-    // The first comes before the first command takes effect; the last after the last, and still counts.
+    // The first comes before the first command takes effect; the last comes after the last command and still
+    // counts.
     assert_eq!(report.accepted, 2);
     for (reason, count) in [("stale", 1), ("outlier", 1), ("not_finite", 1), ("future", 0)] {
         assert_eq!(report.rejected[reason], count, "{reason}");
@@ -83,7 +83,7 @@ fn median(reports: &[ReplayReport], of: impl Fn(&ReplayReport) -> Option<f64>) -
 }
 
 #[test]
-fn all_five_robots_are_followed_with_one_set_of_settings() {
+fn all_five_robots_meet_their_figures_with_one_set_of_settings() {
     let Some(folder) = data_set() else { return };
     let settings = MrclamSettings::default();
     let reports: Vec<_> =
@@ -95,13 +95,13 @@ fn all_five_robots_are_followed_with_one_set_of_settings() {
         let named = report.accepted + report.rejected.values().chain(report.skipped.values()).sum::<u32>();
         let log = surepose_io::mrclam::read(&folder, robot).expect("a readable data set");
         assert_eq!(named as usize, log.sightings.len(), "robot {robot}");
-        // Speed is promised of a release build only.
+        // Speed is required of release builds only.
         if cfg!(not(debug_assertions)) {
             assert!(report.duration_s >= 1000.0 * report.wall_s, "robot {robot}");
         }
     }
-    // Promised: 0.165 m, 4.5° and a NEES of 7. Held here to what was measured, with little room: a worse model
-    // must fail.
+    // Required: 0.165 m, 4.5° and a NEES of 7. The bounds are the measured values with a small tolerance, so
+    // that a worse model fails.
     assert!(median(&reports, |report| report.position_rmse_m) <= 0.076);
     assert!(median(&reports, |report| report.heading_rmse_deg) <= 4.1);
     assert!(median(&reports, |report| report.nees_median) <= 3.4);
@@ -110,7 +110,7 @@ fn all_five_robots_are_followed_with_one_set_of_settings() {
 }
 
 #[test]
-fn a_replay_is_the_same_twice() {
+fn replays_are_reproducible() {
     let Some(folder) = data_set() else { return };
     let run = || {
         let report = replay(&folder, 4, &MrclamSettings::default()).expect("a readable data set");

@@ -1,8 +1,8 @@
-//! Work that somebody watches, and may end early.
+//! Cancellation and progress of long computations.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// How far long work is, and whether it shall end early. Shared between the work and whoever watches.
+/// Progress counter and cancel flag, shared between a computation and its caller.
 #[derive(Debug, Default)]
 pub struct CancelToken {
     done: AtomicUsize,
@@ -10,17 +10,17 @@ pub struct CancelToken {
 }
 
 impl CancelToken {
-    /// How many pieces of it are done.
+    /// Returns the number of completed work items.
     pub fn completed(&self) -> usize {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// Ends the work at once: pieces that are done are kept, those under way are not.
+    /// Requests cancellation: completed items are kept, unfinished ones are dropped.
     pub fn cancel(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// `pieces`, counted as they are taken up, until the work shall end.
+    /// Iterates over `pieces` and counts them until canceled.
     pub fn take_until_cancelled<T>(&self, pieces: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
         pieces.into_iter().take_while(|_| !self.is_cancelled()).inspect(|_| self.count())
     }

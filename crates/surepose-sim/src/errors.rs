@@ -1,6 +1,6 @@
-//! How far estimates were from the truth, and how far they said they might be.
+//! Statistics of estimation errors and of their consistency.
 
-/// Errors collected along a replay.
+/// Accumulator of the errors of a replay.
 #[derive(Clone, Debug, Default)]
 pub struct ErrorAccumulator {
     position: Vec<f64>,
@@ -8,7 +8,7 @@ pub struct ErrorAccumulator {
     nees: Vec<f64>,
 }
 
-/// The figures of a [`ErrorAccumulator`], each absent where nothing was collected.
+/// Statistics of an [`ErrorAccumulator`]; NEES figures are `None` without samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorSummary {
     /// Root mean square of the position error \[m].
@@ -17,9 +17,9 @@ pub struct ErrorSummary {
     pub position_median: f64,
     /// Root mean square of the heading error \[rad].
     pub heading_rmse: f64,
-    /// Mean of the normalised estimation error squared.
+    /// Mean of the normalized estimation error squared (NEES).
     pub nees_mean: Option<f64>,
-    /// Median of the normalised estimation error squared.
+    /// Median of the NEES.
     pub nees_median: Option<f64>,
 }
 
@@ -30,12 +30,12 @@ impl ErrorAccumulator {
         self.heading_squared += heading * heading;
     }
 
-    /// Adds the normalised squared length of an error by its claimed covariance.
+    /// Adds a NEES sample.
     pub fn add_nees(&mut self, nees: f64) {
         self.nees.push(nees);
     }
 
-    /// The figures; `None` where no error was added.
+    /// Returns the statistics; `None` without samples.
     pub fn summary(mut self) -> Option<ErrorSummary> {
         let count = self.position.len() as f64;
         let squares: f64 = self.position.iter().map(|error| error * error).sum();
@@ -53,7 +53,7 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The middle value; of an even number, the upper of the two in the middle.
+/// Returns the median; the upper one of an even number.
 fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     if values.is_empty() {
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sums_up_by_root_mean_square_and_median() {
+    fn summary_has_root_mean_square_and_median() {
         let mut score = ErrorAccumulator::default();
         score.add([3.0, 4.0, 0.1]);
         score.add([0.0, 1.0, -0.1]);
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_collected_has_no_figures() {
+    fn an_empty_accumulator_has_no_summary() {
         assert_eq!(ErrorAccumulator::default().summary(), None);
     }
 }

@@ -1,24 +1,25 @@
-//! The shortest time in which any controller could have driven: [BalkcomMason2002].
+//! Time-optimal trajectories of a differential drive with bounded wheel speed: [BalkcomMason2002].
 //!
-//! Each wheel's speed is bounded by V, acceleration is not. A robot of track 2b that drives straight by s and turns
-//! on the spot by a needs (|s| + b·|a|)/V, and a fastest trajectory is made of nothing else: [BalkcomMason2002], with
-//! at most 4 actions of which at most 2 are straight. The words of this form are turn–straight–turn–straight
-//! and its mirror image in time; shorter words are these with an action of length 0.
+//! Each wheel's speed is bounded by V, acceleration is unbounded. Let 2b be the wheel separation. A straight
+//! of length s and a turn in place by a take (|s| + b·|a|)/V. A fastest trajectory consists of these only:
+//! [BalkcomMason2002], with at most 4 actions of which at most 2 are straights. The words of this form are
+//! turn–straight–turn–straight and its time reversal; shorter words have actions of length 0.
 //!
-//! One action's direction is then free, and the time is made of pieces in it. Seen from the goal, whose x axis is the
-//! direction of the last straight, with (x, y) still to go and β the direction of the first straight:
+//! One direction then remains free, and the time is piecewise smooth in it. Coordinates are relative to the
+//! goal, with the x axis along the last straight, (x, y) the remaining displacement, and β the direction of
+//! the first straight:
 //!
 //! T(β)·V = |y / sin β| + |x − y / tan β| + b·(|β − β₀| + |β|)
 //!
-//! Its least value is at an end of a piece, or where its derivative is 0: |y|·(1 ∓ cos β)/sin²β = 2b, which
-//! is |cos β| = |1 − |y|/2b|. All of these are tried.
+//! The minimum is at a boundary of a piece, or where the derivative is 0: |y|·(1 ∓ cos β)/sin²β = 2b, which
+//! is |cos β| = |1 − |y|/2b|. All candidates are evaluated.
 
 use core::f64::consts::PI;
 
 use crate::geometry::{Angle, Body, Goal, Pose};
 use crate::kinematics::DiffDrive;
 
-/// One of the two ways to move that a fastest trajectory is made of.
+/// An action of a time-optimal trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OptimalAction {
     /// Turn on the spot, counter-clockwise \[rad].
@@ -27,22 +28,22 @@ pub enum OptimalAction {
     Straight(f64),
 }
 
-/// A fastest trajectory.
+/// A time-optimal trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Optimal {
-    /// How long it takes \[s].
+    /// Duration \[s].
     pub time: f64,
-    /// What to do, in this order; some are of length 0.
+    /// Actions in order; some have length 0.
     pub actions: [OptimalAction; 4],
 }
 
-/// The fastest trajectory from `start`, seen from the goal, to rest on the goal.
+/// Returns the time-optimal trajectory from `start`, relative to the goal, to rest at the goal.
 ///
-/// `wheel_speed` bounds the speed of each wheel's rim \[m/s], and is positive.
+/// `wheel_speed` is the maximum rim speed of each wheel \[m/s], positive.
 pub fn fastest(start: Pose<Goal, Body, f64>, drive: &DiffDrive<f64>, wheel_speed: f64) -> Optimal {
     let half_separation = 0.5 * drive.wheel_separation;
     let ends_straight = turn_straight_turn_straight(start, half_separation);
-    // Driven backwards in time, the mirror image is a trajectory from the goal to the start.
+    // In reversed time, the mirror image is a trajectory from the goal to the start.
     let back: Pose<Goal, Body, f64> = {
         let goal_from_start = start.inverse();
         Pose::new(goal_from_start.x, goal_from_start.y, goal_from_start.heading)
@@ -53,7 +54,7 @@ pub fn fastest(start: Pose<Goal, Body, f64>, drive: &DiffDrive<f64>, wheel_speed
     Optimal { time: cost(&actions) / wheel_speed, actions }
 }
 
-/// The best word that ends with a straight.
+/// Returns the best word that ends with a straight.
 fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_separation: f64) -> [OptimalAction; 4] {
     let (x, y, first) = (-start.x, -start.y, start.heading);
     let along = libm::atan2(y, x);
@@ -82,10 +83,11 @@ fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_separation: f6
     best.0
 }
 
-/// Turn from `first` to `direction`, straight, turn to the goal's heading, straight: over (`x`, `y`) \[m].
+/// Turn from `first` to `direction`, straight, turn to the goal's heading, straight: covers (`x`, `y`) \[m].
 fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[OptimalAction; 4]> {
     let (sin, cos) = direction.sin_cos();
-    // A straight along the goal's axis cannot go aside; one nearly along it would go without end.
+    // A straight along the goal's axis cannot move sideways; one nearly parallel to it would be arbitrarily
+    // long.
     let (one, two) = if y.abs() <= 1e-12 {
         (0.0, x)
     } else if sin.abs() < 1e-9 {
@@ -101,7 +103,7 @@ fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[Opt
     ])
 }
 
-/// The same trajectory from its end to its start.
+/// Reverses a trajectory in time.
 fn undone(word: [OptimalAction; 4]) -> [OptimalAction; 4] {
     let [a, b, c, d] = word.map(|action| match action {
         OptimalAction::Turn(angle) => OptimalAction::Turn(-angle),
@@ -110,7 +112,7 @@ fn undone(word: [OptimalAction; 4]) -> [OptimalAction; 4] {
     [d, c, b, a]
 }
 
-/// What the faster wheel rolls \[m].
+/// Returns the rim travel of the faster wheel \[m].
 fn length(word: &[OptimalAction; 4], half_separation: f64) -> f64 {
     word.iter()
         .map(|action| match action {

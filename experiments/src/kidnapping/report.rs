@@ -1,55 +1,55 @@
-//! Many kidnappings, summed up.
+//! Statistics of many kidnapping trials.
 
 use serde::Serialize;
 
 use super::spawn_area::SpawnArea;
 use super::trial::{KidnappingSetup, KidnappingTrial, run_trial};
 
-/// The time in which a kidnapping must be flagged \[s].
+/// Deadline for a kidnapping to be flagged \[s].
 const FLAG_DEADLINE: f64 = 1.0;
 
-/// What came of many kidnappings.
+/// Statistics of kidnapping trials.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KidnappingStats {
-    /// How many there were.
+    /// Number of trials.
     pub trials: usize,
-    /// Flagged as lost although nobody had touched the robot.
+    /// Trials with a robot flagged as lost before its displacement.
     pub false_alarms: usize,
-    /// Flagged within one second.
+    /// Trials flagged within one second.
     pub flagged: usize,
-    /// Never flagged, because the estimate was right all the same after five seconds.
+    /// Trials never flagged whose estimate was right after five seconds.
     pub unflagged_but_right: usize,
-    /// Healthy and right five seconds after.
+    /// Trials with a right estimate, not lost, five seconds after the displacement.
     pub recovered: usize,
-    /// Not so, because several poses explain what was seen.
+    /// Trials not recovered in which several poses explain the scans.
     pub ambiguous: usize,
-    /// Found somewhere else than where it was; each may have been mended since.
+    /// Trials in which a wrong pose was accepted, even if corrected later.
     pub wrongly_found: usize,
-    /// Wrong by five standard deviations while healthy for two seconds.
+    /// Trials with an error of more than five standard deviations while healthy for two seconds.
     pub confidently_wrong: usize,
-    /// The mean of NEES where it was found right; 3 for an honest covariance.
+    /// Mean NEES of the accepted poses of recovered trials; 3 if the covariance is consistent.
     pub nees_mean: f64,
-    /// The median time until it was found \[s].
+    /// Median time from displacement to acceptance \[s]; NaN if no pose was accepted.
     pub found_median_s: f64,
-    /// The seeds of the trials that were neither recovered nor ambiguous, and of those confidently wrong.
+    /// Seeds of trials that were confidently wrong, or neither recovered nor ambiguous.
     pub failed_seeds: Vec<u64>,
-    /// The seeds of the other trials that were not flagged in time.
+    /// Seeds of the other trials that were not flagged in time.
     pub late_seeds: Vec<u64>,
 }
 
 impl KidnappingStats {
-    /// The part that was recovered, of those whose place is not ambiguous.
+    /// Returns the fraction of unambiguous trials that recovered.
     pub fn recovered_share(&self) -> f64 {
         self.recovered as f64 / (self.trials - self.ambiguous).max(1) as f64
     }
 
-    /// The part that was flagged in time, of those that had to be.
+    /// Returns the fraction flagged in time of the trials that required a flag.
     pub fn flagged_share(&self) -> f64 {
         self.flagged as f64 / (self.trials - self.unflagged_but_right).max(1) as f64
     }
 }
 
-/// Kidnaps a robot in `area` once for each of `seeds`.
+/// Runs one trial in `area` for each of `seeds`.
 pub fn run_trials(
     area: &SpawnArea,
     setup: &KidnappingSetup,

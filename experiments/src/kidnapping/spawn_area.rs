@@ -1,32 +1,32 @@
-//! Where a robot can stand.
+//! Area of valid start poses.
 
 use surepose::geometry::{Angle, Body, Map, Point, Pose};
 use surepose_io::grid::Grid;
 use surepose_mapping::from_grid::extract_walls;
 use surepose_sim::{Arena, Stream, WallSegment};
 
-/// The least distance from a wall at which a robot is put down \[m]: it turns in place without touching.
+/// Minimum distance of a start pose from a wall \[m], so that the robot can turn in place.
 const MIN_CLEARANCE: f64 = 0.5;
 
-/// A cell less likely occupied than this is free.
+/// Occupancy probability below which a cell is free.
 const FREE_THRESHOLD: f32 = 0.2;
 
-/// An arena, and where in it robots stand.
+/// An arena with its valid start positions.
 #[derive(Clone, Debug)]
 pub struct SpawnArea {
     /// The walls.
     pub arena: Arena,
-    /// Free positions to choose from (x, y) \[m]; where there are none, the whole rectangle of the arena.
+    /// Free positions (x, y) \[m]; if empty, the whole rectangle of the arena is free.
     pub free: Vec<(f64, f64)>,
 }
 
 impl SpawnArea {
-    /// Anywhere in `arena`, clear of its walls.
+    /// Uses all of `arena` that is clear of its walls.
     pub fn anywhere(arena: Arena) -> Self {
         Self { arena, free: Vec::new() }
     }
 
-    /// On the free cells of `grid`, among the walls that are found in it.
+    /// Uses the free cells of `grid` and the walls extracted from it.
     pub fn on_grid(name: &'static str, grid: &Grid) -> Self {
         let map = extract_walls(grid).map;
         let walls = map.walls.iter().map(|wall| WallSegment::between(wall.from.into(), wall.to.into()));
@@ -37,7 +37,7 @@ impl SpawnArea {
         Self { arena: Arena::from_walls(name, walls.collect()), free }
     }
 
-    /// A random pose, clear of the walls.
+    /// Draws a pose that is clear of the walls.
     pub fn pose(&self, random: &mut Stream) -> Pose<Map, Body, f64> {
         loop {
             let (x, y) = self.position(random);

@@ -1,4 +1,4 @@
-//! Small samples of the trials that `examples/run_trials.rs` makes in large numbers.
+//! Small samples of the trials that `examples/kidnappings.rs` runs in large numbers.
 
 use surepose_config::{Config, ScanMethod};
 use surepose_io::grid::{Grid, GridOrigin};
@@ -13,9 +13,9 @@ fn setup(compass: bool, clutter: f64) -> KidnappingSetup {
     KidnappingSetup { config: Config::default(), sensors, scan_method: ScanMethod::Lines, clutter }
 }
 
-/// Half a per cent of a hundred is none: whoever misses the figures by much fails here.
+/// With 60 trials per case, a failure rate of a few percent makes this test fail.
 #[test]
-fn kidnapped_robots_notice_and_find_themselves() {
+fn kidnapped_robots_are_flagged_and_recover() {
     let area = SpawnArea::anywhere(Arena::paper());
     for (compass, clutter) in [(true, 0.0), (true, 0.2), (false, 0.0)] {
         let sum = run_trials(&area, &setup(compass, clutter), 1..=60);
@@ -28,17 +28,21 @@ fn kidnapped_robots_notice_and_find_themselves() {
     }
 }
 
-/// A rectangle without anything in it looks the same after half a turn: without a compass there is no telling.
+/// An empty rectangle has a rotational symmetry: without a compass the pose is ambiguous.
 #[test]
-fn places_that_look_alike_stay_several() {
+fn symmetric_places_remain_ambiguous() {
     let area = SpawnArea::anywhere(Arena::open());
     let sum = run_trials(&area, &setup(false, 0.0), 1..=30);
     assert_eq!((sum.ambiguous, sum.wrongly_found, sum.confidently_wrong), (30, 0, 0), "{sum:?}");
-    let told = run_trials(&area, &setup(true, 0.0), 1..=30);
-    assert_eq!((told.recovered, told.ambiguous, told.wrongly_found), (30, 0, 0), "{told:?}");
+    let with_compass = run_trials(&area, &setup(true, 0.0), 1..=30);
+    assert_eq!(
+        (with_compass.recovered, with_compass.ambiguous, with_compass.wrongly_found),
+        (30, 0, 0),
+        "{with_compass:?}"
+    );
 }
 
-/// A hall of 10 × 7 m whose walls are steps and pillars of half a metre: no line is longer than a few beams.
+/// A hall of 10 × 7 m whose walls are steps and pillars of 0.5 m: a line has only a few beams.
 fn hall_of_steps() -> Grid {
     let (width, height, resolution) = (200, 140, 0.05);
     let pillars = [(30, 40), (62, 95), (80, 30), (118, 84), (150, 52), (165, 110), (98, 112), (38, 108)];
@@ -54,9 +58,9 @@ fn hall_of_steps() -> Grid {
     Grid { width: width as usize, height: height as usize, resolution, origin: GridOrigin::default(), cells }
 }
 
-/// Where few lines are found to start from, trying every pose finds the place.
+/// With few lines as starting points, the exhaustive pose grid finds the pose.
 #[test]
-fn robots_find_themselves_among_short_walls() {
+fn robots_recover_among_short_walls() {
     let area = SpawnArea::on_grid("steps", &hall_of_steps());
     for compass in [true, false] {
         let setup = KidnappingSetup { scan_method: ScanMethod::Beams, ..setup(compass, 0.0) };

@@ -1,4 +1,4 @@
-//! One kidnapping.
+//! A single kidnapping trial.
 
 use core::f64::consts::{PI, TAU};
 
@@ -14,67 +14,68 @@ use surepose_sim::{Clutter, Fault, FaultKind, LaserModel, Seed, Stream};
 
 use super::spawn_area::SpawnArea;
 
-/// When the robot is lifted \[s], and how long it is watched after that \[s].
+/// Time of the displacement, and duration of the observation after it \[s].
 const KIDNAP_TIME: f64 = 2.0;
 const OBSERVATION_TIME: f64 = 9.0;
 
-/// The least distance \[m] or turn \[rad] that is a kidnapping; anything less the filter may take for slip.
+/// Minimum distance \[m] or turn \[rad] of a displacement; smaller ones resemble wheel slip.
 const MIN_DISTANCE: f64 = 0.5;
 const MIN_TURN: f64 = 0.35;
 
-/// Up to this long \[s] after the kidnapping the pose must be found.
+/// Deadline for recovery after the displacement \[s].
 const RECOVERY_DEADLINE: f64 = 5.0;
 
-/// An error beyond so many standard deviations is wrong; wrong and healthy for so long \[s] is confidently wrong.
+/// An error beyond this many standard deviations is wrong; wrong and healthy for this long \[s] is
+/// confidently wrong.
 const MAX_ERROR_STD: f64 = 5.0;
 const MAX_WRONG_TIME: f64 = 2.0;
 
-/// Beams all around by which places are compared, and the part of them that are alike in places that are.
+/// Beams of a full-circle scan that compares places, and the hit ratio beyond which they look alike.
 const PANORAMA_BEAMS: usize = 180;
 const SIMILARITY_THRESHOLD: f64 = 0.98;
 
-/// What a kidnapped robot has, and what is in its way.
+/// Configuration and environment of a kidnapped robot.
 #[derive(Clone, Debug)]
 pub struct KidnappingSetup {
-    /// Its configuration.
+    /// The robot's configuration.
     pub config: Config,
-    /// Its sensors.
+    /// The robot's sensors.
     pub sensors: Sensors,
-    /// How it reads scans.
+    /// Scan processing method.
     pub scan_method: ScanMethod,
-    /// Things on no map.
+    /// Obstacles that are not on the map.
     pub clutter: Clutter,
 }
 
-/// What came of one kidnapping; times are from the moment of it \[s].
+/// Result of one trial; times are relative to the displacement \[s].
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::struct_excessive_bools, reason = "four questions about one trial, any answer to each")]
+#[allow(clippy::struct_excessive_bools, reason = "four independent flags of one trial")]
 pub struct KidnappingTrial {
-    /// From where.
+    /// True pose before the displacement.
     pub from: Pose<Map, Body, f64>,
-    /// To where.
+    /// True pose after the displacement.
     pub to: Pose<Map, Body, f64>,
-    /// When it was flagged as lost before it was lifted at all: a false alarm.
+    /// Whether the robot was flagged as lost before the displacement.
     pub false_alarm: bool,
-    /// When it was flagged.
+    /// Time of the first flag; `None` if never flagged.
     pub flagged: Option<f64>,
-    /// When it was last found.
+    /// Time of the last accepted pose; `None` if none was accepted.
     pub found: Option<f64>,
-    /// The normalised estimation error squared when it was last found.
+    /// Normalized estimation error squared (NEES) at the last accepted pose.
     pub found_nees: Option<f64>,
-    /// Five seconds after, the estimate was healthy and right.
+    /// Whether the estimate was right and not lost five seconds after the displacement.
     pub recovered: bool,
-    /// Five seconds after, another pose explained all that can be seen from the true one.
+    /// Whether, five seconds after the displacement, another pose explained the scan from the true one.
     pub ambiguous: bool,
-    /// How often a pose was found that was wrong.
+    /// Number of accepted poses that were wrong.
     pub wrongly_found: u32,
-    /// How far off the estimate was at the end \[m].
+    /// Position error at the end \[m].
     pub final_error: f64,
-    /// For two seconds on end it was healthy and wrong.
+    /// Whether the estimate was wrong while healthy for two seconds.
     pub confidently_wrong: bool,
 }
 
-/// Kidnaps a robot in `area`, everything random drawn from `seed`.
+/// Runs a trial in `area`; all randomness is drawn from `seed`.
 pub fn run_trial(area: &SpawnArea, setup: &KidnappingSetup, seed: u64) -> KidnappingTrial {
     let mut random = Seed(seed).stream("kidnapping");
     let from = area.pose(&mut random);
@@ -148,7 +149,7 @@ fn random_other_pose(
     }
 }
 
-/// A robot that turns slowly in place, and faster while it is lost.
+/// A robot that turns in place slowly, and faster while it is lost.
 struct Robot {
     simulated_robot: SimulatedRobot,
     drive: DiffDrive<f64>,
@@ -181,10 +182,10 @@ impl Robot {
         self.simulated_robot.advance(wheels, self.period).belief
     }
 
-    /// Whether another pose than the true one explains everything that can be seen from there, all around and without
-    /// noise and clutter.
+    /// Returns whether a hypothesis other than the true pose explains a full-circle scan without noise and
+    /// clutter.
     ///
-    /// Poses are those that the search came up with: one that nobody thought of makes no place ambiguous.
+    /// Only the hypotheses of the global localizer are compared.
     fn is_ambiguous(&self) -> bool {
         let (world, laser) = (self.simulated_robot.world(), self.config.laser());
         let truth = world.pose();

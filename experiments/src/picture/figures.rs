@@ -1,4 +1,4 @@
-//! The paper's figures.
+//! Pictures of the paper's Fig. 3, 6 and 7.
 
 use surepose::geometry::{Map as MapFrame, Point};
 use surepose_figures::drive::{true_way, unwrapped, walls};
@@ -8,9 +8,10 @@ use surepose_sim::robot::Scenario;
 
 use crate::reproduce::{LawSample, Parked, PathFollowing, PathRuns, StabilizedRun};
 
-/// Fig. 3: the law alone, to three goals, under bounded noise; and the printed (28), which leaves the goal.
+/// Draws Fig. 3: the law without sensors, to three goals, under bounded noise; and Eq. (28) as printed, which
+/// diverges.
 pub fn fig3(goals: &[StabilizedRun], printed: &[LawSample], corrected: &[LawSample]) -> Picture {
-    let mut map = MapPlot::new("Fig. 3: the law alone, under the paper's noise").pose(
+    let mut map = MapPlot::new("Fig. 3: the control law under the paper's noise").pose(
         "start",
         (0.0, 0.0),
         0.0,
@@ -33,16 +34,16 @@ pub fn fig3(goals: &[StabilizedRun], printed: &[LawSample], corrected: &[LawSamp
         let label = format!("goal at {}°", goal.figures.goal[2]);
         distances = distances.series(label, over(&goal.motion), Stroke::solid(Color::from_series(i)));
     }
-    let signs = Panel::new("The local law (28) alone, from 4 mm off", "ρ [m]")
+    let signs = Panel::new("Local law (28), from 4 mm off", "ρ [m]")
         .series("as printed", over(printed), Stroke::solid(Color::Orange))
-        .series("sign mended", over(corrected), Stroke::solid(Color::Black))
+        .series("sign corrected", over(corrected), Stroke::solid(Color::Black))
         .logarithmic();
-    // The two panels last differently long, so each has its own axis of time.
+    // The two panels have different durations, so each has its own time axis.
     let panels = [distances, signs].map(|panel| XyPlot::over("time [s]").panel(panel).cells());
     hstack_column(map.cell(), panels.into_iter().flatten().collect())
 }
 
-/// Fig. 6: two predefined paths, with the filter and without it.
+/// Draws Fig. 6: two paths, followed with and without the filter.
 pub fn fig6(following: &PathFollowing) -> Picture {
     let arena = Arena::loop_world();
     let draw = |title: &str, shape: &PathRuns| {
@@ -59,9 +60,9 @@ pub fn fig6(following: &PathFollowing) -> Picture {
     ])
 }
 
-/// Fig. 7: the whole robot to three goals: ways, speed and heading.
+/// Draws Fig. 7: the complete robot to three goals: paths, speed and heading.
 pub fn fig7(goals: &[Parked]) -> Picture {
-    let mut map = MapPlot::new("Fig. 7 a: the robot's ways").walls(walls(&Scenario::default()));
+    let mut map = MapPlot::new("Fig. 7 a: the robot's paths").walls(walls(&Scenario::default()));
     let mut speed = Panel::new("Fig. 7 b: speed", "v [m/s]").marks([Mark::Level(0.0)]);
     let mut heading = Panel::new("Fig. 7 c: heading; dashed: the goals'", "θ [°]");
     for (i, parked) in goals.iter().enumerate() {

@@ -1,21 +1,21 @@
-//! The paper's Fig. 4 and Fig. 5: where four sets of sensors believe the robot to be.
+//! Pictures of the paper's Fig. 4 and Fig. 5: estimates with four sets of sensors.
 
 use surepose_figures::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, XyPlot, hstack_column};
 use surepose_sim::Arena;
 
 use crate::reproduce::{Configuration, DeviationSample};
 
-/// The window that errors are smoothed over on a logarithmic axis \[s].
+/// Window of the moving RMS on a logarithmic axis \[s].
 const WINDOW: f64 = 4.0;
 
-/// One run, as one set of sensors saw it.
+/// One run with one set of sensors.
 pub type LocalizationRun = (Configuration, Vec<DeviationSample>);
 
-/// Fig. 4: the ways that each set of sensors believes in, against the truth; and how far off each one is.
+/// Draws Fig. 4: the estimated paths of each set of sensors, the true path, and the errors.
 pub fn fig4(runs: &[LocalizationRun]) -> Picture {
     let arena = Arena::loop_world();
     let walls = arena.walls().iter().map(|wall| [(wall.start.x, wall.start.y), (wall.end.x, wall.end.y)]);
-    let mut map = MapPlot::new("Fig. 4: estimated ways in the loop world, first run").walls(walls);
+    let mut map = MapPlot::new("Fig. 4: estimated paths in the loop world, first run").walls(walls);
     let mut positions =
         Panel::new(format!("Position error of the estimate, rms over {WINDOW} s"), "error [m]").logarithmic();
     let mut headings =
@@ -35,15 +35,15 @@ pub fn fig4(runs: &[LocalizationRun]) -> Picture {
     hstack_column(map.cell(), chart.cells())
 }
 
-/// The third set of sensors is nearly as good as the fourth: its line is wide enough to be seen below that one's.
+/// The third set of sensors is nearly as accurate as the fourth: a wider line stays visible below it.
 fn stroke(index: usize) -> Stroke {
     let width = if index == 2 { 3.2 } else { 1.3 };
     Stroke { width, ..Stroke::solid(Color::from_series(index)) }
 }
 
-/// The root mean square of an error over a window around each moment.
+/// Returns the root mean square of an error over a window around each sample.
 ///
-/// An error passes through 0 time and again: on a logarithmic axis four of them, tick by tick, are a thicket.
+/// Unsmoothed errors pass through 0, which is unreadable on a logarithmic axis.
 fn smoothed(moments: &[DeviationSample], error: fn([f64; 3]) -> f64) -> Vec<(f64, f64)> {
     let squares: Vec<_> = moments
         .iter()
@@ -54,7 +54,7 @@ fn smoothed(moments: &[DeviationSample], error: fn([f64; 3]) -> f64) -> Vec<(f64
     moments.iter().map(|moment| (moment.time, mean(moment.time).sqrt())).collect()
 }
 
-/// Fig. 5: the deviations in x and y over time; each once with odometry alone, and once without, on its own scale.
+/// Draws Fig. 5: deviations in x and y over time, with odometry alone and without it at its own scale.
 pub fn fig5(runs: &[LocalizationRun]) -> Picture {
     let mut chart = XyPlot::over("time [s]");
     for (axis, name) in ["x", "y"].into_iter().enumerate() {

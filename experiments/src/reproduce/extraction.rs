@@ -1,4 +1,4 @@
-//! How well lines are extracted, judged by the truth of the loop world.
+//! Evaluation of line extraction against the truth of the loop world.
 
 use std::ops::Range;
 
@@ -11,44 +11,44 @@ use surepose_sim::{CancelToken, Seed};
 use super::loop_world::{LoopTick, LoopWorld};
 use super::seeds::for_each;
 
-/// A visible wall has at least so many beams aimed at it, all in a row …
+/// Minimum number of adjacent beams on a visible wall.
 const VISIBLE_BEAMS: usize = 9;
-/// … and they hit it over at least this length \[m].
+/// Minimum length of a visible wall that these beams cover \[m].
 const VISIBLE_LENGTH: f64 = 0.5;
-/// A wall is found by a line whose (r, ψ) has a normalised error squared below this: one in 270 000 right lines has more.
+/// NEES of (r, ψ) below which a line belongs to a wall; 1 in 270 000 correct lines exceeds it.
 const FOUND: f64 = 25.0;
 
-/// What became of the walls that could be seen, and of the lines that were.
+/// Statistics of visible walls and extracted lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extraction {
-    /// Walls with at least 9 beams in a row over at least 0.5 m.
+    /// Walls with at least 9 adjacent beams over at least 0.5 m.
     pub visible: u64,
-    /// Those of them that a line was found for.
+    /// Visible walls with an extracted line.
     pub found: u64,
-    /// Lines most beams of which are aimed at one wall.
+    /// Lines with most beams on one wall.
     pub lines: u64,
-    /// Lines of which that cannot be said.
+    /// Lines without such a wall.
     pub spurious: u64,
-    /// Sum over the lines of the normalised error squared of (r, ψ): 2 a line, if the covariance is right.
+    /// Sum of the NEES of (r, ψ) over the lines: 2 per line if the covariance is consistent.
     pub line_nees_sum: f64,
-    /// Lines that were matched to a wall of the map.
+    /// Lines that were associated to a wall of the map.
     pub matched: u64,
-    /// Those of them that were matched to another one than the one they see.
+    /// Lines that were associated to a wrong wall.
     pub wrong: u64,
 }
 
 impl Extraction {
-    /// The part of the visible walls that a line was found for.
+    /// Returns the fraction of visible walls with a line; `None` without visible walls.
     pub fn walls_found_share(&self) -> Option<f64> {
         share(self.found as f64, self.visible)
     }
 
-    /// The mean of the lines' normalised errors squared.
+    /// Returns the mean NEES of the lines; `None` without lines.
     pub fn line_nees_mean(&self) -> Option<f64> {
         share(self.line_nees_sum, self.lines)
     }
 
-    /// The part of the matched lines that were matched to a wrong wall.
+    /// Returns the fraction of associated lines with a wrong wall; `None` without associations.
     pub fn wrong_match_share(&self) -> Option<f64> {
         share(self.wrong as f64, self.matched)
     }
@@ -70,13 +70,13 @@ fn share(part: f64, of: u64) -> Option<f64> {
     (of > 0).then(|| part / of as f64)
 }
 
-/// Judges every scan of the runs with `seeds`, until `cancel` is stopped, as the filter with encoders, compass and laser
-/// sees it; `None` without a run.
+/// Evaluates every scan of the runs with `seeds`, for the filter with encoders, compass and laser; `None`
+/// without a completed run.
 pub fn extraction(world: &LoopWorld, seeds: Range<u64>, cancel: &CancelToken) -> Option<Extraction> {
     for_each(seeds, cancel, |seed| judged(world, seed)).into_iter().reduce(Extraction::and)
 }
 
-/// The same of one run.
+/// Evaluates the scans of one run.
 pub(super) fn judged(world: &LoopWorld, seed: Seed) -> Extraction {
     let mut run = world.run(seed);
     let mut robot = run.robot();
@@ -88,10 +88,10 @@ pub(super) fn judged(world: &LoopWorld, seed: Seed) -> Extraction {
     sum
 }
 
-/// Who knows the truth, and judges by it what is seen in a scan.
+/// Evaluation of scans against the truth.
 struct Judge<'a> {
     truth: Pose<Map, Body, f64>,
-    /// Which wall each beam is aimed at, by number.
+    /// Index of the wall that each beam hits.
     aims: Vec<Option<usize>>,
     sum: &'a mut Extraction,
 }
@@ -132,7 +132,7 @@ impl LoopObserver<f64> for Judge<'_> {
     }
 }
 
-/// The normalised error squared of a line, χ² with 2 degrees of freedom.
+/// Returns the NEES of a line, χ² with 2 degrees of freedom.
 fn line_nees(line: &ExtractedLine<f64>, wall: &Wall<f64>, map_from_laser: Pose<Map, Laser, f64>) -> f64 {
     let right = map_from_laser.inverse() * *wall.line();
     let side = if right.distance < 0.0 { -1.0 } else { 1.0 };
@@ -147,7 +147,7 @@ fn line_nees(line: &ExtractedLine<f64>, wall: &Wall<f64>, map_from_laser: Pose<M
     (w * distance * distance - 2.0 * c * distance * direction + v * direction * direction) / (v * w - c * c)
 }
 
-/// Whether enough beams in a row are aimed at the wall, over enough of it.
+/// Returns whether enough adjacent beams hit the wall over a sufficient length.
 fn is_visible(aims: &[Option<usize>], wall: usize, ranges: &[f64], step: f64) -> bool {
     let mut first = None;
     for (i, aim) in aims.iter().enumerate() {

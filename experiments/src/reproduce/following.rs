@@ -1,4 +1,4 @@
-//! Fig. 6 of the paper: predefined paths, with the filter and without it.
+//! Fig. 6 of the paper: path following with and without the filter.
 
 use serde::Serialize;
 use surepose::control::{InvalidPath, Path, PathController, PathError, PathFollowingLaw, PathProgress};
@@ -9,16 +9,16 @@ use surepose_config::Config;
 use surepose_sim::robot::{Scenario, Sensors, SimulatedRobot};
 use surepose_sim::{Arena, loop_course};
 
-/// Rounds of each path.
+/// Number of laps of each path.
 const ROUNDS: f64 = 2.0;
 
-/// How finely a path is searched for the point nearest to the robot \[m].
+/// Step of the search for the nearest point on a path \[m].
 const SEARCH_STEP: f64 = 0.01;
 
-/// The speed that the law asks for; the wheels' limit slows it down in corners. [Tran2012] Sec. 5.2.
+/// Target speed \[m/s], [Tran2012] Sec. 5.2; the wheel speed limit reduces it in corners.
 const SPEED: f64 = 0.3;
 
-/// The figures of both paths, under the names of the command line's JSON.
+/// Figures of both paths, named as in the command line's JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PathFigures {
     /// The rounded rectangle.
@@ -27,37 +27,37 @@ pub struct PathFigures {
     pub rounded_triangle: ShapeFigures,
 }
 
-/// The figures of one path.
+/// Figures of one path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ShapeFigures {
-    /// Steered by the filter with laser and compass.
+    /// Controlled with the filter's estimate from laser and compass.
     pub with_ekf: PathAccuracy,
-    /// Steered by odometry alone.
+    /// Controlled with dead reckoning.
     pub without_ekf: PathAccuracy,
 }
 
-/// How well a path was followed.
+/// Accuracy of path following.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PathAccuracy {
-    /// Root mean square of the true distance from the path, over all runs.
+    /// Root mean square of the true distance from the path over all runs.
     pub path_rmse_m: f64,
 }
 
-/// One path, for the figure: what was to be driven and what was.
+/// Desired and driven path, for the figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathRuns {
-    /// The path itself, densely sampled.
+    /// The path, densely sampled.
     pub path: Vec<Point<Map, f64>>,
-    /// Where the robot truly was in the first run, with the filter.
+    /// True positions in the first run, with the filter.
     pub with_ekf: Vec<Point<Map, f64>>,
-    /// The same without it.
+    /// True positions in the first run, without the filter.
     pub without_ekf: Vec<Point<Map, f64>>,
 }
 
-/// The whole experiment.
+/// Result of the experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathFollowing {
-    /// The numbers.
+    /// Figures.
     pub figures: PathFigures,
     /// The rounded rectangle.
     pub rounded_rectangle: PathRuns,
@@ -65,12 +65,12 @@ pub struct PathFollowing {
     pub rounded_triangle: PathRuns,
 }
 
-/// Both paths in the loop world, driven twice round in the `runs` runs with the seeds `first_seed` and up.
+/// Follows both paths in the loop world for two laps, in `runs` runs with seeds from `first_seed`.
 ///
 /// # Errors
-/// Never: the measures of both paths are constants that make one.
+/// None in practice: the dimensions of both paths are valid constants.
 pub fn following(config: &Config, first_seed: u64, runs: u64) -> Result<PathFollowing, InvalidPath> {
-    // The triangle lies around the same plate as the rectangle, 0.44 m from it at its nearest.
+    // The triangle surrounds the same plate as the rectangle, with a minimum distance of 0.44 m.
     let corner = 3.0_f64.sqrt() * 0.5;
     let base = Pose::new(1.3 + corner, 0.8, Angle::zero());
     let triangle = Path::rounded_triangle(base, 3.4, 0.5)?;
@@ -80,7 +80,7 @@ pub fn following(config: &Config, first_seed: u64, runs: u64) -> Result<PathFoll
     Ok(PathFollowing { figures, rounded_rectangle, rounded_triangle })
 }
 
-/// One path, with the filter and without it.
+/// Follows one path with and without the filter.
 fn shape<const N: usize>(
     config: &Config,
     path: &Path<f64, N>,
@@ -101,7 +101,7 @@ fn shape<const N: usize>(
     (ShapeFigures { with_ekf, without_ekf }, shape)
 }
 
-/// Drives the path; returns where the robot truly was at every tick.
+/// Follows the path; returns the true position at every tick.
 fn follow<const N: usize>(
     config: &Config,
     path: &Path<f64, N>,
@@ -127,7 +127,7 @@ fn follow<const N: usize>(
     let mut simulated_robot = SimulatedRobot::new(&scenario, seed);
     let (mut progress, mut wheels) = (PathProgress::new(), WheelPair::new(0.0, 0.0));
     let mut track = Vec::new();
-    // Twice the time that the rounds take at half the speed: a robot that is stuck must end, too.
+    // Twice the time of all laps at half the target speed, so that a stuck robot ends, too.
     let most = (4.0 * ROUNDS * path.length() / (SPEED * controller.period)) as usize;
     while progress.laps < ROUNDS && track.len() < most {
         let belief = simulated_robot.advance(wheels, controller.period).belief;
@@ -137,7 +137,7 @@ fn follow<const N: usize>(
     track
 }
 
-/// Gains for which the sideways error is critically damped and takes 1 s, or ten periods where that is longer.
+/// Returns gains with a critically damped lateral error, settling in 1 s or ten periods, whichever is longer.
 fn law(period: f64) -> PathFollowingLaw<f64> {
     let rate = 1.0 / (10.0 * period).max(1.0);
     PathFollowingLaw {
@@ -148,7 +148,7 @@ fn law(period: f64) -> PathFollowingLaw<f64> {
     }
 }
 
-/// Places along a path, to measure the distance from it.
+/// Samples along a path for distance measurement.
 struct Outline {
     places: Vec<Pose<Map, Target, f64>>,
 }
@@ -160,7 +160,7 @@ impl Outline {
         Self { places: (0..=count).map(place).collect() }
     }
 
-    /// The distance from the nearest place, across the path's direction there \[m].
+    /// Returns the distance from the nearest sample, perpendicular to the path \[m].
     fn distance(&self, point: Point<Map, f64>) -> f64 {
         let nearest = |a: &&Pose<Map, Target, f64>, b: &&Pose<Map, Target, f64>| {
             a.origin().distance(point).total_cmp(&b.origin().distance(point))
@@ -189,7 +189,7 @@ mod tests {
     use super::{Outline, following};
 
     #[test]
-    fn filter_keeps_the_robot_five_times_nearer_to_both_paths() {
+    fn filter_reduces_the_path_error_fivefold_on_both_paths() {
         let figures = following(&Config::default(), 1, 3).unwrap().figures;
         for shape in [figures.rounded_rectangle, figures.rounded_triangle] {
             assert!(shape.with_ekf.path_rmse_m < 0.0065, "{shape:?}");
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn distance_from_the_path_is_across_it() {
+    fn distance_from_the_path_is_perpendicular() {
         let outline = Outline::from_path(&loop_course().unwrap());
         let diagonal = 0.5_f64.sqrt() * 0.6;
         for (x, y, distance) in [(3.003, 1.02, 0.02), (3.0, 0.9, 0.1), (4.0 + diagonal, 1.5 - diagonal, 0.1)]

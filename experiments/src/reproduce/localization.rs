@@ -1,4 +1,4 @@
-//! Fig. 4 and Fig. 5 of the paper: how far odometry, compass and laser leave the estimate from the truth.
+//! Fig. 4 and Fig. 5 of the paper: estimation errors with odometry, compass and laser.
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use super::extraction::{Extraction, judged};
 use super::loop_world::{LoopTick, LoopWorld};
 use super::seeds::for_each;
 
-/// Errors count from here on \[s]: what is known of the start is forgotten by then.
+/// Start of the evaluation \[s], after the initial error has decayed.
 const SETTLED: f64 = 10.0;
 
-/// Which sensors the filter is given.
+/// Set of sensors of the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Configuration {
     /// Encoders only.
@@ -27,10 +27,10 @@ pub enum Configuration {
 }
 
 impl Configuration {
-    /// All of them, in the order of the paper's figure.
+    /// All sets, in the order of the paper's figure.
     pub const ALL: [Self; 4] = [Self::Odometry, Self::Compass, Self::Laser, Self::Both];
 
-    /// The key in JSON.
+    /// Returns the key in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Odometry => "odometry",
@@ -49,39 +49,40 @@ impl Configuration {
     }
 }
 
-/// The figures of many runs, over t > 10 s.
+/// Figures of many runs, over t > 10 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
-    /// How many runs they are of.
+    /// Number of runs.
     pub runs: usize,
     /// Root mean square of the position error \[m].
     pub position_rmse: f64,
     /// Root mean square of the heading error \[rad].
     pub heading_rmse: f64,
-    /// How far `position_rmse` of so many other runs is likely to be from it \[m]; none for a single run.
+    /// Standard error of `position_rmse` \[m]; `None` for a single run.
     pub position_rmse_std_error: Option<f64>,
-    /// The same of `heading_rmse` \[rad].
+    /// Standard error of `heading_rmse` \[rad]; `None` for a single run.
     pub heading_rmse_std_error: Option<f64>,
-    /// Mean of the normalised estimation error squared; 3 for a filter that knows its errors.
+    /// Mean of the normalized estimation error squared (NEES); 3 for a consistent filter.
     pub nees_mean: f64,
-    /// The largest error in x \[m].
+    /// Maximum error in x \[m].
     pub max_deviation_x: f64,
-    /// The largest error in y \[m].
+    /// Maximum error in y \[m].
     pub max_deviation_y: f64,
 }
 
-/// A moment of a run: where the robot was, where it believed to be, and how sure it was of that.
+/// True pose and belief at one time of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeviationSample {
-    /// Since the start \[s].
+    /// Time since the start \[s].
     pub time: f64,
-    /// Where it was.
+    /// True pose.
     pub truth: Pose<Map, Body, f64>,
-    /// What it believed.
+    /// Belief of the filter.
     pub belief: Belief<f64>,
 }
 
-/// The whole pipeline in the loop world, for each of `seeds` until `cancel` is stopped; `None` without a run.
+/// Runs the localization in the loop world for each of `seeds` until canceled; `None` without a completed
+/// run.
 pub fn localization(
     world: &LoopWorld,
     configuration: Configuration,
@@ -91,16 +92,17 @@ pub fn localization(
     Accuracy::of(&for_each(seeds, cancel, |seed| Sum::of(world, configuration, seed)))
 }
 
-/// The whole pipeline as every set of sensors leaves it, from the same seeds.
+/// Comparison of all sets of sensors with the same seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// The figures of each set.
+    /// Figures of each set.
     pub accuracies: Vec<(Configuration, Accuracy)>,
-    /// How well all sensors together saw the walls.
+    /// Line extraction of the filter with all sensors.
     pub extraction: Extraction,
 }
 
-/// Compares the sets of sensors for each of `seeds` until `cancel` is stopped, which counts the seeds; `None` without one.
+/// Compares the sets of sensors for each of `seeds` until `cancel` is canceled, which counts the seeds;
+/// `None` without one.
 pub fn comparison(world: &LoopWorld, seeds: Range<u64>, cancel: &CancelToken) -> Option<Comparison> {
     let runs = for_each(seeds, cancel, |seed| {
         (Configuration::ALL.map(|configuration| Sum::of(world, configuration, seed)), judged(world, seed))
@@ -114,14 +116,14 @@ pub fn comparison(world: &LoopWorld, seeds: Range<u64>, cancel: &CancelToken) ->
     Some(Comparison { accuracies, extraction })
 }
 
-/// One run of the same, moment by moment: the deviations over time of the paper's Fig. 5.
+/// Returns one run, sample by sample: the deviations over time of the paper's Fig. 5.
 pub fn deviations(world: &LoopWorld, configuration: Configuration, seed: Seed) -> Vec<DeviationSample> {
     let mut moments = Vec::new();
     drive(world, configuration, seed, |moment| moments.push(moment));
     moments
 }
 
-/// Drives the course and shows every moment of it.
+/// Drives the course and passes every sample to `show`.
 fn drive(world: &LoopWorld, configuration: Configuration, seed: Seed, mut show: impl FnMut(DeviationSample)) {
     let mut run = world.run(seed);
     let mut robot = run.robot();
@@ -195,8 +197,8 @@ impl Accuracy {
     }
 }
 
-/// The standard error of `rmse`, the root of the mean of the runs' `mean_squares`: that of the mean over 2·`rmse`, the
-/// slope of the square. Within a run errors depend on each other, from run to run they do not.
+/// Returns the standard error of `rmse`, the root of the mean of the runs' `mean_squares`. It is that of the
+/// mean over 2·`rmse`, the derivative of the square. Runs are independent; errors within a run are not.
 fn std_error(rmse: f64, mean_squares: impl ExactSizeIterator<Item = f64>) -> Option<f64> {
     let count = mean_squares.len() as f64;
     let squares: f64 = mean_squares.map(|mean_square| (mean_square - rmse * rmse).powi(2)).sum();

@@ -1,4 +1,4 @@
-//! The loop world: a known course between known walls, odometry with 5 % wheel noise, a compass and a laser.
+//! The loop world: a course between known walls, 5 % wheel noise, a compass and a laser.
 
 use surepose::control::{InvalidPath, Path};
 use surepose::estimation::{Belief, WheelOdometry};
@@ -11,14 +11,14 @@ use surepose_config::{Config, RobotLocalizer, ScanMethod};
 use surepose_sim::robot::{walls_from_segments, with_sensor_input};
 use surepose_sim::{Arena, Clutter, CompassModel, LOOP_SPEED, LaserModel, Seed, Slip, Stream, loop_course};
 
-/// One tick's time \[s].
+/// Period of a tick \[s].
 const PERIOD: f64 = 0.1;
-/// The length of a run \[s].
+/// Duration of a run \[s].
 const DURATION: f64 = 60.0;
-/// How well the start is known: x, y \[m] and heading \[rad].
+/// Standard deviations of the start pose: x, y \[m] and heading \[rad].
 const START_STD: [f64; 3] = [0.01, 0.01, 0.5 * core::f64::consts::PI / 180.0];
 
-/// The world in which localisation is judged, and its robot.
+/// Benchmark world of localization, with its robot.
 #[derive(Clone, Debug)]
 pub struct LoopWorld {
     arena: Arena,
@@ -30,12 +30,14 @@ pub struct LoopWorld {
 }
 
 impl LoopWorld {
-    /// The world with the wheels, the compass and the laser of `config`, and with things in its way that are on no map.
+    /// Creates the world with the wheels, compass and laser of `config`, and obstacles that are not on the
+    /// map.
     ///
-    /// The robot errs as much as the filter is told: what is compared is how well the filter can do.
+    /// The robot's noise is that of the filter's parameters, so the result shows the accuracy of a correctly
+    /// tuned filter.
     ///
     /// # Errors
-    /// Never in truth: the world's measures are constants that make a path.
+    /// None in practice: the dimensions of the course are valid constants.
     pub fn new(config: &Config, clutter: Clutter) -> Result<Self, InvalidPath> {
         let (arena, laser) = (Arena::loop_world(), config.laser());
         Ok(Self {
@@ -54,7 +56,7 @@ impl LoopWorld {
         })
     }
 
-    /// One run round the course.
+    /// Starts one run on the course.
     pub(super) fn run(&self, seed: Seed) -> Run<'_> {
         Run {
             world: self,
@@ -67,10 +69,10 @@ impl LoopWorld {
         }
     }
 
-    /// Which wall each beam of `scan` ended on, by number, as far as the true pose can tell.
+    /// Returns the index of the wall that each beam of `scan` hit, by the true pose.
     ///
-    /// A beam belongs to the wall that it is aimed at, unless it is off it by six standard deviations: then it hit
-    /// something else, or passed the wall's edge.
+    /// A beam belongs to the wall that it is aimed at, unless the range is off by six standard deviations. It
+    /// then hit something else or passed the wall's edge.
     pub(super) fn seen_walls(
         &self,
         truth: Pose<Map, Body, f64>,
@@ -99,7 +101,7 @@ impl LoopWorld {
     }
 }
 
-/// A run round the course, tick by tick.
+/// A run on the course, tick by tick.
 pub(super) struct Run<'a> {
     world: &'a LoopWorld,
     tick: u32,
@@ -110,16 +112,16 @@ pub(super) struct Run<'a> {
     start: Stream,
 }
 
-/// What a tick brings.
+/// Output of one tick.
 pub(super) struct LoopTick {
-    /// Where the robot is.
+    /// True pose of the robot.
     pub truth: Pose<Map, Body, f64>,
-    /// What its sensors say: one heading and one scan, measured now.
+    /// Sensor output: one heading and one scan, measured now.
     pub sensed: surepose_sim::SensorOutput,
 }
 
 impl Run<'_> {
-    /// The robot, told where it starts with the error that it is told to expect.
+    /// Creates the robot with the erroneous start pose of this run.
     pub(super) fn robot(&mut self) -> Box<RobotLocalizer> {
         let [x, y, heading] = START_STD.map(|std| std * self.start.normal());
         let truth = self.truth;
@@ -127,14 +129,14 @@ impl Run<'_> {
         self.world.robot.unsupervised_localizer(ScanMethod::Lines, Belief::new(initial, START_STD))
     }
 
-    /// Where `robot` believes to be after a tick, at which `observer` hears of everything.
+    /// Processes a tick and returns the belief; `observer` receives all events.
     pub(super) fn sense(
         &self,
         robot: &mut RobotLocalizer,
         sensed: &surepose_sim::SensorOutput,
         observer: &mut impl LoopObserver<f64>,
     ) -> Belief<f64> {
-        // Nobody tells the wheels anything here, and their encoders are never refused.
+        // There is no command here, and the encoders are never rejected.
         let commanded = WheelOdometry::from_command(WheelPair::zero());
         with_sensor_input(sensed, &self.world.robot.compass(), |sensed| {
             robot.update(sensed, commanded, &MapView::from_walls(&self.world.walls), observer)
@@ -147,8 +149,8 @@ impl Iterator for Run<'_> {
 
     /// Holds, for one period, the twist that turns the robot as the course turns there.
     ///
-    /// The robot drives what it would be commanded, arcs that begin and end with a period, and so cuts the joints
-    /// of the course's legs by less than a millimetre.
+    /// The robot drives arcs that start and end with a period, so it cuts the joints of the course's segments
+    /// by less than 1 mm.
     fn next(&mut self) -> Option<LoopTick> {
         if f64::from(self.tick) * PERIOD >= DURATION - PERIOD / 2.0 {
             return None;
@@ -178,9 +180,9 @@ impl Iterator for Run<'_> {
     }
 }
 
-/// How fast the range of a wall changes at beam `i` \[m/rad], by the neighbour that meets the same wall.
+/// Returns the derivative of the range of a wall at beam `i` \[m/rad], from the neighbor on the same wall.
 fn slope(ranges: &[f64], i: usize, step: f64) -> f64 {
-    let neighbours = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
-    let steps = neighbours.filter_map(|k| ranges.get(k)).map(|range| (range - ranges[i]).abs() / step);
+    let neighbors = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+    let steps = neighbors.filter_map(|k| ranges.get(k)).map(|range| (range - ranges[i]).abs() / step);
     steps.filter(|slope| slope.is_finite()).fold(0.0, f64::max)
 }

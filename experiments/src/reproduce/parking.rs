@@ -1,4 +1,4 @@
-//! Fig. 7 of the paper: the whole robot comes to rest at its three goals.
+//! Fig. 7 of the paper: the complete robot parks at three goals.
 
 use serde::Serialize;
 use surepose::param;
@@ -6,39 +6,39 @@ use surepose_config::Config;
 use surepose_sim::robot::Scenario;
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome};
 
-/// The goals of [Tran2012] Sec. 5, (x \[m], y \[m], heading \[°]); the start is (0, 0, 0).
+/// Goals of [Tran2012] Sec. 5, (x \[m], y \[m], heading \[°]); the start is (0, 0, 0).
 pub const PAPER_GOALS: [[f64; 3]; 3] = [[2.0, 2.0, 30.0], [2.0, 2.0, 60.0], [2.0, 2.0, 90.0]];
 
-/// How long the robot is watched after it has reached the goal \[s].
+/// Observation time after arrival at the goal \[s].
 const WATCHED: f64 = 3.0;
 
-/// What became of one goal, under the names of the command line's JSON.
+/// Result of one goal, named as in the command line's JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GoalFigures {
-    /// The goal: x \[m], y \[m], heading \[°].
+    /// Goal: x \[m], y \[m], heading \[°].
     pub goal: [f64; 3],
-    /// Whether the robot came to rest there, in truth.
+    /// Whether the true pose came to rest at the goal.
     pub reached: bool,
-    /// True distance from the goal at the end.
+    /// True distance to the goal at the end.
     pub final_position_error_m: f64,
     /// True heading error at the end.
     pub final_heading_error_deg: f64,
-    /// The largest true speed while the robot was watched at the goal.
+    /// Maximum true speed during the observation at the goal.
     pub final_speed_m_s: f64,
-    /// The largest true turn rate while the robot was watched at the goal.
+    /// Maximum true turn rate during the observation at the goal.
     pub final_turn_rate_deg_s: f64,
 }
 
-/// One goal: its figures, and the drive tick by tick.
+/// Figures and samples of one goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parked {
-    /// What became of it.
+    /// Figures.
     pub figures: GoalFigures,
-    /// The drive, and three seconds at the goal.
+    /// Samples of the drive and of three seconds at the goal.
     pub samples: Vec<Sample>,
 }
 
-/// The paper's three goals in its arena, driven by the whole simulated robot as `config` says.
+/// Drives the complete simulated robot of `config` to the paper's three goals in its arena.
 pub fn parking(config: &Config, seed: u64) -> Vec<Parked> {
     PAPER_GOALS.iter().map(|goal| park(config, *goal, seed)).collect()
 }
@@ -81,7 +81,7 @@ mod tests {
     use super::parking;
 
     #[test]
-    fn all_three_goals_are_reached_and_kept() {
+    fn all_three_goals_are_reached_and_held() {
         for parked in parking(&Config::default(), 1) {
             let figures = parked.figures;
             assert!(figures.reached, "{figures:?}");
@@ -90,12 +90,12 @@ mod tests {
             assert!(figures.final_speed_m_s <= 0.0, "{figures:?}");
             assert!(figures.final_turn_rate_deg_s <= 0.0, "{figures:?}");
             let fastest = parked.samples.iter().map(|s| s.v_m_s.abs()).fold(0.0, f64::max);
-            assert!(fastest > 0.25, "the robot drove: {fastest}");
+            assert!(fastest > 0.25, "maximum speed: {fastest} m/s");
         }
     }
 
     #[test]
-    fn goal_that_the_robot_only_believes_in_is_not_reached() {
+    fn a_goal_reached_only_by_the_estimate_is_not_reached() {
         let config = ["laser.beams=2", "compass.std_deg=180"]
             .into_iter()
             .fold(Config::default(), |config, option| config.with_option(option).unwrap());

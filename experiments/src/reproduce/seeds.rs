@@ -1,4 +1,4 @@
-//! One experiment for many seeds, on all processors.
+//! Parallel runs of one experiment for many seeds.
 
 use std::num::NonZero;
 use std::ops::Range;
@@ -6,9 +6,9 @@ use std::thread;
 
 use surepose_sim::{CancelToken, Seed};
 
-/// What `experiment` gives for each of `seeds`, in their order, or for those that were done when `cancel` was stopped.
+/// Returns the results of `experiment` for `seeds`, or for those completed when `cancel` was canceled.
 ///
-/// The order is that of the seeds, whatever the processors did: sums over it have the same bits every time.
+/// Results are in the order of the seeds, so that sums over them are bit-identical in every run.
 pub(super) fn for_each<T: Send>(
     seeds: Range<u64>,
     cancel: &CancelToken,
@@ -40,7 +40,7 @@ mod tests {
     use super::{CancelToken, for_each};
 
     #[test]
-    fn every_seed_is_tried_once_and_in_order() {
+    fn every_seed_runs_once_and_in_order() {
         for count in [0, 1, 2, 7, 64] {
             let cancel = CancelToken::default();
             let seeds: Vec<u64> = for_each(5..5 + count, &cancel, |seed| seed.0);
@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_done_is_kept() {
+    fn completed_results_are_kept() {
         let cancel = CancelToken::default();
         let seeds: Vec<u64> = for_each(1..1001, &cancel, |seed| {
             if seed.0 == 3 {

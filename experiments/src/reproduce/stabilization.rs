@@ -1,4 +1,4 @@
-//! Fig. 3 of the paper: the law alone, in continuous time and under bounded noise; and what its printed (28) does.
+//! Fig. 3 of the paper: the law in continuous time under bounded noise, and Eq. (28) as printed.
 
 use serde::Serialize;
 use surepose::control::{HybridState, LocalLaw, NavigationVariables, Tran2012Law};
@@ -8,39 +8,39 @@ use surepose_sim::{Seed, Stream};
 
 use super::parking::PAPER_GOALS;
 
-/// The simulation's step \[s]: the paper's gains are for continuous time, and k_α·ΔT must stay far below 1.
+/// Simulation step \[s]; the paper's gains are for continuous time, so k_α·ΔT must be far below 1.
 const STEP: f64 = 1e-3;
 
-/// How long each goal is simulated \[s].
+/// Duration of the simulation of each goal \[s].
 const DURATION: f64 = 4.0;
 
-/// How long the local law alone is: as printed, ρ grows like exp(k_v·t) \[s].
+/// Duration of the simulation of the local law \[s]; as printed, ρ grows like exp(k_v·t).
 const LOCAL_DURATION: f64 = 0.5;
 
-/// The bound of every disturbance: ε_ρ \[m], ε_α, ε_φ \[rad], ε_v \[m/s], ε_ω \[rad/s], [Tran2012] Sec. 5.1.
+/// Bound of every disturbance: ε_ρ \[m], ε_α, ε_φ \[rad], ε_v \[m/s], ε_ω \[rad/s], [Tran2012] Sec. 5.1.
 const NOISE: f64 = 0.001;
 
-/// ε_P \[m], which the paper does not print: five times the noise bound.
+/// ε_P \[m], which the paper does not give: five times the noise bound.
 const CAPTURE_RADIUS: f64 = 5.0 * NOISE;
 
-/// What counts as being there \[m, °], and for how long before the end \[s].
+/// Tolerance at the goal \[m, °], and duration before the end \[s].
 const TOLERANCE: (f64, f64) = (0.01, 1.0);
 const HOLD: f64 = 1.0;
 
-/// What became of one goal, under the names of the command line's JSON.
+/// Result of one goal, named as in the command line's JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StabilizationFigures {
-    /// The goal: x \[m], y \[m], heading \[°].
+    /// Goal: x \[m], y \[m], heading \[°].
     pub goal: [f64; 3],
     /// Whether the robot was within 1 cm and 1° for the last second.
     pub reached: bool,
-    /// Distance from the goal at the end.
+    /// Distance to the goal at the end.
     pub final_position_error_m: f64,
     /// Heading error at the end.
     pub final_heading_error_deg: f64,
 }
 
-/// One moment of a simulated motion.
+/// A sample of a simulated motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LawSample {
     /// Time since the start.
@@ -55,25 +55,26 @@ pub struct LawSample {
     pub v_m_s: f64,
     /// Turn rate.
     pub omega_deg_s: f64,
-    /// Distance from the goal.
+    /// Distance to the goal.
     pub goal_distance_m: f64,
     /// Heading error.
     pub heading_error_deg: f64,
 }
 
-/// One goal: its figures, and the motion.
+/// Figures and motion of one goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StabilizedRun {
-    /// What became of it.
+    /// Figures.
     pub figures: StabilizationFigures,
-    /// The motion, millisecond by millisecond.
+    /// The motion, one sample per millisecond.
     pub motion: Vec<LawSample>,
 }
 
-/// The paper's three goals from (0, 0, 0), with its gains and its noise bounds.
+/// Drives to the paper's three goals from (0, 0, 0), with its gains and noise bounds.
 ///
 /// # Departure
-/// h, k_θ and ε_P are not printed; (28) has its sign mended. The noise is drawn evenly between its bounds.
+/// h, k_θ and ε_P are not given in print; (28) has its sign corrected. The noise is uniform between its
+/// bounds.
 pub fn stabilization(seed: u64) -> Vec<StabilizedRun> {
     let law = Tran2012Law {
         gains: surepose::control::Gains::tran2012(),
@@ -94,9 +95,9 @@ pub fn stabilization(seed: u64) -> Vec<StabilizedRun> {
     PAPER_GOALS.iter().map(stabilise).collect()
 }
 
-/// The local law alone, from a place at the edge of its domain: as corrected, or as printed in (28).
+/// Simulates the local law from the edge of its domain: corrected, or as printed in (28).
 ///
-/// As printed the robot leaves the goal; as corrected it never gets farther away.
+/// As printed the robot diverges from the goal; as corrected its distance never increases.
 pub fn local_law(as_printed: bool) -> Vec<LawSample> {
     let gains = surepose::control::Gains::tran2012();
     let corrected = LocalLaw { k_v: gains.k_v, k_theta: gains.k_theta };
@@ -106,7 +107,7 @@ pub fn local_law(as_printed: bool) -> Vec<LawSample> {
     simulate(start, PAPER_GOALS[0], LOCAL_DURATION, Seed(0).stream("fig3"), |seen| law.twist(seen))
 }
 
-/// Moves a robot as `law` says of the goal as it is seen, both under the paper's bounded noise.
+/// Simulates `law` with bounded noise on both measurement and motion.
 fn simulate(
     start: Pose<Map, Body, f64>,
     [x, y, heading]: [f64; 3],
@@ -170,9 +171,9 @@ mod tests {
         }
     }
 
-    /// The sign error of [Tran2012] Eq. (27), (28), as motion.
+    /// The sign error of [Tran2012] Eq. (27), (28), as a motion.
     #[test]
-    fn printed_local_law_leaves_the_goal_and_the_corrected_one_does_not() {
+    fn the_printed_local_law_diverges_and_the_corrected_one_does_not() {
         let farthest = |printed: bool| {
             local_law(printed).iter().map(|instant| instant.goal_distance_m).fold(0.0, f64::max)
         };

@@ -1,4 +1,4 @@
-//! Which line observations are of one wall.
+//! Association of line observations to walls.
 
 use surepose::geometry::{Line, Map, Point};
 
@@ -8,18 +8,18 @@ use super::parameter::{CalibrationParameter, Geometry};
 use super::recording::{OdometryStep, locate};
 use super::trajectory::Trajectory;
 
-/// How alike two line observations must be, and how long a wall is remembered.
+/// Thresholds of association: maximum differences, and lifetime of a wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AssociationThresholds {
-    /// Largest difference of direction \[rad].
+    /// Maximum difference of direction \[rad].
     pub(super) direction: f64,
-    /// Largest distance of either end from the other's line \[m].
+    /// Maximum distance of the midpoint of one segment from the line of the other \[m].
     pub(super) distance: f64,
-    /// How long after its last sighting a wall is known again \[s].
+    /// Time after its last observation at which a wall expires \[s].
     pub(super) memory: f64,
 }
 
-/// A wall while line observations are gathered.
+/// A wall during association.
 #[derive(Clone, Debug)]
 struct TrackedWall {
     line: Line<Map, f64>,
@@ -27,10 +27,10 @@ struct TrackedWall {
     last: f64,
 }
 
-/// How far apart along the wall two pieces may lie \[m].
+/// Maximum gap between two segments along the wall \[m].
 const GAP: f64 = 0.5;
 
-/// The number of the wall of each sighting, and the walls' lines as first seen.
+/// Returns the wall index of each observation, and each wall's line (r, ψ) at its first observation.
 pub(super) fn associate(
     line_observations: &[LineObservation],
     steps: &[OdometryStep],
@@ -57,7 +57,7 @@ pub(super) fn associate(
                 last: stamp,
             })
             .collect();
-        // The best pairs first, each sighting and each wall once.
+        // Greedy by cost: each observation and each wall is used at most once.
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (s, seen) in here.iter().enumerate() {
             for (w, wall) in
@@ -89,7 +89,7 @@ pub(super) fn associate(
     (walls, first)
 }
 
-/// How unlike a sighting is to a wall, from 0 to 2; `None` where it is another wall.
+/// Returns the association cost from 0 to 2; `None` if a threshold is exceeded.
 fn association_cost(
     wall: &TrackedWall,
     seen: &TrackedWall,

@@ -1,40 +1,42 @@
-//! Why a recording yields no calibration.
+//! Errors of a calibration.
 
 use super::frontal::Singular;
 
-/// The fewest line observations of walls that are worth a try.
+/// Minimum number of line observations for a calibration.
 pub(super) const MIN_RECORDS: usize = 50;
 
-/// Why there is no calibration.
+/// Reasons for which a calibration fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CalibrationError {
-    /// A number in the options is not finite, or a standard deviation or radius not positive.
+    /// A number in the options is not finite, or a standard deviation or radius is not positive.
     #[error(
-        "the options hold a number that is not finite, or a radius, track, tick count or noise that is not positive"
+        "options: every number must be finite, and radii, track, tick count and noise positive; check the configuration"
     )]
     BadOptions,
-    /// The wheels' counters have no two records of different times.
-    #[error("the wheel counters have no two records of different times; are the stamps right?")]
+    /// The wheel counters have no two records at different times.
+    #[error("wheel counters: no two records with different stamps; check the stamps")]
     NoTicks,
-    /// Too few walls were seen.
+    /// Too few wall observations.
     #[error(
-        "walls were seen {found} times, and it takes {MIN_RECORDS}: calibration needs a laser among walls"
+        "walls: too few observations (got {found}, expected at least {MIN_RECORDS}); record scans near walls"
     )]
     FewWalls {
-        /// How often.
+        /// Number of wall observations.
         found: usize,
     },
-    /// Something is not determined at all.
-    #[error("the measurements determine no solution")]
+    /// The normal matrix is singular.
+    #[error("fit: the measurements do not determine a solution; record more motion in sight of walls")]
     Singular,
-    /// The fit left what a robot can be.
-    #[error("the fit diverged: begin nearer to the truth")]
+    /// The fit left the range of plausible geometries.
+    #[error("fit: diverged; start with nominal values nearer to the truth")]
     Diverged,
-    /// Somebody ended it before it was done.
-    #[error("ended before it was done")]
+    /// Canceled before completion.
+    #[error("calibration: canceled before completion")]
     Stopped,
-    /// The fit did not settle.
-    #[error("the fit did not settle: walls and odometry contradict each other")]
+    /// The fit did not converge.
+    #[error(
+        "fit: did not converge, walls and odometry contradict each other; check the nominal geometry and the stamps"
+    )]
     Unsettled,
 }
 

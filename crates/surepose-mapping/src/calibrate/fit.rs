@@ -1,4 +1,4 @@
-//! The most likely geometry, and how much the measurements scatter about it.
+//! Maximum-likelihood geometry and scatter of the measurements.
 
 use core::f64::consts::TAU;
 
@@ -13,26 +13,26 @@ use super::parameter::{CalibrationParameter, Geometry};
 use super::recording::{CalibrationRecording, OdometryStep};
 use super::trajectory::{FitData, Linear, NoiseLevels, Reduced, Trajectory};
 
-/// A step of this many standard errors or less is no step.
+/// Maximum parameter change of a converged step, in standard errors.
 const CONVERGED: f64 = 0.05;
 
-/// The most Gauss–Newton steps of one round.
+/// Maximum number of Gauss–Newton steps of one round.
 const STEPS: usize = 40;
 
-/// How many steps it takes until the walls are in their places.
+/// Number of initial steps, without robust weights, in which the walls converge.
 const SETTLING: usize = 4;
 
-/// The farthest that a latency may move in one step \[s].
+/// Maximum change of a latency in one step \[s].
 const LATENCY_REACH: f64 = 0.03;
 
-/// The farthest that the track may move in one step, as a part of itself.
+/// Maximum relative change of the wheel separation in one step.
 const TRACK_REACH: f64 = 0.2;
 
-/// The latencies.
+/// The parameters that are latencies.
 const LATENCIES: [CalibrationParameter; 2] =
     [CalibrationParameter::LaserLatency, CalibrationParameter::CompassLatency];
 
-/// A fit under way: what is taken to be true, and what it rests on.
+/// State of a fit: data, trajectory, geometry and noise.
 pub(super) struct Fit<'a> {
     pub(super) data: FitData<'a>,
     pub(super) trajectory: Trajectory,
@@ -41,7 +41,7 @@ pub(super) struct Fit<'a> {
     pub(super) nominal: Geometry<f64>,
 }
 
-/// How −2 log likelihood bends with ln δ and with the logarithm of the walls' scatter.
+/// Gradient and Hessian of −2 log likelihood by ln δ and by the logarithm of the walls' scatter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseCurvature {
     pub(super) slope: [f64; 2],
@@ -49,7 +49,7 @@ pub(super) struct NoiseCurvature {
 }
 
 impl<'a> Fit<'a> {
-    /// By the wheels alone, with everything nominal.
+    /// Starts from dead reckoning with nominal geometry and noise.
     pub(super) fn begin(
         recording: &'a CalibrationRecording,
         steps: &'a [OdometryStep],
@@ -72,7 +72,7 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Says anew which line observations are of one wall, from where the robot is now thought to have been.
+    /// Associates line observations with walls again, from the current trajectory.
     pub(super) fn associate(&mut self, thresholds: AssociationThresholds) {
         let (steps, line_observations) = (self.data.steps, self.data.line_observations);
         let (wall_of, walls) =
@@ -81,7 +81,8 @@ impl<'a> Fit<'a> {
         self.trajectory.walls = walls;
     }
 
-    /// Steps until the steps are small; `robust` from the first on, or once the walls are in their places.
+    /// Takes Gauss–Newton steps until convergence. If `robust`, weights are robust from the first step;
+    /// otherwise after the first `SETTLING` steps.
     pub(super) fn converge(&mut self, robust: bool) -> Result<(), CalibrationError> {
         let (mut before, mut damping) = (None, 1.0);
         for number in 0..STEPS {
@@ -89,7 +90,7 @@ impl<'a> Fit<'a> {
             let (mut a, b, reduced) = self.normal(&linear)?;
             let rough = !robust && number < SETTLING;
             if rough {
-                // While walls are out of place by metres, what they say of milliseconds is worse than nothing.
+                // Latencies are held while walls are wrong by meters: residuals of that size bias them.
                 for latency in LATENCIES {
                     a[(latency as usize, latency as usize)] += 1e12;
                 }
@@ -101,14 +102,15 @@ impl<'a> Fit<'a> {
             if !step.iter().all(|change| change.is_finite()) {
                 return Err(CalibrationError::Diverged);
             }
-            // A step of the recording is the reach of what is linear about a latency.
+            // A latency is linear only within one step of the recording.
             let farthest = LATENCIES.iter().map(|latency| step[*latency as usize].abs()).fold(0.0, f64::max);
             step *= (LATENCY_REACH / farthest).min(1.0);
-            // So is a part of the track: where nothing turned, the fit would go anywhere.
+            // Limits the wheel separation, too: without turns in the recording the fit would drift.
             let wheel_separation = CalibrationParameter::WheelSeparation as usize;
             step *= (TRACK_REACH * self.geometry.0[wheel_separation] / step[wheel_separation].abs()).min(1.0);
-            // A step back says that the last one went too far: weights alternate, or a latency bends the likelihood
-            // more than the normal matrix knows. A fraction of each step then ends it.
+            // A step against the previous one is an overshoot: the robust weights alternate, or the
+            // likelihood is more curved in a latency than the normal matrix. Damping then ensures
+            // convergence.
             let back = before.as_ref().is_some_and(|last: &DVector<f64>| last.dot(&(&a * &step)) < 0.0);
             damping = if back { damping * 0.5 } else { (damping * 1.2_f64).min(1.0) };
             step *= damping;
@@ -127,7 +129,7 @@ impl<'a> Fit<'a> {
         Err(CalibrationError::Unsettled)
     }
 
-    /// The largest change of a parameter in standard errors; one that nothing excites may go on changing.
+    /// Returns the maximum parameter change in standard errors; parameters that are not excited are ignored.
     fn size(&self, step: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
         let excited = CalibrationParameter::ALL.into_iter().filter_map(|parameter| {
             let i = parameter as usize;
@@ -137,7 +139,8 @@ impl<'a> Fit<'a> {
         excited.fold(0.0, f64::max)
     }
 
-    /// Fits δ and the walls' scatter to the likelihood that is left when all else is integrated out. [Harville1977]
+    /// Fits δ and the walls' scatter by restricted maximum likelihood, all other variables integrated out.
+    /// [Harville1977]
     pub(super) fn fit_scatter(&mut self) -> Result<(), CalibrationError> {
         let linear = self.linear(true);
         for _ in 0..8 {
@@ -159,7 +162,8 @@ impl<'a> Fit<'a> {
         Ok(())
     }
 
-    /// Slope and curvature of `likelihood` by ln δ and the logarithm of the walls' scatter, by differences.
+    /// Computes gradient and Hessian of `likelihood` by ln δ and the logarithm of the walls' scatter, by
+    /// finite differences.
     pub(super) fn bend(
         &self,
         likelihood: impl Fn(NoiseLevels) -> Result<f64, Singular>,
@@ -196,7 +200,7 @@ impl<'a> Fit<'a> {
         Ok(misfit - b.dot(&factor.solve(&b)) + 2.0 * spread)
     }
 
-    /// The problem, linear about where the fit is.
+    /// Linearizes the problem about the current estimate.
     pub(super) fn linear(&self, robust: bool) -> Linear {
         let mut linear = self.data.linear(&self.trajectory, &self.geometry);
         if robust {
@@ -205,7 +209,7 @@ impl<'a> Fit<'a> {
         linear
     }
 
-    /// Normal matrix and right-hand side of the geometry, what is known beforehand included.
+    /// Returns normal matrix, right-hand side and reduced problem of the geometry, with the prior.
     pub(super) fn normal(&self, linear: &Linear) -> Result<(DMatrix<f64>, DVector<f64>, Reduced), Singular> {
         let whole = 0..linear.len();
         let reduced = linear.reduced(whole.clone(), self.noise)?;
@@ -219,7 +223,7 @@ impl<'a> Fit<'a> {
         Ok((a, b, reduced))
     }
 
-    /// Adds what is known beforehand.
+    /// Adds the prior of the geometry.
     pub(super) fn add_prior(&self, a: &mut DMatrix<f64>, b: &mut DVector<f64>) {
         for parameter in CalibrationParameter::ALL {
             let i = parameter as usize;
@@ -229,7 +233,7 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Whether the geometry is still one that a robot can have.
+    /// Returns whether the geometry is plausible for a robot.
     fn is_sound(&self) -> bool {
         let positive = [
             CalibrationParameter::LeftWheelRadius,

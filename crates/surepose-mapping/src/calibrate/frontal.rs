@@ -1,12 +1,12 @@
-//! Least squares in the order of time: unknowns leave as soon as nothing more depends on them.
+//! Frontal least-squares solver: variables are eliminated in order of time.
 //!
-//! A trajectory's normal matrix is sparse: a pose meets its neighbours and the walls seen from it. Worked through in
-//! the order of time, only a front of a few dozen unknowns is ever dense, so a recording costs a time in proportion
-//! to its length.
+//! The normal matrix of a trajectory is sparse: a pose is coupled to its neighbors and to the walls observed
+//! from it. With elimination in order of time, the dense front has a few dozen variables, so the cost is
+//! linear in the length of the recording.
 
 use nalgebra::{DMatrix, DVector};
 
-/// An unknown, or a few that stay together.
+/// Key of a variable block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Key {
     Pose(usize),
@@ -14,19 +14,20 @@ pub(super) enum Key {
     Geometry,
 }
 
-/// The unknowns under way, with what is known of them: ½xᵀAx − bᵀx.
+/// Dense front of active variables, with the quadratic cost ½xᵀAx − bᵀx.
 #[derive(Clone, Debug)]
 pub(super) struct FrontalSolver {
     keys: Vec<(Key, usize)>,
     a: DMatrix<f64>,
     b: DVector<f64>,
-    /// What the sum of squares is at its minimum over all that left, and the logarithm of their determinant.
+    /// Minimum of the sum of squares over all eliminated variables; `log_determinant` is that of their
+    /// information matrix.
     pub(super) chi_squared: f64,
     pub(super) log_determinant: f64,
     eliminated: Vec<Eliminated>,
 }
 
-/// An unknown that left, as a function of those that stayed: x = x₀ − M·rest.
+/// An eliminated variable as a function of the remaining ones: x = x₀ − M·rest.
 #[derive(Clone, Debug)]
 struct Eliminated {
     key: Key,
@@ -35,7 +36,7 @@ struct Eliminated {
     rest: Vec<(Key, usize)>,
 }
 
-/// The matrix to be inverted is not positive definite: something is not determined at all.
+/// The matrix is not positive definite: a variable is not determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Singular;
 
@@ -62,7 +63,7 @@ impl FrontalSolver {
         None
     }
 
-    /// Where `key` begins; it enters if it is new.
+    /// Returns the index of `key` in the front; adds the variable if it is new.
     pub(super) fn add_variable(&mut self, key: Key, size: usize) -> usize {
         self.find(key).unwrap_or_else(|| {
             let n = self.b.len();
@@ -73,7 +74,8 @@ impl FrontalSolver {
         })
     }
 
-    /// Adds the square of `residual` + J·x, weighted by `information`; `columns` says where each column of J belongs.
+    /// Adds the square of `residual` + J·x, weighted by `information`; `columns` has the front index of each
+    /// column of J.
     pub(super) fn add_factor<const M: usize>(
         &mut self,
         residual: &[f64; M],
@@ -96,7 +98,7 @@ impl FrontalSolver {
         }
     }
 
-    /// Lets `key` leave: what is known of the others then counts with its best value for each of theirs.
+    /// Eliminates `key` by a Schur complement.
     pub(super) fn eliminate(&mut self, key: Key) -> Result<(), Singular> {
         let Some(offset) = self.find(key) else { return Ok(()) };
         let Some(place) = self.keys.iter().position(|(other, _)| *other == key) else { return Ok(()) };
@@ -121,12 +123,12 @@ impl FrontalSolver {
         Ok(())
     }
 
-    /// What is left: the keys with the matrix A and the vector b.
+    /// Returns A and b of the variables that remain in the front.
     pub(super) fn remaining(&self) -> (&DMatrix<f64>, &DVector<f64>) {
         (&self.a, &self.b)
     }
 
-    /// The values of all that left, given those of what is left in the front.
+    /// Computes the values of all eliminated variables from the values of the remaining ones.
     pub(super) fn back_substitute(&self, left: &DVector<f64>, mut found: impl FnMut(Key, &DVector<f64>)) {
         let mut values = std::collections::HashMap::new();
         let mut offset = 0;
@@ -155,7 +157,7 @@ mod tests {
 
     use super::{FrontalSolver, Key, Singular};
 
-    /// Each measurement depends on two of six unknowns; the dense solution is the reference.
+    /// Each measurement depends on two of six variables; the dense solution is the reference.
     #[test]
     fn elimination_matches_the_dense_solution() {
         let keys = [Key::Geometry, Key::Pose(0), Key::Pose(1), Key::Wall(0), Key::Pose(2), Key::Wall(1)];

@@ -1,4 +1,4 @@
-//! Walls as single scans see them.
+//! Lines extracted from single scans.
 
 use core::f64::consts::TAU;
 
@@ -11,25 +11,25 @@ use super::options::Options;
 use super::parameter::Geometry;
 use super::recording::{OdometryStep, locate};
 
-/// The most beams of a scan.
+/// Maximum number of beams of a scan.
 const BEAMS: usize = 4096;
 
-/// A stretch of wall in one scan.
+/// A wall segment observed in one scan.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineObservation {
-    /// Number of the scan.
+    /// Index of the scan.
     pub(super) scan: usize,
     /// Stamp of the scan \[s].
     pub(super) stamp: f64,
-    /// The line, in the laser's frame.
+    /// The line, in the laser frame.
     pub(super) line: Line<Laser, f64>,
-    /// Its inverse covariance, of (r, ψ).
+    /// Inverse covariance of (r, ψ).
     pub(super) information: [[f64; 2]; 2],
-    /// From where to where it was seen.
+    /// End points of the observed segment, in the laser frame.
     pub(super) ends: [Point<Laser, f64>; 2],
 }
 
-/// The walls of all scans, by time; scans that the extractor refuses have none.
+/// Extracts the lines of all scans, ordered by time; scans that the extractor rejects have none.
 pub(super) fn line_observations(
     scans: &[Recorded],
     steps: &[OdometryStep],
@@ -70,11 +70,11 @@ pub(super) fn line_observations(
     found
 }
 
-/// The ranges as they would be had the robot stood still while the mirror turned, into `ranges`.
+/// Writes into `ranges` the ranges of a robot at rest during the sweep (deskewing).
 ///
-/// Each beam's end is moved by the nominal odometry between its own time and that of the beam straight ahead. The ends
-/// then lie at uneven bearings; between two ends less than 0.2 m apart the bearing asked for is found on their joining
-/// line, else at the nearer one if that is half a step away.
+/// Each beam's end point is moved by the nominal odometry between its own time and that of the center beam.
+/// The corrected points have uneven bearings. The range at an even bearing is interpolated between two points
+/// less than 0.2 m apart. Otherwise the nearer point is used, if it is within half a step.
 fn stand_still(
     scan: &Recorded,
     steps: &[OdometryStep],
@@ -97,7 +97,7 @@ fn stand_still(
         let then = during(origin, end, fraction + later / step.duration) * nominal.body_from_laser();
         let (sin, cos) = bearing.sin_cos();
         let at = ahead.inverse() * (then * Point::new(range * cos, range * sin));
-        // Continued from the beam's own bearing, so that beams behind the robot stay in order.
+        // Unwrapped from the beam's own bearing, so that beams behind the robot stay in order.
         let turned = (Angle::from_radians(at.y.atan2(at.x)) - Angle::from_radians(bearing)).radians();
         ends.push((bearing + turned, at));
     }

@@ -1,4 +1,4 @@
-//! What is measured, as residuals of poses, walls and geometry, with their derivatives.
+//! Measurement models: residuals of poses, walls and geometry, with derivatives.
 
 use surepose::estimation::{Belief, Ekf, WheelOdometry};
 use surepose::geometry::{Angle, Body, Laser, Line, Map, Pose};
@@ -8,51 +8,52 @@ use surepose::scalar::{Dual, Scalar};
 use super::parameter::{COUNT, CalibrationParameter, Geometry};
 use super::recording::OdometryStep;
 
-/// Where a factor's derivatives begin: by the pose before, the pose after, the wall and the geometry.
+/// Derivative indices of a factor: pose before, pose after, wall, geometry.
 pub(super) const FROM: usize = 0;
 pub(super) const TO: usize = 3;
 pub(super) const WALL: usize = 6;
 pub(super) const GEOMETRY: usize = 8;
-/// How many numbers a factor may depend on.
+/// Maximum number of variables of a factor.
 pub(super) const LOCAL: usize = GEOMETRY + COUNT;
 
-/// A number with its derivatives by all that a factor depends on.
+/// A dual number with derivatives by all variables of a factor.
 pub(super) type Local = Dual<f64, LOCAL>;
-/// A pose of the trajectory (x, y, θ), not wrapped.
+/// A pose of the trajectory (x, y, θ), with θ not wrapped.
 pub(super) type PoseVector = [f64; 3];
 
-/// Sideways and lengthwise scatter that no encoder explains \[m]; it keeps the motion's covariance invertible.
+/// Standard deviation of motion that encoders do not observe \[m]; it keeps the motion covariance invertible.
 const FLOOR: f64 = 5e-5;
 
-/// A pose as the unknown that begins at `offset`.
+/// Returns a pose as a variable whose derivatives begin at `offset`.
 pub(super) fn unknown_pose(place: PoseVector, offset: usize) -> Pose<Map, Body, Local> {
     let [x, y, heading] = core::array::from_fn(|i| Dual::parameter(place[i], offset + i));
     Pose::new(x, y, Angle::from_radians(heading))
 }
 
-/// A pose as it is.
+/// Returns a pose as a constant.
 pub(super) fn known_pose(place: PoseVector) -> Pose<Map, Body, f64> {
     Pose::new(place[0], place[1], Angle::from_radians(place[2]))
 }
 
-/// A wall (r, ψ) as the unknown.
+/// Returns a wall (r, ψ) as a variable.
 pub(super) fn unknown_wall(wall: [f64; 2]) -> Line<Map, Local> {
     Line::new(Dual::parameter(wall[0], WALL), Angle::from_radians(Dual::parameter(wall[1], WALL + 1)))
 }
 
-/// The geometry as the unknown.
+/// Returns the geometry as a variable.
 pub(super) fn unknown_geometry(geometry: &Geometry<f64>) -> Geometry<Local> {
     Geometry(core::array::from_fn(|i| Dual::parameter(geometry.0[i], GEOMETRY + i)))
 }
 
-/// The motion of a step by its encoders: [Tran2012] Eq. (7), (8), with a radius for each wheel.
+/// Returns the motion of a step by its encoders: [Tran2012] Eq. (7), (8), with a radius for each wheel.
 pub(super) fn motion<S: Scalar>(geometry: &Geometry<S>, turned: WheelPair<f64>) -> Motion<S> {
     let turned = WheelPair::new(S::from_f64(turned.right), S::from_f64(turned.left));
     let drive = geometry.drive();
     drive.motion_from_travel(drive.wheel_travel_from_angle(turned))
 }
 
-/// What is left between the motion of the poses and that of the wheels: (x \[m], y \[m], θ \[rad]) in the body after.
+/// Residual between the motion of the poses and that of the wheels: (x \[m], y \[m], θ \[rad]) in the frame
+/// of the later pose.
 pub(super) fn odometry<S: Scalar>(
     from: Pose<Map, Body, S>,
     to: Pose<Map, Body, S>,
@@ -62,9 +63,10 @@ pub(super) fn odometry<S: Scalar>(
     [left.x, left.y, left.heading.radians()]
 }
 
-/// The covariance of that residual: δ times the first matrix, plus the second, by [Tran2012] Eq. (15).
+/// Returns the covariance of that residual as two matrices: δ times the first plus the second, [Tran2012] Eq.
+/// (15).
 ///
-/// The filter's own prediction makes it, from a certain pose so turned that the step ends with heading 0.
+/// Computed by the filter's own prediction from an exact pose, rotated so that the step ends with heading 0.
 pub(super) fn odometry_covariance(
     geometry: &Geometry<f64>,
     turned: WheelPair<f64>,
@@ -75,7 +77,7 @@ pub(super) fn odometry_covariance(
     let rims = drive.wheel_travel_from_angle(turned);
     let turn = drive.motion_from_travel(rims).turn;
     let start = Belief::new(Pose::new(0.0, 0.0, Angle::from_radians(-turn)), [0.0; 3]);
-    // Each end of a step is rounded to a tick.
+    // Quantization: each end of a step is rounded to a tick.
     let rounding = |radius: f64| (tick * radius).powi(2) / 6.0;
     let rounding = WheelPair::new(rounding(drive.radius.right), rounding(drive.radius.left));
     let by_slip = ekf.predict(start, ekf.wheel_odometry(rims)).covariance;
@@ -90,10 +92,10 @@ pub(super) fn odometry_covariance(
     [matrix(by_slip), constant]
 }
 
-/// Where the robot was at `fraction` of a step, on the arc that joins its two ends.
+/// Interpolates the pose at `fraction` of a step on the arc between its two ends.
 ///
-/// The arc is taken to second order in its turn: it stands off its chord d to the right of a left turn by
-/// ½·f·(1 − f)·Δθ·|d|.
+/// The arc is of second order in its turn: its offset from the chord d is ½·f·(1 − f)·Δθ·|d|, to the right
+/// for a left turn.
 pub(super) fn during<S: Scalar>(
     from: Pose<Map, Body, S>,
     to: Pose<Map, Body, S>,
@@ -108,12 +110,12 @@ pub(super) fn during<S: Scalar>(
     from * part
 }
 
-/// How far into `step` something was measured whose record is stamped `stamp` and came `latency` late.
+/// Returns the fraction of `step` at the time of a measurement with the given `stamp` and `latency`.
 pub(super) fn fraction<S: Scalar>(step: &OdometryStep, stamp: f64, latency: S) -> S {
     (S::from_f64(stamp - step.begin) - latency) / S::from_f64(step.duration)
 }
 
-/// A wall as the laser should see it from a pose.
+/// Predicts the line of a wall in the laser frame.
 pub(super) fn seen<S: Scalar>(
     map_from_body: Pose<Map, Body, S>,
     geometry: &Geometry<S>,
@@ -122,7 +124,7 @@ pub(super) fn seen<S: Scalar>(
     (map_from_body * geometry.body_from_laser()).inverse() * wall
 }
 
-/// What the compass should read.
+/// Predicts the compass reading.
 pub(super) fn compass_reading<S: Scalar>(
     map_from_body: Pose<Map, Body, S>,
     geometry: &Geometry<S>,

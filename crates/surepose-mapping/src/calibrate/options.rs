@@ -1,4 +1,4 @@
-//! What calibration takes as known.
+//! Options of a calibration: initial values and sensor noise.
 
 use surepose::estimation::HeadingMeasurement;
 use surepose_config::Config;
@@ -6,38 +6,38 @@ use surepose_io::mines_rover::{ROVER, Rover};
 
 use super::parameter::{CalibrationParameter, Geometry};
 
-/// What is known beforehand.
+/// Initial values and sensor noise of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Where to begin; within some 10 % of the truth, and the laser's heading within some 20°.
+    /// Initial geometry: within about 10 % of the truth, and the laser's heading within about 20°.
     pub nominal: Geometry<f64>,
-    /// Where δ begins.
+    /// Initial δ.
     pub delta: f64,
     /// Standard deviation of a range \[m].
     pub range_std: f64,
     /// Standard deviation of a beam's direction \[rad].
     pub bearing_std: f64,
-    /// Nearer returns are none \[m].
+    /// Minimum range of a valid return \[m].
     pub range_min: f64,
-    /// Farther returns are none \[m].
+    /// Maximum range of a valid return \[m].
     pub range_max: f64,
-    /// How a wall's distance scatters from scan to scan beyond what the beams' noise explains \[m]: walls that are not
-    /// quite straight, ranges that depend on what is met.
+    /// Standard deviation of a wall's distance from scan to scan, beyond the noise of the beams \[m]. Causes
+    /// are uneven walls and ranges that depend on the surface.
     pub wall_distance_std: f64,
-    /// How a wall's direction does \[rad].
+    /// Standard deviation of a wall's direction from scan to scan, beyond the noise of the beams \[rad].
     pub wall_direction_std: f64,
-    /// How long the mirror takes for one turn \[s]; 0 for scans that are taken at one moment.
+    /// Duration of one mirror turn \[s]; 0 if all beams of a scan are taken at once.
     pub sweep_period: f64,
-    /// Whether the scanner turns evenly and the stamps do not, because the host noted scans when it had the time.
+    /// Whether scans are evenly spaced in time although their stamps, taken by the host, are not.
     pub scans_are_even: bool,
     /// Standard deviation of the compass \[rad].
     pub compass_std: f64,
-    /// The robot's heading in the map at the first record, where it is known.
+    /// Heading of the robot in the map at the first record; `None` if it is not known.
     pub start_heading: Option<HeadingMeasurement<f64>>,
 }
 
 impl Options {
-    /// What a configuration says.
+    /// Takes the initial values from a configuration.
     pub fn from_config(config: &Config) -> Self {
         let (drive, laser, compass) = (config.drive(), config.laser(), config.compass());
         let mount = laser.body_from_laser;
@@ -67,9 +67,10 @@ impl Options {
         }
     }
 
-    /// What is known of the `mines_rover` recordings and their Hokuyo URG-04LX: 600 turns a minute, 5.6 m.
+    /// Returns the options for the `mines_rover` recordings and their Hokuyo URG-04LX: 10 scans per second,
+    /// 5.6 m.
     ///
-    /// Its ranges scatter by 5 to 10 mm and are up to 1 % off by what they meet: hence the scatter of walls.
+    /// Its ranges scatter by 5 to 10 mm and depend on the surface by up to 1 %, hence the scatter of walls.
     pub fn rover() -> Self {
         let Rover { wheel_radius, wheel_separation, mount, .. } = ROVER;
         Self {

@@ -1,4 +1,4 @@
-//! What calibration found: values with standard errors, as JSON and as a configuration.
+//! Result of a calibration: values with standard errors, as JSON and as a configuration.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,21 +10,21 @@ use surepose::param::{self, Kind, Unit};
 
 use super::parameter::{COUNT, CalibrationParameter, Geometry};
 
-/// One parameter, in the unit of the edge.
+/// One parameter, in display units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ParameterEstimate {
-    /// The value; absent where the motion did not excite it.
+    /// The value; `None` if the motion did not excite it.
     pub value: Option<f64>,
-    /// Its standard error: ± 1.96 of it is an interval of 95 %.
+    /// Standard error; the value ± 1.96 standard errors is a 95 % interval.
     pub std_error: Option<f64>,
-    /// The unit of both; empty for a number.
+    /// Unit of both; empty for dimensionless parameters.
     pub unit: &'static str,
-    /// What motion it would take, where the recording does not tell.
+    /// Motion that would excite the parameter; `None` if it is excited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_excited: Option<&'static str>,
 }
 
-/// What calibration found.
+/// Result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     geometry: Geometry<f64>,
@@ -33,16 +33,17 @@ pub struct Calibration {
     delta: f64,
     log_delta_std: f64,
     knows_heading: bool,
-    /// Scatter of the walls over that of the laser's beams and of the walls' own: 1 where both are as stated.
+    /// Variance of the walls over the variance expected from beams and walls: 1 if both noise levels are as
+    /// stated.
     pub wall_scatter: f64,
-    /// How many scans were used.
+    /// Number of scans used.
     pub scans: usize,
-    /// How many stretches of wall were seen in them.
+    /// Number of line observations.
     pub line_observations: usize,
 }
 
 impl Calibration {
-    #[allow(clippy::too_many_arguments, reason = "one call, and each is one field")]
+    #[allow(clippy::too_many_arguments, reason = "called once; each argument is one field")]
     pub(super) fn new(
         geometry: Geometry<f64>,
         covariance: DMatrix<f64>,
@@ -65,7 +66,7 @@ impl Calibration {
         }
     }
 
-    /// A parameter of the geometry.
+    /// Returns the estimate of a geometry parameter.
     pub fn estimate(&self, parameter: CalibrationParameter) -> ParameterEstimate {
         let i = parameter as usize;
         let unit = parameter.unit();
@@ -78,20 +79,21 @@ impl Calibration {
         }
     }
 
-    /// The mean radius of the two wheels.
+    /// Returns the mean radius of the two wheels.
     pub fn wheel_radius(&self) -> ParameterEstimate {
         let WheelPair { right, left } = self.geometry.drive().radius;
         self.from_radii(0.5 * (right + left), WheelPair::new(0.5, 0.5), Unit::Meter)
     }
 
-    /// The radius of the right wheel over that of the left one: off 1, a robot that takes them for equal drives circles.
+    /// Returns the ratio of right to left wheel radius; not 1 if equal wheel speeds drive a circle.
     pub fn wheel_radius_ratio(&self) -> ParameterEstimate {
         let WheelPair { right, left } = self.geometry.drive().radius;
         let ratio = right / left;
         self.from_radii(ratio, WheelPair::new(1.0 / left, -ratio / left), Unit::One)
     }
 
-    /// A function of both radii with this `value` and this derivative by each, where both are known.
+    /// Estimates a function of both radii from its `value` and its derivative by each; not excited if a
+    /// radius is not.
     fn from_radii(&self, value: f64, slope: WheelPair<f64>, unit: Unit) -> ParameterEstimate {
         let (l, r) = (CalibrationParameter::LeftWheelRadius, CalibrationParameter::RightWheelRadius);
         if self.estimate(l).value.is_none() || self.estimate(r).value.is_none() {
@@ -104,7 +106,7 @@ impl Calibration {
         estimate(value, variance.max(0.0).sqrt(), unit)
     }
 
-    /// δ of [Tran2012] Eq. (15), for the period of the recording's wheel counters.
+    /// Returns δ of [Tran2012] Eq. (15), for the sampling period of the wheel counters.
     pub fn delta(&self) -> ParameterEstimate {
         if self.log_delta_std <= 1.0 {
             estimate(self.delta, self.delta * self.log_delta_std, Unit::One)
@@ -113,7 +115,7 @@ impl Calibration {
         }
     }
 
-    /// Every parameter by its name, as the command line's JSON has them.
+    /// Returns every parameter by its name in the command line's JSON.
     pub fn parameters(&self) -> BTreeMap<&'static str, ParameterEstimate> {
         let geometry =
             CalibrationParameter::ALL.iter().map(|parameter| (parameter.name(), self.estimate(*parameter)));
@@ -125,7 +127,7 @@ impl Calibration {
         geometry.chain(more).collect()
     }
 
-    /// What was found, as the lines of a configuration; what was not, as remarks.
+    /// Formats the estimates as a configuration; parameters that are not excited become comments.
     pub fn configuration(&self) -> String {
         let mut found = vec![
             (&param::WHEEL_RADIUS, self.wheel_radius()),
@@ -134,7 +136,7 @@ impl Calibration {
         ];
         let keyed = |parameter: &CalibrationParameter| Some((parameter.key()?, self.estimate(*parameter)));
         found.extend(CalibrationParameter::ALL.iter().filter_map(keyed));
-        // In the order of the table, so that each section comes once.
+        // In the order of the parameter table, so that each section appears once.
         found.sort_by_key(|(key, _)| param::ALL.iter().position(|other| other == *key));
         let mut text = String::new();
         let mut section = "";
@@ -159,7 +161,7 @@ impl Calibration {
     }
 }
 
-/// The geometry as it was fitted, excited or not.
+/// The fitted geometry, including parameters that are not excited.
 impl AsRef<[f64; COUNT]> for Calibration {
     fn as_ref(&self) -> &[f64; COUNT] {
         &self.geometry.0
@@ -180,7 +182,7 @@ fn not_excited(unit: Unit, excitation: &'static str) -> ParameterEstimate {
     ParameterEstimate { value: None, std_error: None, unit: unit.symbol(), not_excited: Some(excitation) }
 }
 
-/// A value to the second digit of its standard error, and that error.
+/// Rounds a value to the second digit of its standard error, and returns both.
 fn rounded(value: f64, std: f64) -> (f64, f64) {
     let digits = if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 12.0) } else { 12.0 };
     let scale = 10.0_f64.powf(digits);

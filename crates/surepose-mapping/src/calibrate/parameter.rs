@@ -1,4 +1,4 @@
-//! What is calibrated: the parameters of the geometry, in one order.
+//! Calibrated parameters of the geometry and their order.
 
 use core::f64::consts::PI;
 
@@ -8,10 +8,10 @@ use surepose::param;
 use surepose::param::Unit;
 use surepose::scalar::Scalar;
 
-/// How many parameters of the geometry there are.
+/// Number of geometry parameters.
 pub const COUNT: usize = 9;
 
-/// The posterior may be at most this part of what was known beforehand, else the recording said nothing.
+/// Maximum ratio of posterior to prior standard deviation of an excited parameter.
 const EXCITED: f64 = 0.1;
 
 /// A parameter of the geometry.
@@ -23,17 +23,17 @@ pub enum CalibrationParameter {
     RightWheelRadius,
     /// Distance between the wheels' contact points.
     WheelSeparation,
-    /// Where the laser sits, ahead of the axle.
+    /// Position of the laser ahead of the axle.
     LaserX,
-    /// Where the laser sits, to the left of the middle.
+    /// Position of the laser to the left of the robot's center line.
     LaserY,
-    /// Which way the laser's zero bearing points.
+    /// Direction of the laser's zero bearing.
     LaserHeading,
-    /// How long before its stamp a scan was taken.
+    /// Time from measurement to stamp of a scan.
     LaserLatency,
-    /// What the compass reads when the robot faces along the map's x axis.
+    /// Compass reading of a robot that faces along the map's x axis.
     CompassOffset,
-    /// How long before its stamp a heading was taken.
+    /// Time from measurement to stamp of a heading.
     CompassLatency,
 }
 
@@ -51,7 +51,7 @@ impl CalibrationParameter {
         Self::CompassLatency,
     ];
 
-    /// The name, as in JSON; its unit is that of the edge.
+    /// Returns the name in JSON, with its display unit.
     pub const fn name(self) -> &'static str {
         match self {
             Self::LeftWheelRadius => "left_wheel_radius_m",
@@ -66,7 +66,7 @@ impl CalibrationParameter {
         }
     }
 
-    /// The unit at the edge.
+    /// Returns the display unit.
     pub const fn unit(self) -> Unit {
         match self {
             Self::LaserHeading | Self::CompassOffset => Unit::Degree,
@@ -75,7 +75,8 @@ impl CalibrationParameter {
         }
     }
 
-    /// The key of the configuration that holds it; the radii have their mean and their ratio instead, see [`super::Calibration`].
+    /// Returns the key of the configuration; `None` for the radii, which have mean and ratio instead, see
+    /// [`super::Calibration`].
     pub const fn key(self) -> Option<&'static param::Parameter> {
         match self {
             Self::LeftWheelRadius | Self::RightWheelRadius => None,
@@ -89,7 +90,7 @@ impl CalibrationParameter {
         }
     }
 
-    /// What motion it takes to tell it.
+    /// Describes the motion that excites the parameter.
     pub const fn excitation(self) -> &'static str {
         match self {
             Self::LeftWheelRadius | Self::RightWheelRadius | Self::LaserHeading => {
@@ -104,12 +105,12 @@ impl CalibrationParameter {
         }
     }
 
-    /// Whether a standard error of `std` says that the recording told something.
+    /// Returns whether a standard error of `std` is much smaller than the prior.
     pub(super) fn is_excited(self, std: f64, nominal: &Geometry<f64>) -> bool {
         std <= EXCITED * self.prior_std(nominal)
     }
 
-    /// Standard deviation of what is known beforehand: nearly nothing.
+    /// Returns the standard deviation of the nearly uninformative prior.
     pub(super) fn prior_std(self, nominal: &Geometry<f64>) -> f64 {
         match self {
             Self::LeftWheelRadius | Self::RightWheelRadius | Self::WheelSeparation => {
@@ -123,17 +124,17 @@ impl CalibrationParameter {
     }
 }
 
-/// The values of all parameters, in the order of [`CalibrationParameter::ALL`], in SI units and radians.
+/// Values of all parameters in SI units and radians, in the order of [`CalibrationParameter::ALL`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry<S>(pub [S; COUNT]);
 
 impl<S: Scalar> Geometry<S> {
-    /// The value of `parameter`.
+    /// Returns the value of `parameter`.
     pub fn get(&self, parameter: CalibrationParameter) -> S {
         self.0[parameter as usize]
     }
 
-    /// The wheels.
+    /// Returns the wheel geometry.
     pub fn drive(&self) -> DiffDrive<S> {
         let (right, left) = (
             self.get(CalibrationParameter::RightWheelRadius),
@@ -145,7 +146,7 @@ impl<S: Scalar> Geometry<S> {
         }
     }
 
-    /// The same robot, with its laser there.
+    /// Replaces the mounting of the laser.
     #[must_use]
     pub fn with_laser(mut self, body_from_laser: Pose<Body, Laser, S>) -> Self {
         let Pose { x, y, heading, .. } = body_from_laser;
@@ -155,7 +156,7 @@ impl<S: Scalar> Geometry<S> {
         self
     }
 
-    /// Where the laser sits.
+    /// Returns the mounting of the laser.
     pub fn body_from_laser(&self) -> Pose<Body, Laser, S> {
         let heading = Angle::from_radians(self.get(CalibrationParameter::LaserHeading));
         Pose::new(self.get(CalibrationParameter::LaserX), self.get(CalibrationParameter::LaserY), heading)

@@ -1,4 +1,4 @@
-//! What calibration reads: wheel ticks, scans and headings, stamped when they arrived.
+//! Input of a calibration: wheel ticks, scans and headings, stamped on arrival.
 
 use core::f64::consts::TAU;
 
@@ -9,33 +9,33 @@ use surepose_io::recording::{ScanRecord, StampedTicks};
 /// A recording to calibrate from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationRecording {
-    /// Ticks of one turn of a wheel.
+    /// Ticks per wheel turn.
     pub ticks_per_turn: f64,
-    /// Wheel counters, by time.
+    /// Wheel counters, ordered by time.
     pub ticks: Vec<StampedTicks>,
-    /// Laser scans, by time; where their laser sits is not read.
+    /// Laser scans, ordered by time; their mounting is ignored.
     pub scans: Vec<ScanRecord>,
-    /// Compass readings, by time; empty where there is no compass.
+    /// Compass readings, ordered by time; empty if there is no compass.
     pub headings: Vec<StampedHeading>,
 }
 
-/// A compass reading at a time.
+/// A compass reading with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampedHeading {
     /// Time \[s\].
     pub time: f64,
-    /// What the compass reads.
+    /// Heading reported by the compass.
     pub heading: Angle<f64>,
 }
 
-/// The wheels between two records of their counters.
+/// Wheel motion between two records of the counters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OdometryStep {
-    /// When it begins \[s].
+    /// Start time \[s].
     pub(super) begin: f64,
-    /// How long it lasts \[s], positive.
+    /// Duration \[s], positive.
     pub(super) duration: f64,
-    /// How far each wheel turned \[rad].
+    /// Rotation of each wheel \[rad].
     pub(super) turned: WheelPair<f64>,
 }
 
@@ -46,7 +46,7 @@ impl OdometryStep {
 }
 
 impl CalibrationRecording {
-    /// The steps between the counters' records; records of the same time are one.
+    /// Returns the steps between counter records; records with equal times are merged.
     pub(super) fn steps(&self) -> Vec<OdometryStep> {
         let radians = TAU / self.ticks_per_turn;
         let mut steps = Vec::with_capacity(self.ticks.len());
@@ -68,7 +68,8 @@ impl CalibrationRecording {
     }
 }
 
-/// Which step holds `time`, and how far into it the time is; times outside belong to the step nearest.
+/// Returns the step that contains `time`, and the time since its start; times outside map to the nearest
+/// step.
 pub(super) fn locate(steps: &[OdometryStep], time: f64) -> (usize, f64) {
     let index = steps.partition_point(|step| step.end() <= time).min(steps.len().saturating_sub(1));
     let fraction = steps.get(index).map_or(0.0, |step| (time - step.begin) / step.duration);

@@ -1,4 +1,4 @@
-//! Recordings of the simulated robot, whose true parameters are known.
+//! Simulated recordings with known true parameters.
 
 use core::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -11,11 +11,11 @@ use surepose_sim::{Arena, CompassModel, LaserModel, Seed, Stream, Timing, World,
 use super::parameter::{COUNT, CalibrationParameter, Geometry};
 use super::recording::{CalibrationRecording, StampedHeading};
 
-/// From one record of the counters to the next \[s].
+/// Sampling period of the wheel counters \[s].
 const PERIOD: f64 = 0.1;
 const TICKS_PER_TURN: f64 = 20_000.0;
 
-/// A recording, with what is true of it.
+/// A simulated recording with its true parameters.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     /// The recording.
@@ -24,12 +24,12 @@ pub struct Simulated {
     pub truth: Geometry<f64>,
     /// The true noise factor of the wheels.
     pub delta: f64,
-    /// The robot's true heading at the first record.
+    /// True heading of the robot at the first record.
     pub start_heading: Angle<f64>,
 }
 
 impl Simulated {
-    /// What is true, by the names and in the units of [`super::Calibration::parameters`].
+    /// Returns the true values, with the names and units of [`super::Calibration::parameters`].
     pub fn truths(&self) -> Vec<(&'static str, f64)> {
         let geometry =
             CalibrationParameter::ALL.iter().map(|p| (p.name(), self.truth.get(*p) / p.unit().to_si()));
@@ -43,27 +43,27 @@ impl Simulated {
     }
 }
 
-/// What the paper's robot is said to be: [`WorldModel::paper`], its laser 10 cm ahead.
+/// Returns the nominal geometry: [`WorldModel::paper`] with the laser 10 cm ahead.
 pub fn nominal() -> Geometry<f64> {
     let paper = WorldModel::paper(Arena::paper());
     let (radius, wheel_separation) = (paper.drive.radius.right, paper.drive.wheel_separation);
     Geometry([radius, radius, wheel_separation, 0.1, 0.0, 0.0, 0.04, 0.0, 0.01])
 }
 
-/// A drive of `duration` \[s] in the paper's arena, from goal to goal, by a robot that is not quite the nominal one.
+/// Simulates a drive of `duration` \[s] between random goals in the paper's arena, with a perturbed robot.
 ///
-/// Radii and track are up to 3 % off, the laser up to 3 cm and 3°, latencies up to 40 ms (laser) and 10 ms (compass),
-/// and the compass is turned by up to 30°.
+/// Radii and wheel separation are up to 3 % off, the laser up to 3 cm and 3°. Latencies are up to 40 ms
+/// (laser) and 10 ms (compass); the compass offset is up to 30°.
 pub fn drive(seed: u64, duration: f64) -> Simulated {
     record(Seed(seed), duration, None)
 }
 
-/// The same robot on a straight way, as well as it keeps to one.
+/// Simulates the same robot with equal wheel speeds (nearly straight motion).
 pub fn straight(seed: u64, duration: f64) -> Simulated {
     record(Seed(seed), duration, Some(WheelPair::new(4.0, 4.0)))
 }
 
-/// Records a drive at the turn rates `held`, or from goal to goal.
+/// Records a drive at the constant wheel rates `held`, or between random goals if it is `None`.
 fn record(seed: Seed, duration: f64, held: Option<WheelPair<f64>>) -> Simulated {
     let mut draw = seed.stream("calibration truth");
     let spread = [0.0015, 0.0015, 0.018, 0.03, 0.03, 0.052, 0.04, 0.52, 0.01];
@@ -91,7 +91,7 @@ fn record(seed: Seed, duration: f64, held: Option<WheelPair<f64>>) -> Simulated 
         goal: Pose::new(start.x, start.y, start.heading),
         speed: 0.3,
     };
-    // The simulated wheels share one radius; two different ones turn differently for the same travel.
+    // The simulated wheels share one radius; different radii turn differently for the same travel.
     let radii = WheelPair::new(
         truth.get(CalibrationParameter::RightWheelRadius),
         truth.get(CalibrationParameter::LeftWheelRadius),
@@ -129,7 +129,7 @@ fn record(seed: Seed, duration: f64, held: Option<WheelPair<f64>>) -> Simulated 
     Simulated { recording, truth, delta, start_heading: start.heading }
 }
 
-/// Drives from one goal to the next.
+/// Controller that drives to random goals.
 struct RandomGoals {
     draw: Stream,
     goal: Pose<Map, Goal, f64>,
@@ -137,7 +137,7 @@ struct RandomGoals {
 }
 
 impl RandomGoals {
-    /// The wheels' turn rates towards the goal, which is another as soon as it is near.
+    /// Returns the wheel rates \[rad/s] towards the goal; draws a new goal once the current one is near.
     fn rates(&mut self, drive: &DiffDrive<f64>, pose: Pose<Map, Body, f64>) -> WheelPair<f64> {
         while (self.goal.x - pose.x).hypot(self.goal.y - pose.y) < 0.3 {
             let heading = Angle::from_radians(self.draw.uniform(-PI, PI));

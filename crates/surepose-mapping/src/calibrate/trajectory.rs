@@ -1,4 +1,4 @@
-//! Poses, walls and geometry together: one least-squares problem, solved by Gauss–Newton.
+//! Joint least-squares problem of poses, walls and geometry, solved by Gauss–Newton.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -16,72 +16,72 @@ use super::model::{
 use super::parameter::{COUNT, CalibrationParameter, Geometry};
 use super::recording::{OdometryStep, StampedHeading, locate};
 
-/// Residuals beyond this many standard deviations count linearly only. [Huber1964]
+/// Standard deviations beyond which residuals count linearly. [Huber1964]
 const HUBER: f64 = 3.0;
 
-/// How far the latencies are moved to see how the likelihood changes \[s].
+/// Step of the finite differences of the likelihood by a latency \[s].
 const LATENCY_STEP: f64 = 0.005;
 
-/// Standard deviation that holds the first pose where it is, because the map begins there \[m, rad].
+/// Standard deviation of the first pose, which defines the map's origin \[m, rad].
 const ANCHOR: f64 = 1e-4;
 
-/// Standard deviation of a heading that nothing holds \[rad].
+/// Standard deviation of a heading without measurements \[rad].
 const FREE: f64 = 1.0;
 
-/// The poses at the steps' ends, and the walls.
+/// Poses at the ends of the steps, and walls.
 #[derive(Clone, Debug)]
 pub(super) struct Trajectory {
     pub(super) poses: Vec<PoseVector>,
     pub(super) walls: Vec<[f64; 2]>,
 }
 
-/// How much the measurements scatter.
+/// Noise levels of the measurements.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseLevels {
     /// δ of [Tran2012] Eq. (15).
     pub(super) delta: f64,
-    /// Variance of walls over what the laser's noise makes of it.
+    /// Variance of the walls over the variance expected from the laser's noise.
     pub(super) wall: f64,
     /// Standard deviation of the compass \[rad].
     pub(super) compass: f64,
 }
 
-/// All that was recorded, and which sighting is of which wall.
+/// Recorded data with the wall of each observation.
 #[derive(Clone, Debug)]
 pub(super) struct FitData<'a> {
     pub(super) steps: &'a [OdometryStep],
     pub(super) line_observations: &'a [LineObservation],
     pub(super) wall_of: Vec<usize>,
     pub(super) headings: &'a [StampedHeading],
-    /// One tick \[rad].
+    /// Rotation of one tick \[rad].
     pub(super) tick: f64,
 }
 
-/// A residual with its derivatives.
+/// A linearized residual.
 #[derive(Clone, Debug)]
 struct Factor<const M: usize> {
     residual: [f64; M],
     jacobian: [[f64; M]; LOCAL],
     information: [[f64; M]; M],
-    /// Which record of its kind it comes from.
+    /// Index of the record that it comes from.
     record: usize,
-    /// Below 1 where the residual is far out.
+    /// Robust weight; below 1 for outliers.
     weight: f64,
 }
 
-/// The least-squares problem, linear about a trajectory and a geometry.
+/// The least-squares problem, linearized about a trajectory and a geometry.
 #[derive(Clone, Debug)]
 pub(super) struct Linear {
-    /// For each step: its odometry, with the two parts of its covariance.
+    /// Odometry factor of each step, with the two parts of its covariance.
     odometry: Vec<(Factor<3>, [[[f64; 3]; 3]; 2])>,
-    /// For each step: the walls seen during it.
+    /// Walls observed during each step.
     walls: Vec<Vec<(usize, Factor<2>)>>,
-    /// For each step: the headings read during it.
+    /// Headings read during each step.
     headings: Vec<Vec<Factor<1>>>,
 }
 
 impl Trajectory {
-    /// By the wheels alone, from the origin.
+    /// Integrates the wheel motion from the origin.
     pub(super) fn dead_reckoned(steps: &[OdometryStep], geometry: &Geometry<f64>, start: f64) -> Self {
         let mut poses: Vec<PoseVector> = vec![[0.0, 0.0, start]];
         for step in steps {
@@ -105,7 +105,7 @@ fn factor<const M: usize>(record: usize, residual: [Local; M], information: [[f6
 }
 
 impl FitData<'_> {
-    /// The problem, linear about this trajectory and geometry.
+    /// Linearizes the problem about this trajectory and geometry.
     pub(super) fn linear(&self, trajectory: &Trajectory, geometry: &Geometry<f64>) -> Linear {
         let unknown = unknown_geometry(geometry);
         let ends = |step: usize| {
@@ -154,12 +154,14 @@ impl FitData<'_> {
         linear
     }
 
-    /// How ½·(−2 log likelihood) changes with each parameter that is a latency, for each of `ranges`; 0 for the others.
+    /// Returns the derivative of ½·(−2 log likelihood) by each latency, for each of `ranges`; 0 for other
+    /// parameters.
     ///
-    /// A latency decides between which two poses a scan falls. What least squares alone says of it is biased: half-way
-    /// between two poses the odometry's errors average out and seem smaller, and the determinant of the normal matrix,
-    /// which least squares leaves out, makes up for that. Both have a kink where a scan coincides with a pose, and the
-    /// kinks cancel in the sum only; hence differences across it.
+    /// A latency determines between which two poses a scan lies. Its least-squares estimate is biased:
+    /// halfway between two poses the odometry errors average out and appear smaller. The determinant of the
+    /// normal matrix, which least squares omits, compensates for this. Both terms have a kink where a scan
+    /// coincides with a pose, and the kinks cancel only in their sum. Finite differences therefore span the
+    /// kinks.
     pub(super) fn latency_slopes(
         &self,
         linear: &Linear,
@@ -192,32 +194,33 @@ impl FitData<'_> {
         Ok(slopes)
     }
 
-    /// The step that holds `time`, or the first or last if it is no farther away than that step is long.
+    /// Returns the step that contains `time`; `None` if it is more than one step outside the recording.
     fn step_at(&self, time: f64) -> Option<usize> {
         let (index, part) = locate(self.steps, time);
         (-1.0..=2.0).contains(&part).then_some(index)
     }
 }
 
-/// What is known of the geometry after a stretch of the recording.
+/// The problem of a segment, reduced to the geometry.
 #[derive(Clone, Debug)]
 pub(super) struct Reduced {
-    /// Normal matrix of the geometry alone.
+    /// Normal matrix of the geometry.
     pub(super) a: DMatrix<f64>,
-    /// Its right-hand side.
+    /// Right-hand side.
     pub(super) b: DVector<f64>,
-    /// −2 log likelihood, but for a constant and for what is left of the geometry.
+    /// −2 log likelihood at the minimum over poses and walls, up to a constant.
     pub(super) misfit: f64,
     solver: FrontalSolver,
 }
 
 impl Linear {
-    /// What the steps in `range` say of the geometry, with their poses and walls at their best for each geometry.
+    /// Eliminates the poses and walls of the steps in `range`.
     pub(super) fn reduced(&self, range: Range<usize>, noise: NoiseLevels) -> Result<Reduced, Singular> {
         let mut solver = FrontalSolver::new();
         let geometry = solver.add_variable(Key::Geometry, COUNT);
         let first = solver.add_variable(Key::Pose(range.start), 3);
-        // The map begins with the recording; where a later stretch begins is the map's business, its heading the compass'.
+        // The first pose defines the map's origin; the pose of a later segment is free, and its heading is
+        // held by the compass.
         let free = range.start > 0;
         for (i, std) in [ANCHOR, ANCHOR, if free { FREE } else { ANCHOR }].into_iter().enumerate() {
             solver.add_factor(&[0.0], &[[1.0]], &[first + i], &[[1.0 / (std * std)]]);
@@ -274,7 +277,7 @@ impl Linear {
         Ok(Reduced { a, b, misfit, solver })
     }
 
-    /// Lets residuals that are far out count less, by this scatter.
+    /// Sets the robust weights of all residuals for the given noise.
     pub(super) fn weigh(&mut self, noise: NoiseLevels) {
         for (_, factor) in self.walls.iter_mut().flatten() {
             factor.weigh(noise.wall);
@@ -284,7 +287,7 @@ impl Linear {
         }
     }
 
-    /// Takes the weights of `other`, which is linear about another geometry.
+    /// Copies the weights of `other`, a linearization about another geometry.
     fn weigh_as(&mut self, other: &Self) {
         let known: HashMap<usize, f64> =
             other.walls.iter().flatten().map(|(_, factor)| (factor.record, factor.weight)).collect();
@@ -298,8 +301,8 @@ impl Linear {
         }
     }
 
-    /// Drops what does not fall in the same one of `ranges` here and in `other`, from both: a difference of likelihoods is
-    /// one only if both are of the same measurements.
+    /// Drops measurements that do not fall into the same one of `ranges` in both problems. Likelihoods are
+    /// comparable only if they are of the same measurements.
     fn keep_common(&mut self, other: &mut Self, ranges: &[Range<usize>]) {
         let range_of = |k: usize| ranges.iter().position(|range| range.contains(&k));
         let walls = |linear: &Self| -> HashMap<usize, Option<usize>> {
@@ -328,12 +331,12 @@ impl Linear {
 }
 
 impl<const M: usize> Factor<M> {
-    /// The inverse covariance with the factor's weight, where its variance is `scale` times the one stated.
+    /// Returns the weighted inverse covariance for a variance of `scale` times the stated one.
     fn scaled(&self, scale: f64) -> [[f64; M]; M] {
         self.information.map(|row| row.map(|entry| entry * self.weight / scale))
     }
 
-    /// Sets the weight by how far out the residual is.
+    /// Sets the robust weight from the size of the residual.
     fn weigh(&mut self, scale: f64) {
         let mut squared = 0.0;
         for i in 0..M {
@@ -345,10 +348,10 @@ impl<const M: usize> Factor<M> {
     }
 }
 
-/// Unknowns of a factor that has no wall.
+/// Number of variables of a factor without a wall.
 const SHORT: usize = LOCAL + WALL - GEOMETRY;
 
-/// Adds a factor to the front; one without a wall has no columns for it.
+/// Adds a factor to the front; a factor without a wall has no columns for it.
 fn add<const M: usize>(
     solver: &mut FrontalSolver,
     factor: &Factor<M>,
@@ -366,7 +369,7 @@ fn add<const M: usize>(
 }
 
 impl Reduced {
-    /// The trajectory at its best once the geometry changes by `step`.
+    /// Updates the trajectory for a change of the geometry by `step`.
     pub(super) fn moved(&self, trajectory: &Trajectory, step: &DVector<f64>) -> Trajectory {
         let mut moved = trajectory.clone();
         self.solver.back_substitute(step, |key, change| match key {

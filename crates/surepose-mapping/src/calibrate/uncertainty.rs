@@ -1,4 +1,4 @@
-//! How far from the truth the fit may be: by the model, and by how stretches of the recording disagree.
+//! Standard errors of the fit: from the model, and from the disagreement between segments of the recording.
 
 use std::ops::Range;
 
@@ -9,19 +9,19 @@ use super::fit::{Fit, NoiseCurvature};
 use super::frontal::Singular;
 use super::parameter::{COUNT, CalibrationParameter};
 
-/// How many stretches the recording is cut into.
+/// Number of segments of the recording.
 const STRETCHES: usize = 12;
 
-/// The 97.5 % quantile of Student's t with `STRETCHES` − 1 degrees of freedom over that of the normal distribution: a
-/// variance of so few stretches is itself uncertain.
+/// Ratio of the 97.5 % quantiles of Student's t with `STRETCHES` − 1 degrees of freedom and of the normal
+/// distribution. It accounts for the small number of segments.
 const STUDENT: f64 = 2.201 / 1.960;
 
-/// Walls met at different angles are seen too near or too far by as much \[m].
+/// Standard deviation of the range bias of walls at different angles of incidence \[m].
 ///
 /// Measured on simulated recordings, where it moves the laser ahead by 0.3 mm.
 const LINE_BIAS: f64 = 3e-4;
 
-/// What the fit is worth.
+/// Uncertainty of a fit.
 pub(super) struct Uncertainty {
     /// Covariance of the geometry.
     pub(super) covariance: DMatrix<f64>,
@@ -29,12 +29,13 @@ pub(super) struct Uncertainty {
     pub(super) log_delta_std: f64,
 }
 
-/// The standard errors of a fit that has converged.
+/// Computes the standard errors of a converged fit.
 ///
-/// The model's own covariance is the inverse of the normal matrix. It is right where the noise is white, as the model
-/// says; a real floor, tyre or laser errs for seconds on end. So the recording is cut into stretches, each with poses and
-/// walls of its own; if the stretches' scores g scatter more than the model's information A lets them, the variances are
-/// enlarged by the ratio of the sandwich A⁻¹(Σgg^T)A⁻¹ to A⁻¹ [White1980], clustered by stretch. They are never reduced.
+/// The model's covariance is the inverse of the normal matrix, which is valid for white noise. The errors of
+/// real floors, tires and lasers are correlated over seconds. The recording is therefore cut into segments,
+/// each with its own poses and walls. The scores g of the segments may scatter more than the model's
+/// information A allows. Variances are then enlarged by the ratio of the sandwich A⁻¹(Σgg^T)A⁻¹ to A⁻¹
+/// [White1980], clustered by segment. They are never reduced.
 pub(super) fn uncertainty(fit: &Fit<'_>) -> Result<Uncertainty, CalibrationError> {
     let linear = fit.linear(true);
     let (a, ..) = fit.normal(&linear)?;
@@ -64,7 +65,7 @@ pub(super) fn uncertainty(fit: &Fit<'_>) -> Result<Uncertainty, CalibrationError
     Ok(Uncertainty { covariance, log_delta_std: log_delta_std(&whole, &parts) })
 }
 
-/// By how much the variance of each parameter is larger than the model says.
+/// Returns the factor of each parameter's variance over that of the model.
 fn inflation(fit: &Fit<'_>, ranges: &[Range<usize>]) -> Result<[f64; COUNT], Singular> {
     let linear = fit.linear(true);
     let slopes = fit.data.latency_slopes(&linear, &fit.trajectory, &fit.geometry, fit.noise, ranges)?;
@@ -93,8 +94,8 @@ fn inflation(fit: &Fit<'_>, ranges: &[Range<usize>]) -> Result<[f64; COUNT], Sin
     let count = parts.len() as f64;
     let sandwich = &inverse * meat * &inverse * (STUDENT * STUDENT * count / (count - 1.0).max(1.0));
     Ok(core::array::from_fn(|i| {
-        // Each stretch begins at the heading that the whole recording gives it, so what the stretches say of the compass'
-        // offset is not independent, and the model's own variance stands.
+        // Each segment starts with the heading of the whole recording, so the scores of the compass offset
+        // are not independent. The model's variance is kept.
         if i == CalibrationParameter::CompassOffset as usize {
             1.0
         } else {
@@ -103,9 +104,10 @@ fn inflation(fit: &Fit<'_>, ranges: &[Range<usize>]) -> Result<[f64; COUNT], Sin
     }))
 }
 
-/// The standard error of ln δ, from the curvature of −2 log likelihood and from the slopes of the stretches.
+/// Returns the standard error of ln δ from the curvature of −2 log likelihood and the gradients of the
+/// segments.
 fn log_delta_std(whole: &NoiseCurvature, parts: &[NoiseCurvature]) -> f64 {
-    // A = ½ of the curvature is the information, g = −½ of the slope the score.
+    // A = ½ of the curvature is the information, g = −½ of the slope is the score.
     let inverse = |curvature: [[f64; 2]; 2]| {
         let [[dd, dw], [_, ww]] = curvature.map(|row| row.map(|entry| 0.5 * entry));
         let determinant = dd * ww - dw * dw;
@@ -124,7 +126,7 @@ fn log_delta_std(whole: &NoiseCurvature, parts: &[NoiseCurvature]) -> f64 {
         }
     }
     let Some(all) = inverse(sum) else { return model[0][0].sqrt() };
-    // The stretches' common best point, where their slopes sum to 0.
+    // The common optimum of the segments, where their gradients sum to 0.
     let best: [f64; 2] = core::array::from_fn(|i| -0.5 * (all[i][0] * slope[0] + all[i][1] * slope[1]));
     let mut variance = 0.0;
     for part in parts {

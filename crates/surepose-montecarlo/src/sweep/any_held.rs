@@ -1,15 +1,15 @@
-//! Whether any trial of a batch has held its goal for long enough.
+//! Detection of trials in a batch that have held their goal long enough.
 
 use surepose_simd::{Element, Kernel, dispatch_simd};
 
 use super::trial_batch::{BatchArray, TrialBatch};
 
-/// Whether any trial has been `held` for so long.
+/// Returns whether any trial has been `held` that long.
 pub(super) fn any_held<T: Element>(batch: &TrialBatch<T>, held: T) -> bool {
     dispatch_simd(Anyone(&batch.score.held, held))
 }
 
-/// Whether any number is as large as another.
+/// Kernel: whether any element is at least as large as a threshold.
 struct Anyone<'a, T: Element>(&'a BatchArray<T>, T);
 
 impl<T: Element> Kernel for Anyone<'_, T> {

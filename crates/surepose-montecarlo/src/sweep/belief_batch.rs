@@ -1,4 +1,4 @@
-//! What the trials of a batch believe, side by side, and how that is judged.
+//! Beliefs of the trials of a batch, in lanes, and their evaluation.
 
 use surepose::estimation::{Belief, Gate};
 use surepose_simd::{Element, LaneArray, Streams};
@@ -7,46 +7,46 @@ use super::bench::Start;
 use super::filter::{Filter, START_STD};
 use super::trial_batch::{BatchArray, Deviates};
 
-/// One belief for each trial, as the factors of its covariance.
+/// One belief per trial, with factored covariance.
 #[derive(Clone, Debug)]
 pub(super) struct BeliefBatch<T: Element> {
     pub(super) filter: Filter,
     pub(super) gate: Gate<f64>,
-    /// The estimated pose.
+    /// Estimated pose.
     pub(super) x: BatchArray<T>,
     pub(super) y: BatchArray<T>,
     pub(super) heading: BatchArray<T>,
     /// U₀₁, U₀₂, U₁₂ and D of the covariance.
     pub(super) upper: [BatchArray<T>; 3],
     pub(super) diagonal: [BatchArray<T>; 3],
-    /// How good the beliefs of the trial were so far.
+    /// Evaluation of the trial's beliefs so far.
     pub(super) score: BeliefAccumulator<T>,
-    /// The noise of this period: of the sensors, and last of the wheels.
+    /// Noise of this period: sensors first, wheels last.
     pub(super) deviates: [Deviates; 7],
 }
 
 /// Sums over the periods of a trial.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BeliefAccumulator<T: Element> {
-    /// Of the normalised estimation error squared.
+    /// Normalized estimation error squared (NEES).
     pub(super) nees: BatchArray<T>,
-    /// Of the squared error of the position \[m²].
+    /// Squared error of the position \[m²].
     pub(super) position: BatchArray<T>,
-    /// Of the squared error of the heading \[rad²].
+    /// Squared error of the heading \[rad²].
     pub(super) heading: BatchArray<T>,
-    /// Of measurements that the gate kept out.
+    /// Measurements rejected by the gate.
     pub(super) refused: BatchArray<T>,
 }
 
-/// Which deviate is the compass's.
+/// Index of the compass deviate.
 pub(super) const OF_COMPASS: usize = 0;
-/// Which are the distance's and the direction's of each wall.
+/// Indices of the distance and direction deviates of each wall.
 pub(super) const OF_WALLS: [[usize; 2]; 2] = [[1, 2], [3, 4]];
 
-/// Measurements in a period.
+/// Number of measurements per period.
 pub(super) const MEASUREMENTS: u64 = 3;
 
-/// What came of a trial's beliefs.
+/// Evaluation of a trial's beliefs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Consistency {
     pub(super) nees_mean: f64,
@@ -70,7 +70,7 @@ impl<T: Element> BeliefBatch<T> {
         }
     }
 
-    /// Lane `lane` begins trial `number` at `start`, which it believes as well as it knows.
+    /// Starts trial `number` in lane `lane` at `start`, with its initial belief.
     pub(super) fn begin(&mut self, lane: usize, start: &Start, seed: u64, number: u64) {
         let [x, y, turn] = start_error(seed, number);
         let pose = surepose::geometry::Pose::new(start.x + x, start.y + y, start.heading.rotated_by(turn));
@@ -90,7 +90,7 @@ impl<T: Element> BeliefBatch<T> {
         }
     }
 
-    /// How good the beliefs of lane `lane` were, in the `steps` of its trial.
+    /// Returns the evaluation of lane `lane` over the `steps` of its trial.
     pub(super) fn consistency(&self, lane: usize, steps: u64) -> Consistency {
         let mean = |sum: &BatchArray<T>| sum.0[lane].to_f64() / steps.max(1) as f64;
         Consistency {
@@ -102,7 +102,8 @@ impl<T: Element> BeliefBatch<T> {
     }
 }
 
-/// How far the first belief of trial `number` is off: from a stream of its own, so that the trial's is not moved.
+/// Draws the initial belief error of trial `number` from a separate stream, so that the trial's stream is
+/// unchanged.
 fn start_error(seed: u64, number: u64) -> [f64; 3] {
     let mut streams = Streams::<1>::default();
     streams.start(0, seed ^ 0x0BE1_1EF5, number);

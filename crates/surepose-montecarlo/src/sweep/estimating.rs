@@ -1,8 +1,8 @@
-//! One period of the full loop of every trial: the sensors, the filter, and then the bench's law and wheels.
+//! One period of the full loop of every trial: sensors, filter, law and wheels.
 //!
-//! The wheels' encoders read what the wheels were told to do, which the rims are off by the wheels' noise: the belief is
-//! carried on by the former, the robot by the latter. Each period the compass and two walls correct the belief. The
-//! filter is the core's, in lanes: its gate is a mask.
+//! Encoders read the commanded wheel speeds; the rims deviate from them by the wheels' noise. Encoders
+//! predict the belief, rims move the robot. In each period the compass and two walls correct the belief. The
+//! filter is that of the core, in lanes: its gate is a mask.
 
 use surepose::estimation::{Belief, HeadingMeasurement, Innovation, LineMeasurement};
 use surepose::geometry::{Angle, Body, Line, Map, Pose};
@@ -17,7 +17,7 @@ use super::filter::{Filter, walls};
 use super::phases;
 use super::trial_batch::{BatchArray, LaneScalar, TrialBatch};
 
-/// Carries every trial one `period` \[s] forward.
+/// Advances every trial by one `period` \[s].
 pub(super) fn step<T: Element>(
     batch: &mut TrialBatch<T>,
     beliefs: &mut BeliefBatch<T>,
@@ -26,7 +26,7 @@ pub(super) fn step<T: Element>(
     period: f64,
 ) {
     dispatch_simd(Draw(batch, beliefs));
-    // Without noise the sensors are exact, and the filter takes them to be what they always are.
+    // Without noise the sensors are exact, but the filter assumes their usual noise.
     let real = (*noise != SweepNoise::NONE).then_some(Filter::BENCH);
     dispatch_simd(Correct(batch, beliefs, OfCompass { real }));
     for (wall, deviates) in walls().into_iter().zip(OF_WALLS) {
@@ -40,7 +40,7 @@ pub(super) fn step<T: Element>(
     phases::judge(batch);
 }
 
-/// Draws this period's noise: of the sensors, and of the wheels.
+/// Kernel: draws the noise of this period for sensors and wheels.
 struct Draw<'a, T: Element>(&'a mut TrialBatch<T>, &'a mut BeliefBatch<T>);
 
 impl<T: Element> Kernel for Draw<'_, T> {
@@ -56,16 +56,16 @@ impl<T: Element> Kernel for Draw<'_, T> {
     }
 }
 
-/// Where a robot is, where it believes to be, and how it weighs what it measures.
+/// True pose, belief, and noise parameters of a measurement.
 struct Whereabouts<T: Element> {
     filter: Filter,
     truth: Pose<Map, Body, LaneScalar<T>>,
     belief: Belief<LaneScalar<T>>,
 }
 
-/// A sensor, which `M` numbers come from.
+/// A sensor with `M` measured values.
 trait Sensor<T: Element, const M: usize> {
-    /// What it measures there, compared with what is believed; `deviate` gives its noise by number.
+    /// Returns the innovation of a measurement; `deviate` returns its noise by index.
     fn innovation(
         &self,
         there: &Whereabouts<T>,
@@ -122,7 +122,7 @@ impl<T: Element> Sensor<T, 2> for OfWall<T> {
     }
 }
 
-/// Measures, and corrects the belief where the gate lets the measurement in.
+/// Kernel: measures, and corrects the belief if the gate accepts the measurement.
 struct Correct<'a, T: Element, S>(&'a TrialBatch<T>, &'a mut BeliefBatch<T>, S);
 
 impl<T: Element, S> Correct<'_, T, S> {
@@ -165,7 +165,7 @@ impl<T: Element> Kernel for Correct<'_, T, OfWall<T>> {
     }
 }
 
-/// Notes how wrong every belief is, and how wrong it says it may be.
+/// Kernel: accumulates error and NEES of every belief.
 struct Judge<'a, T: Element>(&'a TrialBatch<T>, &'a mut BeliefBatch<T>);
 
 impl<T: Element> Kernel for Judge<'_, T> {
@@ -185,7 +185,7 @@ impl<T: Element> Kernel for Judge<'_, T> {
     }
 }
 
-/// Sees the goal from where the robot believes to be.
+/// Kernel: computes the navigation variables of the goal from the belief.
 struct Look<'a, T: Element>(&'a mut TrialBatch<T>, &'a BeliefBatch<T>);
 
 impl<T: Element> Kernel for Look<'_, T> {
@@ -202,7 +202,7 @@ impl<T: Element> Kernel for Look<'_, T> {
     }
 }
 
-/// Carries every belief on by what the encoders read.
+/// Kernel: predicts every belief by the encoder readings.
 struct Predict<'a, T: Element>(&'a TrialBatch<T>, &'a mut BeliefBatch<T>, f64);
 
 impl<T: Element> Kernel for Predict<'_, T> {

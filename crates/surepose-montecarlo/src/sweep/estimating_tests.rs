@@ -1,4 +1,4 @@
-//! The full loop in lanes: consistent, and the same trials whatever the threads.
+//! The full loop in lanes: consistency, and independence of the number of threads.
 
 use surepose::control::Direction;
 use surepose_sim::CancelToken;
@@ -19,8 +19,8 @@ fn run(runs: usize, filter: Filter, change: impl FnOnce(Sweep) -> Sweep) -> Swee
     change(sweep).run(&CancelToken::default())
 }
 
-/// Mean NEES over the trials, each of which counts once, and the standard error of that mean: trials are independent,
-/// the periods of one are not.
+/// Returns the mean NEES over the trials with equal weights, and its standard error. Trials are independent,
+/// periods of a trial are not.
 fn nees(report: &SweepReport) -> (f64, f64) {
     let means: Vec<f64> = report.trials.iter().filter_map(|trial| trial.nees_mean).collect();
     let count = means.len() as f64;
@@ -29,10 +29,10 @@ fn nees(report: &SweepReport) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
-/// χ² with three degrees of freedom has the mean 3; the gate, which keeps the largest errors of the sensors out, and
-/// linearisation leave a percent.
+/// χ² with three degrees of freedom has the mean 3. The gate, which rejects the largest sensor errors, and
+/// linearization change it by about 1 %.
 #[test]
-fn the_filter_is_consistent_in_both_formats_and_at_both_periods() {
+fn the_filter_is_consistent_in_both_formats_and_periods() {
     for precision in [Precision::F32, Precision::F64] {
         for period in [0.02, 0.1] {
             let law = fitted_law(period, Direction::Auto, SweepNoise::NONE);
@@ -41,14 +41,14 @@ fn the_filter_is_consistent_in_both_formats_and_at_both_periods() {
             assert!((mean - 3.0).abs() < 0.03 + 4.0 * error, "{precision:?}, {period} s: {mean} ± {error}");
             assert!(error < 0.03, "{error}");
             let refused = report.refused_part.expect("a filter");
-            assert!((0.0005..0.0015).contains(&refused), "the gate keeps 1 in 1000 out, not {refused}");
+            assert!((0.0005..0.0015).contains(&refused), "rejected fraction {refused}, expected 0.001");
             assert_eq!(report.success_rate, Some(1.0), "{precision:?}, {period} s");
         }
     }
 }
 
 #[test]
-fn a_filter_that_is_wrong_about_its_sensors_shows_it() {
+fn wrong_sensor_noise_makes_the_filter_inconsistent() {
     let proud = Filter { wall_distance_std: 0.5 * Filter::BENCH.wall_distance_std, ..Filter::BENCH };
     let humble = Filter { delta: 4.0 * Filter::BENCH.delta, ..Filter::BENCH };
     let [proud, humble] = [proud, humble].map(|filter| nees(&run(1000, filter, |sweep| sweep)).0);
@@ -56,11 +56,11 @@ fn a_filter_that_is_wrong_about_its_sensors_shows_it() {
 }
 
 #[test]
-fn exact_sensors_leave_only_the_wheels() {
+fn with_exact_sensors_only_wheel_noise_remains() {
     let exact = run(200, Filter::BENCH, |sweep| Sweep { noise: SweepNoise::NONE, ..sweep });
     let noisy = run(200, Filter::BENCH, |sweep| sweep);
     assert!(exact.position_rmse_m < noisy.position_rmse_m, "{exact:?}");
-    // No measurement is off by more than the belief's first error.
+    // Every measurement is consistent with the initial error of the belief.
     assert!(exact.refused_part.is_some_and(|part| part < 1e-3), "{:?}", exact.refused_part);
 }
 

@@ -1,4 +1,4 @@
-//! Where the pose comes from that the law sees, and the bench's sensors.
+//! Sources of the pose that the law receives, and the benchmark's sensors.
 
 use std::f64::consts::PI;
 
@@ -9,34 +9,34 @@ use surepose::scalar::Scalar;
 
 use super::bench::DRIVE;
 
-/// Where the pose comes from that the law sees.
+/// Source of the pose that the law receives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PoseSource {
-    /// The true pose, with white noise: the bench trial.
+    /// True pose with white noise: the benchmark trial.
     #[default]
     Given,
-    /// The filter's belief, from odometry, a compass and a laser: the full loop.
+    /// Belief of the filter, from odometry, compass and laser: the full loop.
     Filtered(Filter),
 }
 
-/// What the filter takes the wheels and the sensors to be; what they are is [`Filter::BENCH`].
+/// Noise parameters of the filter; the true noise is [`Filter::BENCH`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
-    /// Variance of a wheel's speed over the speed squared: δ of [Tran2012] Eq. (15).
+    /// Relative variance of a wheel's speed: δ of [Tran2012] Eq. (15).
     pub delta: f64,
-    /// Probability that a measurement the model explains passes the gate.
+    /// Probability with which a consistent measurement passes the gate.
     pub gate_probability: f64,
     /// Standard deviation of the compass \[rad].
     pub compass_std: f64,
-    /// Standard deviation of a wall's distance, as a line fitted to a scan gives it \[m].
+    /// Standard deviation of a wall's distance from a line fitted to a scan \[m].
     pub wall_distance_std: f64,
-    /// The same of its direction \[rad].
+    /// Standard deviation of a wall's direction from a line fitted to a scan \[rad].
     pub wall_direction_std: f64,
 }
 
 impl Filter {
-    /// The bench's: wheels that are off by 5 %, a compass of 0.1°, and walls as a line through 60 beams of 30 mm at a few
-    /// metres finds them: within 5 mm and 0.25°, independently.
+    /// Noise of the benchmark: wheels with 5 %, a compass with 0.1°, and walls with 5 mm and 0.25°,
+    /// independently. The wall noise is that of a line through 60 beams of 30 mm at a few meters.
     pub const BENCH: Self = Self {
         delta: 0.0025,
         gate_probability: 0.999,
@@ -54,10 +54,10 @@ impl Filter {
     }
 }
 
-/// How far the belief of a trial is off when it begins, and knows itself to be (1 σ): x, y \[m] and heading \[rad].
+/// Standard deviations of the initial belief: x, y \[m] and heading \[rad].
 pub(super) const START_STD: [f64; 3] = [0.01, 0.01, 0.5 * PI / 180.0];
 
-/// The two walls that the laser sees wherever the robot is: ahead of the goal and to its left, beyond all starts.
+/// Returns the two walls, visible from every start: ahead of the goal and to its left.
 pub(super) fn walls<S: Scalar>() -> [Line<Map, S>; 2] {
     [0.0, 0.5 * PI].map(|direction| Line::new(S::from_f64(5.0), Angle::from_radians(S::from_f64(direction))))
 }

@@ -1,4 +1,4 @@
-//! Keeps the lanes of a batch filled: a trial that ends makes room for the next.
+//! Scheduler of a batch: a lane whose trial ends takes the next trial.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,29 +14,29 @@ use super::trial::TrialResult;
 use super::trial_batch::{LANES, TrialBatch};
 use super::{estimating, phases};
 
-/// How many lanes are looked at together for one whose trial ends.
+/// Number of lanes that one check for ended trials covers.
 const GROUP: usize = 16;
 
-/// For how many results there is room before the first one comes: Ctrl-C may end a sweep that asks for far more.
+/// Maximum number of results allocated in advance; a sweep may be canceled long before its end.
 const MAX_RESERVED: usize = 1 << 20;
 
-/// The trial that a lane is driving.
+/// Trial that a lane simulates.
 #[derive(Clone, Copy, Debug)]
 struct ActiveTrial {
     start_index: usize,
-    /// The period at which it began, of the batch's.
+    /// Period of the batch at which it started.
     began: u64,
 }
 
-/// What a scheduler has driven.
+/// Trials of a scheduler.
 pub(super) struct CompletedTrials {
-    /// The trials that have ended, in any order.
+    /// Ended trials, in any order.
     pub(super) ended: Vec<TrialResult>,
-    /// The first of those that were under way when the cancel token stopped it.
+    /// First unfinished trial at cancellation; `None` if all ended.
     pub(super) under_way: Option<usize>,
 }
 
-/// Takes trials from `next` until none is left, or the cancel token stops it.
+/// Runs trials from `next` until none is left or until canceled.
 pub(super) fn run_trials<T: Element>(
     sweep: &Sweep,
     termination: Termination,
@@ -75,17 +75,17 @@ struct LaneScheduler<'a, T: Element> {
     termination: Termination,
     next: &'a AtomicUsize,
     batch: Box<TrialBatch<T>>,
-    /// What the trials believe, where a filter tells the law where the robot is.
+    /// Beliefs of the trials, if a filter estimates the pose.
     beliefs: Option<Box<BeliefBatch<T>>>,
     under: [Option<ActiveTrial>; LANES],
     active: usize,
     now: u64,
-    /// No trial's time is up before this.
+    /// Earliest period at which a trial times out.
     deadline: u64,
 }
 
 impl<T: Element> LaneScheduler<'_, T> {
-    /// Lane `lane` takes the next trial, or rests if there is none.
+    /// Starts the next trial in lane `lane`; the lane idles if there is none.
     fn take(&mut self, lane: usize) {
         let start_index = self.next.fetch_add(1, Ordering::Relaxed);
         let Some(start) = self.sweep.starts.nth(self.sweep.seed, start_index) else {
@@ -102,7 +102,7 @@ impl<T: Element> LaneScheduler<'_, T> {
         self.deadline = self.deadline.min(self.now + self.termination.most);
     }
 
-    /// One period of all trials.
+    /// Advances all trials by one period.
     fn step(&mut self, done: &mut Vec<TrialResult>, cancel: &CancelToken) {
         let Sweep { law, noise, period, .. } = self.sweep;
         match &mut self.beliefs {
@@ -115,7 +115,7 @@ impl<T: Element> LaneScheduler<'_, T> {
         if due {
             self.deadline = u64::MAX;
         }
-        // Often no trial ends: one look at all lanes says so. Else a look at each group of them finds whose it is.
+        // Usually no trial ends, which one check of all lanes detects; otherwise each group is checked.
         if !due && !any_held(&self.batch, held) {
             return;
         }
@@ -132,7 +132,7 @@ impl<T: Element> LaneScheduler<'_, T> {
         }
     }
 
-    /// Ends the trial of `lane` if it is to end, and takes another.
+    /// Ends the trial of `lane` if it succeeded or timed out, and starts another.
     fn end(&mut self, lane: usize, done: &mut Vec<TrialResult>, cancel: &CancelToken) {
         let Some(ActiveTrial { start_index, began }) = self.under[lane] else { return };
         let steps = self.now - began;

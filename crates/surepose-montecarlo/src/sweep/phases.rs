@@ -1,7 +1,7 @@
-//! One period of every trial of a batch, in short loops.
+//! One period of every trial of a batch, as a sequence of short loops.
 //!
-//! Each loop is compiled into vector instructions. They are short so that the processor can work on many turns of a
-//! loop at once: a trial's period is one long chain of operations that wait for each other.
+//! Each loop compiles to vector instructions. Short loops let the processor overlap many iterations; a whole
+//! period of a trial is one long dependency chain.
 
 use surepose::control::{
     ActiveMode, DirectedError, Direction, HybridLaw, HybridState, Law, NavigationVariables,
@@ -14,7 +14,7 @@ use surepose_simd::{Element, Kernel, dispatch_simd};
 use super::bench::{DRIVE, HEADING_TOLERANCE, POSITION_TOLERANCE, SweepNoise, limits};
 use super::trial_batch::{BatchArray, LaneScalar, TrialBatch};
 
-/// Carries every trial one `period` \[s] forward.
+/// Advances every trial by one `period` \[s].
 pub(super) fn step<T: Element>(batch: &mut TrialBatch<T>, law: &Law<f64>, noise: &SweepNoise, period: f64) {
     let noise = (*noise != SweepNoise::NONE).then_some(noise);
     if noise.is_some() {
@@ -26,25 +26,25 @@ pub(super) fn step<T: Element>(batch: &mut TrialBatch<T>, law: &Law<f64>, noise:
     judge(batch);
 }
 
-/// Asks the law what every trial's robot shall do.
+/// Computes the law's command for every trial.
 pub(super) fn decide<T: Element>(batch: &mut TrialBatch<T>, law: &Law<f64>) {
     dispatch_simd(Ask(batch, law, SelectDirection));
     dispatch_simd(Ask(batch, law, SelectMode));
     dispatch_simd(Ask(batch, law, ComputeForMode));
 }
 
-/// Does it for one `period` \[s], as exactly as the wheels do.
+/// Applies the commands for one `period` \[s], with the noise of the wheels.
 pub(super) fn drive<T: Element>(batch: &mut TrialBatch<T>, noise: Option<&SweepNoise>, period: f64) {
-    dispatch_simd(Drive(batch, noise, period));
+    dispatch_simd(ApplyCommand(batch, noise, period));
     dispatch_simd(Move(batch));
 }
 
-/// Notes what came of it.
+/// Updates success and statistics of every trial.
 pub(super) fn judge<T: Element>(batch: &mut TrialBatch<T>) {
     dispatch_simd(Judge(batch));
 }
 
-/// Draws this period's noise.
+/// Kernel: draws the noise of this period.
 struct Draw<'a, T: Element>(&'a mut TrialBatch<T>);
 
 impl<T: Element> Kernel for Draw<'_, T> {
@@ -57,7 +57,7 @@ impl<T: Element> Kernel for Draw<'_, T> {
     }
 }
 
-/// Sees the goal from the estimated pose.
+/// Kernel: computes the navigation variables from the estimated pose.
 struct Look<'a, T: Element>(&'a mut TrialBatch<T>, Option<&'a SweepNoise>);
 
 impl<T: Element> Kernel for Look<'_, T> {
@@ -102,7 +102,8 @@ impl<T: Element> TrialBatch<T> {
         self.estimated.set(k, estimate.heading.radians());
     }
 
-    /// What [`see`](Self::see) saw. α is a difference that the next loop makes as well, and this one is the longest.
+    /// Returns the variables stored by [`see`](Self::see). α is recomputed by the next loop, because this
+    /// loop is the longest.
     #[inline(always)]
     fn seen(&self, k: usize) -> NavigationVariables<LaneScalar<T>> {
         let (bearing, heading) = (self.bearing.get(k), self.estimated.get(k));
@@ -129,7 +130,7 @@ impl<T: Element> TrialBatch<T> {
             },
             cos: self.cos.get(k),
             sinc: self.sinc.get(k),
-            // θ − θ₂, and the goal's heading is 0.
+            // θ − θ₂ with a goal heading of 0.
             heading_error: Angle::from_radians_unchecked(self.estimated.get(k)),
             reverse: self.reverse.mask(k),
         }
@@ -167,13 +168,13 @@ impl<T: Element> TrialBatch<T> {
     }
 }
 
-/// Which step of the law's decision a loop takes.
+/// Stage of the law that a loop computes.
 trait Step {
-    /// Takes it for the robot of lane `k`.
+    /// Computes it for the robot of lane `k`.
     fn robot<T: Element>(batch: &mut TrialBatch<T>, law: &Law<LaneScalar<T>>, k: usize);
 }
 
-/// Decides which end goes first.
+/// Selects the direction of travel.
 struct SelectDirection;
 
 impl Step for SelectDirection {
@@ -188,7 +189,7 @@ impl Step for SelectDirection {
     }
 }
 
-/// Decides which law is in charge.
+/// Selects the active law.
 struct SelectMode;
 
 impl Step for SelectMode {
@@ -202,7 +203,7 @@ impl Step for SelectMode {
     }
 }
 
-/// Decides how the end that goes first moves.
+/// Computes the command of the active law.
 struct ComputeForMode;
 
 impl Step for ComputeForMode {
@@ -216,7 +217,7 @@ impl Step for ComputeForMode {
     }
 }
 
-/// Asks the law for one step of its decision.
+/// Kernel: runs one stage of the law.
 struct Ask<'a, T: Element, H>(&'a mut TrialBatch<T>, &'a Law<f64>, H);
 
 impl<T: Element, H: Step> Kernel for Ask<'_, T, H> {
@@ -225,7 +226,8 @@ impl<T: Element, H: Step> Kernel for Ask<'_, T, H> {
     #[inline(always)]
     fn run(self) {
         let Self(batch, law, _) = self;
-        // Which law it is, which way it goes and whether it rests are the same for all: a loop for each keeps that out of it.
+        // Variant, direction and deadband of the law are the same in all lanes: one specialized loop for
+        // each.
         match law.cast::<LaneScalar<T>>() {
             Law::Tran2012(law) => all::<T, H>(batch, &Law::Tran2012(law)),
             Law::Hybrid(law) => match law.direction {
@@ -257,17 +259,18 @@ fn all<T: Element, H: Step>(batch: &mut TrialBatch<T>, law: &Law<LaneScalar<T>>)
     }
 }
 
-/// Turns the wheels, within their limits and as inexactly as they do.
-struct Drive<'a, T: Element>(&'a mut TrialBatch<T>, Option<&'a SweepNoise>, f64);
+/// Kernel: applies wheel limits and noise.
+struct ApplyCommand<'a, T: Element>(&'a mut TrialBatch<T>, Option<&'a SweepNoise>, f64);
 
-impl<T: Element> Kernel for Drive<'_, T> {
+impl<T: Element> Kernel for ApplyCommand<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self(batch, noise, period) = self;
         let (drive, limits, period) = (DRIVE.cast(), limits().cast(), LaneScalar::<T>::from_f64(period));
-        // What the limits leave of a twist, held for a period, is the whole twist held for that part of it.
+        // Limits scale a twist; held for a period, this equals the whole twist held for a fraction of the
+        // period.
         if let Some(noise) = noise {
             let (one, std) = (LaneScalar::<T>::from_f64(1.0), LaneScalar::<T>::from_f64(noise.wheels));
             for k in BatchArray::<T>::rows::<1>() {
@@ -293,7 +296,7 @@ impl<T: Element> Kernel for Drive<'_, T> {
     }
 }
 
-/// Moves as far as the wheels turn.
+/// Kernel: integrates the motion of the wheels.
 struct Move<'a, T: Element>(&'a mut TrialBatch<T>);
 
 impl<T: Element> Kernel for Move<'_, T> {
@@ -307,7 +310,7 @@ impl<T: Element> Kernel for Move<'_, T> {
     }
 }
 
-/// Notes how often every robot turned its travel round, and whether it is inside the tolerance.
+/// Kernel: counts reversals, and checks the tolerance.
 struct Judge<'a, T: Element>(&'a mut TrialBatch<T>);
 
 impl<T: Element> Kernel for Judge<'_, T> {
@@ -324,7 +327,7 @@ impl<T: Element> Kernel for Judge<'_, T> {
             let (held, held_path, held_turns) =
                 (score.held.get(k), score.held_path.get(k), score.held_turns.get(k));
 
-            // A leg ends where the speed that the wheels are told changes its sign, a rest between left out.
+            // A leg ends where the commanded speed changes its sign; zero speed in between is ignored.
             let (moving, turned) = (speed.abs().gt(zero), (speed * legs).lt(zero));
             let turn = LaneScalar::select(turned, one, zero);
             let number = legs.abs().max(LaneScalar::select(moving, one, zero)) + turn;
@@ -347,7 +350,7 @@ impl<T: Element> Kernel for Judge<'_, T> {
 mod tests {
     use super::{Judge, TrialBatch, dispatch_simd};
 
-    /// Cusps of a robot in a lane in the middle that is told `speeds`, `x` \[m] from the goal.
+    /// Returns the cusps of a robot in a middle lane with commanded `speeds`, at `x` \[m] from the goal.
     fn cusps_at(x: f64, speeds: &[f64]) -> f64 {
         let mut batch = TrialBatch::<f64>::default();
         batch.x.0[77] = x;
@@ -355,27 +358,28 @@ mod tests {
             batch.v.0[77] = *speed;
             dispatch_simd(Judge(&mut batch));
         }
-        assert!(batch.score.legs.0[76].abs() < 0.5, "the neighbour stands still");
+        assert!(batch.score.legs.0[76].abs() < 0.5, "the neighbor has no cusps");
         batch.score.cusps(77)
     }
 
     #[test]
-    fn a_cusp_is_a_change_of_the_speeds_sign() {
+    fn a_cusp_is_a_sign_change_of_the_speed() {
         let close = |a: f64, b: f64| (a - b).abs() < 0.5;
         let cusps = |speeds: &[f64]| cusps_at(1.0, speeds);
         assert!(close(cusps(&[0.1; 20]), 0.0));
         assert!(close(cusps(&[0.1, 0.1, -0.1, -0.1]), 1.0));
         assert!(close(cusps(&[0.1, -1e-6, 1e-6, -0.1]), 3.0));
-        // A rest is none, neither is the start's.
+        // Zero speed is not a cusp, nor is the start.
         assert!(close(cusps(&[0.0, -0.1, 0.0, 0.0, -0.1]), 0.0));
         assert!(close(cusps(&[-0.1, 0.0, 0.0, 0.1]), 1.0));
     }
 
     #[test]
-    fn way_and_cusps_of_a_robot_that_holds_the_goal_do_not_count() {
+    fn path_and_cusps_while_holding_the_goal_do_not_count() {
         assert!(cusps_at(0.0, &[0.1, -0.1, 0.1]).abs() < 0.5);
         let mut batch = TrialBatch::<f64>::default();
-        // It comes inside, leaves again, comes inside to stay, and holds the goal for one more period.
+        // The robot enters the tolerance, leaves it, enters it for good, and holds the goal for one more
+        // period.
         for (x, speed) in [(1.0, 0.1), (0.0, -0.1), (0.0, 0.1), (1.0, 0.1), (0.0, -0.1), (0.0, 0.1)] {
             (batch.x.0[3], batch.v.0[3], batch.length.0[3]) = (x, speed, speed * 0.02);
             dispatch_simd(Judge(&mut batch));

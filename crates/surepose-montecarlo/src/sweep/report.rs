@@ -1,27 +1,27 @@
-//! What a sweep found, in the keys of the command line's contract.
+//! Report of a sweep, named as in the command line's JSON.
 
 use serde::Serialize;
 
 use super::trial::Trial;
 
-/// Median, 95 % quantile and largest of a number over the trials.
+/// Median, 95 % quantile and maximum over the trials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quantiles {
-    /// Half of the trials have at most this.
+    /// Median.
     pub p50: f64,
-    /// 95 % of the trials have at most this.
+    /// 95 % quantile.
     pub p95: f64,
-    /// No trial has more.
+    /// Maximum.
     pub max: f64,
 }
 
 impl Quantiles {
-    /// The spread of `values`; none of nothing.
+    /// Computes the quantiles of `values`; `None` if there are no values.
     pub fn from_values(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
         let max = *sorted.last()?;
-        // The smallest value that a part `q` of all does not exceed.
+        // The smallest value that is not below a fraction `q` of all.
         let quantile = |q: f64| {
             let rank = (q * sorted.len() as f64).ceil() as usize;
             sorted.get(rank.saturating_sub(1)).copied().unwrap_or(max)
@@ -30,50 +30,50 @@ impl Quantiles {
     }
 }
 
-/// What a sweep found.
+/// Results of a sweep.
 ///
-/// `time_s`, `time_ratio`, `path_ratio` and `cusps_mean` are over the trials that succeeded, up to the moment when the
-/// robot came inside the tolerance to stay; the final errors are over all trials, when they ended.
+/// `time_s`, `time_ratio`, `path_ratio` and `cusps_mean` are over the successful trials, up to the final
+/// entry into the tolerance. Final errors are over all trials, at their end.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SweepReport {
-    /// Trials that were run.
+    /// Number of trials.
     pub runs: usize,
-    /// The part of them that succeeded; absent where none was run.
+    /// Fraction of successful trials; `None` without trials.
     pub success_rate: Option<f64>,
-    /// Periods that were driven in all of them.
+    /// Simulated periods of all trials.
     pub steps: u64,
-    /// How long that took \[s]; the bounds that the times are compared with are worked out after it.
+    /// Duration of the simulation \[s], without the computation of optimal times.
     pub wall_s: f64,
-    /// Periods per second of wall time.
+    /// Periods per second of `wall_s`.
     pub steps_per_s: f64,
     /// Time to the goal \[s].
     pub time_s: Option<Quantiles>,
-    /// That time over the least possible.
+    /// Time to the goal over the optimal time.
     pub time_ratio: Option<Quantiles>,
-    /// The way over the distance.
+    /// Path length over the distance of start and goal.
     pub path_ratio: Option<Quantiles>,
-    /// Distance from the goal in the end \[m].
+    /// Distance to the goal at the end \[m].
     pub final_position_error_m: Option<Quantiles>,
-    /// Heading error in the end \[°].
+    /// Heading error at the end \[°].
     pub final_heading_error_deg: Option<Quantiles>,
-    /// Changes of the speed's sign, in the mean.
+    /// Mean number of reversals.
     pub cusps_mean: Option<f64>,
-    /// The normalised estimation error squared in the mean over all periods, 3 where the filter is consistent; none
-    /// without a filter.
+    /// Mean of the normalized estimation error squared (NEES) over all periods, 3 for a consistent filter;
+    /// `None` without a filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_mean: Option<f64>,
-    /// Root mean square of the error of the estimated position over all periods \[m]; none without a filter.
+    /// Root mean square error of the estimated position over all periods \[m]; `None` without a filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_rmse_m: Option<f64>,
-    /// The same of the estimated heading \[°].
+    /// Root mean square error of the estimated heading over all periods \[°]; `None` without a filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heading_rmse_deg: Option<f64>,
-    /// The part of the measurements that the gate kept out; none without a filter.
+    /// Fraction of the measurements that the gate rejected; `None` without a filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused_part: Option<f64>,
-    /// What all randomness came from.
+    /// Seed of all randomness.
     pub seed: u64,
-    /// Every trial, in the order of the starts.
+    /// All trials, ordered by start.
     #[serde(skip)]
     pub trials: Vec<Trial>,
 }
@@ -85,7 +85,7 @@ impl SweepReport {
             |value: fn(&Trial) -> Option<f64>| Quantiles::from_values(trials.iter().filter_map(value));
         let mean =
             |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
-        // A trial weighs as much as it has periods.
+        // A trial is weighted by its number of periods.
         let over_periods = |value: fn(&Trial) -> Option<f64>| {
             let sum: Option<f64> = trials.iter().map(|trial| Some(value(trial)? * trial.steps as f64)).sum();
             sum.filter(|_| steps > 0).map(|sum| sum / steps as f64)

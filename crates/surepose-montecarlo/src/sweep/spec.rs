@@ -1,22 +1,22 @@
-//! What to sweep: the starts, the law, the noise, the numbers' precision.
+//! Parameters of a sweep: start poses, law, noise, number format.
 
 use surepose::control::Law;
 
 use super::bench::{self, Start, SweepNoise};
 use super::filter::PoseSource;
 
-/// Where the trials start.
+/// Start poses of the trials.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Starts {
-    /// This many, uniform in [−3, 3]² × [−180°, 180°].
+    /// A number of poses, uniform in [−3, 3]² × [−180°, 180°].
     Random(usize),
-    /// These.
+    /// Given poses.
     Given(Vec<Start>),
 }
 
 impl Starts {
-    /// This many within 20 cm of the goal in x and y, at any heading: where laws hand over, and where a random start is
-    /// once in 225 times.
+    /// Draws `count` starts within 20 cm of the goal in x and y, at any heading. There the laws switch; one
+    /// of 225 random starts lies in this area.
     pub fn near_goal(count: usize, seed: u64) -> Self {
         let near = |number| {
             let far = bench::random_start(seed, number);
@@ -25,7 +25,7 @@ impl Starts {
         Self::Given((0..count).map(near).collect())
     }
 
-    /// How many.
+    /// Returns the number of starts.
     pub fn len(&self) -> usize {
         match self {
             Self::Random(count) => *count,
@@ -33,7 +33,7 @@ impl Starts {
         }
     }
 
-    /// The start of trial `number`, if there is one.
+    /// Returns the start of trial `number`; `None` if there is none.
     pub(super) fn nth(&self, seed: u64, number: usize) -> Option<Start> {
         match self {
             Self::Random(count) => (number < *count).then(|| bench::random_start(seed, number)),
@@ -41,39 +41,39 @@ impl Starts {
         }
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no starts.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// The numbers that the loop is computed with, in SIMD lanes.
+/// Number format of the loop, in SIMD lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Four bytes: the microcontroller's.
+    /// Four bytes: microcontrollers.
     F32,
-    /// Eight bytes: the robot's.
+    /// Eight bytes: robots with an application processor.
     #[default]
     F64,
 }
 
-/// What to sweep.
+/// Parameters of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Where the trials start.
+    /// Start poses.
     pub starts: Starts,
-    /// The law, its gains included.
+    /// Control law with its gains.
     pub law: Law<f64>,
-    /// Time between ticks \[s], positive.
+    /// Control period \[s], positive.
     pub period: f64,
-    /// What is wrong with the estimate and the wheels.
+    /// Noise of the estimate and of the wheels.
     pub noise: SweepNoise,
-    /// Where the pose comes from that the law sees.
+    /// Source of the pose that the law receives.
     pub estimate: PoseSource,
-    /// What the loop is computed with.
+    /// Number format.
     pub precision: Precision,
-    /// How many threads, at least 1.
+    /// Number of threads, at least 1.
     pub threads: usize,
-    /// What all randomness comes from.
+    /// Seed of all randomness.
     pub seed: u64,
 }

@@ -21,9 +21,9 @@ fn run(sweep: &Sweep) -> SweepReport {
     sweep.run(&CancelToken::default())
 }
 
-/// The figures that the default law is held to, at both periods.
+/// Required figures of the default law at both periods.
 #[test]
-fn the_default_law_keeps_its_figures() {
+fn the_default_law_meets_its_required_figures() {
     for (period, noise, [p50, p95]) in [
         (0.02, SweepNoise::NONE, [1.01, 1.03]),
         (0.02, SweepNoise::BENCH, [1.11, 1.22]),
@@ -34,23 +34,23 @@ fn the_default_law_keeps_its_figures() {
         let report = SweepReport { trials: Vec::new(), ..report };
         let case = format!("{period} s, {noise:?}: {report:?}");
         assert_eq!(report.success_rate, Some(1.0), "{case}");
-        let some = |spread: Option<Quantiles>| spread.expect("some succeeded");
+        let some = |spread: Option<Quantiles>| spread.expect("successful trials");
         let (ratio, path) = (some(report.time_ratio), some(report.path_ratio));
         assert!(ratio.p50 <= p50 && ratio.p95 <= p95 && path.p50 <= 1.02, "{case}");
-        let cusps = report.cusps_mean.expect("some succeeded");
+        let cusps = report.cusps_mean.expect("successful trials");
         assert!(cusps <= if noise == SweepNoise::NONE { 0.3 } else { 2.0 }, "{case}");
         assert!(some(report.final_position_error_m).p95 <= 0.0045, "{case}");
         assert!(some(report.final_heading_error_deg).p95 <= 0.2, "{case}");
     }
 }
 
-/// What makes the robot rest is being told of the noise.
+/// With a given noise level the law has a deadband.
 #[test]
-fn a_law_that_is_not_told_of_noise_follows_it() {
-    let told = sweep(300, 0.02, SweepNoise::BENCH);
-    let untold = Sweep { law: fitted_law(0.02, Direction::Auto, SweepNoise::NONE), ..told.clone() };
-    let [told, untold] = [told, untold].map(|sweep| run(&sweep).cusps_mean.expect("some succeeded"));
-    assert!(told < 3.0 && untold > 15.0, "{told} told, {untold} untold");
+fn without_a_noise_parameter_the_law_follows_the_noise() {
+    let aware = sweep(300, 0.02, SweepNoise::BENCH);
+    let unaware = Sweep { law: fitted_law(0.02, Direction::Auto, SweepNoise::NONE), ..aware.clone() };
+    let [aware, unaware] = [aware, unaware].map(|sweep| run(&sweep).cusps_mean.expect("successful trials"));
+    assert!(aware < 3.0 && unaware > 15.0, "cusps: {aware} with the noise parameter, {unaware} without");
 }
 
 #[test]
@@ -64,9 +64,9 @@ fn every_direction_of_approach_and_both_formats_succeed() {
     }
 }
 
-/// Saturation of the wheels keeps the paper's law from diverging without noise. With noise it rarely comes to rest.
+/// Wheel saturation keeps the paper's law from diverging without noise; with noise it rarely comes to rest.
 #[test]
-fn the_papers_law_wants_no_noise() {
+fn the_papers_law_fails_under_noise() {
     let law = Law::Tran2012(Tran2012Law {
         gains: Gains::tran2012(),
         capture_radius: 0.01,
@@ -74,11 +74,11 @@ fn the_papers_law_wants_no_noise() {
     });
     let [clean, noisy] = [SweepNoise::NONE, SweepNoise::BENCH]
         .map(|noise| run(&Sweep { law, ..sweep(50, 0.02, noise) }).success_rate.unwrap_or(0.0));
-    assert!(clean > 0.99 && noisy < 0.5, "{clean} without noise, {noisy} with");
+    assert!(clean > 0.99 && noisy < 0.5, "success rates: {clean} without noise, {noisy} with noise");
 }
 
 #[test]
-fn threads_and_watching_change_no_result() {
+fn threads_and_progress_do_not_change_results() {
     let one = run(&Sweep { threads: 1, ..sweep(200, 0.1, SweepNoise::BENCH) });
     let four = run(&Sweep { threads: 4, ..sweep(200, 0.1, SweepNoise::BENCH) });
     assert_eq!(one.trials, four.trials);
@@ -87,16 +87,17 @@ fn threads_and_watching_change_no_result() {
 }
 
 #[test]
-fn a_sweep_that_is_stopped_at_once_has_no_figures() {
+fn a_sweep_canceled_at_once_has_no_figures() {
     let cancel = CancelToken::default();
     cancel.cancel();
     let report = sweep(1000, 0.1, SweepNoise::NONE).run(&cancel);
     assert!(report.runs == 0 && report.time_s.is_none() && report.success_rate.is_none());
 }
 
-/// Half of these trials fail, which takes ten times as long as to succeed: what is kept must not be those that were quick.
+/// Half of these trials fail, which takes ten times longer: a canceled sweep must not be biased to quick
+/// trials.
 #[test]
-fn a_stopped_sweep_keeps_the_trials_that_a_shorter_one_has() {
+fn a_canceled_sweep_equals_a_shorter_one() {
     let law = Law::Tran2012(Tran2012Law {
         gains: Gains::tran2012(),
         capture_radius: 0.033,
@@ -120,7 +121,7 @@ fn a_stopped_sweep_keeps_the_trials_that_a_shorter_one_has() {
 }
 
 #[test]
-fn given_starts_are_driven_from() {
+fn trials_use_the_given_starts() {
     let starts = vec![
         Start::new(-1.0, 0.0, Angle::zero()),
         Start::new(0.0, 0.0, Angle::zero()),
@@ -129,7 +130,7 @@ fn given_starts_are_driven_from() {
     let report = run(&Sweep { starts: Starts::Given(starts), ..sweep(0, 0.02, SweepNoise::NONE) });
     assert_eq!((report.runs, report.success_rate), (3, Some(1.0)));
     let [ahead, there, round] = [0, 1, 2].map(|k| report.trials[k]);
-    // 0.99 m at 0.3 m/s, and a little for slowing down.
+    // 0.99 m at 0.3 m/s, and some time for braking.
     assert!(ahead.time_s.is_some_and(|time| (3.3..3.5).contains(&time)), "{ahead:?}");
     assert_eq!((there.time_s, there.time_ratio(), there.steps), (Some(0.0), None, 50));
     // Half a turn at 1 rad/s.
@@ -137,8 +138,8 @@ fn given_starts_are_driven_from() {
 }
 
 #[test]
-fn the_report_has_the_contracts_keys() {
-    let json = serde_json::to_value(run(&sweep(20, 0.1, SweepNoise::BENCH))).expect("plain data");
+fn the_report_has_the_documented_keys() {
+    let json = serde_json::to_value(run(&sweep(20, 0.1, SweepNoise::BENCH))).expect("serializable data");
     for key in [
         "runs",
         "success_rate",

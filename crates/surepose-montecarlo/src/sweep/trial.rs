@@ -1,4 +1,4 @@
-//! What came of one trial.
+//! Result of one trial.
 
 use serde::Serialize;
 use surepose::geometry::Angle;
@@ -8,27 +8,27 @@ use super::belief_batch::Consistency;
 use super::bench::{DRIVE, Termination, limits};
 use super::spec::Sweep;
 
-/// A trial that ended, in few numbers: what can be worked out from them waits until all have ended.
+/// Raw result of a trial; derived figures are computed after all trials have ended.
 #[derive(Clone, Debug)]
 pub(super) struct TrialResult {
-    /// Its place among the starts.
+    /// Index of the start.
     pub(super) start_index: usize,
-    /// Periods that were driven.
+    /// Number of simulated periods.
     pub(super) steps: u64,
     /// Whether the goal was held.
     pub(super) success: bool,
-    /// The pose at the end.
+    /// Pose at the end.
     pub(super) x: f64,
     pub(super) y: f64,
     pub(super) heading: f64,
-    /// Way \[m] and reversals until the robot came inside the tolerance.
+    /// Path length \[m] and reversals until the final entry into the tolerance.
     pub(super) path: f64,
     pub(super) cusps: f64,
-    /// How good its beliefs were, if it had any.
+    /// Evaluation of the beliefs; `None` without a filter.
     pub(super) belief: Option<Box<Consistency>>,
 }
 
-/// How a trial went.
+/// Figures of one trial.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trial {
     /// Start x \[m].
@@ -37,34 +37,34 @@ pub struct Trial {
     pub start_y_m: f64,
     /// Start heading \[°].
     pub start_heading_deg: f64,
-    /// Whether the goal was held before the time was up.
+    /// Whether the goal was held before the timeout.
     pub success: bool,
-    /// Periods that were driven.
+    /// Number of simulated periods.
     pub steps: u64,
-    /// When the robot came inside the tolerance to stay \[s]; none where it failed.
+    /// Time of the final entry into the tolerance \[s]; `None` for a failure.
     pub time_s: Option<f64>,
-    /// The least time in which any controller could have been on the goal \[s].
+    /// Time of the time-optimal trajectory \[s].
     pub optimal_time_s: f64,
-    /// How far it had driven by then \[m].
+    /// Path length until then \[m]; `None` for a failure.
     pub path_m: Option<f64>,
-    /// How often it had reversed by then.
+    /// Number of reversals until then; `None` for a failure.
     pub cusps: Option<f64>,
-    /// Distance from the goal at the end of the hold, or of the time \[m].
+    /// Distance to the goal at the end of the hold or at the timeout \[m].
     pub final_position_error_m: f64,
-    /// Heading error then \[°].
+    /// Heading error at that time \[°].
     pub final_heading_error_deg: f64,
-    /// The normalised estimation error squared, in the mean over the trial; none without a filter.
+    /// Mean of the normalized estimation error squared (NEES) over the trial; `None` without a filter.
     pub nees_mean: Option<f64>,
-    /// Root mean square of the error of the estimated position over the trial \[m]; none without a filter.
+    /// Root mean square error of the estimated position over the trial \[m]; `None` without a filter.
     pub position_rmse_m: Option<f64>,
-    /// The same of the estimated heading \[°].
+    /// Root mean square error of the estimated heading over the trial \[°]; `None` without a filter.
     pub heading_rmse_deg: Option<f64>,
-    /// The part of the measurements that the gate kept out; none without a filter.
+    /// Fraction of the measurements that the gate rejected; `None` without a filter.
     pub refused_part: Option<f64>,
 }
 
 impl Trial {
-    /// What came of a trial of `sweep`, with the least time that it could have taken; none where it has no start.
+    /// Computes the figures of a trial of `sweep`; `None` if its start does not exist.
     pub(super) fn from_result(ended: &TrialResult, sweep: &Sweep, termination: Termination) -> Option<Self> {
         let start = sweep.starts.nth(sweep.seed, ended.start_index)?;
         let belief = ended.belief.as_deref();
@@ -87,12 +87,12 @@ impl Trial {
         })
     }
 
-    /// Time over the least time; none for a failure, and for a start on the goal.
+    /// Returns time over optimal time; `None` for a failure and for a start at the goal.
     pub fn time_ratio(&self) -> Option<f64> {
         self.time_s.filter(|_| self.optimal_time_s > 0.0).map(|time| time / self.optimal_time_s)
     }
 
-    /// Way over the distance of the start; none for a failure, and for a start on the goal.
+    /// Returns path length over start distance; `None` for a failure and for a start at the goal.
     pub fn path_ratio(&self) -> Option<f64> {
         let distance = self.start_x_m.hypot(self.start_y_m);
         self.path_m.filter(|_| distance > 0.0).map(|path| path / distance)

@@ -1,4 +1,4 @@
-//! The rounds of the search.
+//! Rounds of the search.
 
 use surepose::control::Law;
 use surepose_sim::CancelToken;
@@ -8,36 +8,36 @@ use crate::sweep::{Starts, Sweep, SweepReport};
 use super::candidate::{GainCandidate, NUMBERS, deviates, seed_of_round};
 use super::spec::{Tune, slowest, stressed};
 
-/// Candidates that a round draws.
+/// Number of candidates per round.
 const DRAWN: usize = 16;
-/// How many of them are driven from all starts; the others only from a quarter.
+/// Number of candidates simulated from all starts; the others use a quarter of them.
 const FINALISTS: usize = 4;
-/// Certificates that a round asks for at most: where that many of its best are refused, it was too bold.
+/// Maximum number of certificates per round; if that many candidates are refused, the step was too large.
 const ASKED: usize = 2;
-/// Starts of the first round, and of the longest.
+/// Number of starts of the first and of the largest round.
 const STARTS: (usize, usize) = (1000, 16_000);
-/// Standard deviation of the steps in the first round and in the last, in logarithms.
+/// Standard deviation of the steps in the first and in the last round, in logarithms.
 const STEP: (f64, f64) = (0.35, 0.05);
 
 pub(super) struct Search<'a> {
     tune: &'a Tune,
     accepts: &'a dyn Fn(&Law<f64>) -> bool,
     cancel: &'a CancelToken,
-    /// Round what the next candidates are drawn.
-    centre: GainCandidate,
-    /// Every best one so far, all of them certified; the last is the best.
+    /// Center of the next candidates.
+    center: GainCandidate,
+    /// All certified best candidates so far; the last is the best.
     certified: Vec<GainCandidate>,
     candidates: usize,
     certificates: usize,
 }
 
-/// A candidate, and what it takes.
+/// A candidate with its figures.
 #[derive(Clone, Copy)]
 struct Rated {
     candidate: GainCandidate,
-    /// Less is better.
+    /// Cost; lower is better.
     cost: f64,
-    /// The time of the slowest trial \[s].
+    /// Maximum time of a trial \[s]; `None` if no trial succeeded.
     slowest: Option<f64>,
 }
 
@@ -47,11 +47,11 @@ impl<'a> Search<'a> {
         accepts: &'a dyn Fn(&Law<f64>) -> bool,
         cancel: &'a CancelToken,
     ) -> Self {
-        let centre = GainCandidate::from_law(&tune.sweep.law);
-        Self { tune, accepts, cancel, centre, certified: Vec::new(), candidates: 0, certificates: 0 }
+        let center = GainCandidate::from_law(&tune.sweep.law);
+        Self { tune, accepts, cancel, center, certified: Vec::new(), candidates: 0, certificates: 0 }
     }
 
-    /// Every best one so far; the last is the best.
+    /// Iterates over all certified best candidates so far; the last is the best.
     pub(super) fn certified(&self) -> impl DoubleEndedIterator<Item = &GainCandidate> {
         self.certified.iter()
     }
@@ -64,21 +64,21 @@ impl<'a> Search<'a> {
         self.certificates
     }
 
-    /// Asks for the certificate of the gains to begin from, and of the fallback where it is refused; whether the former
-    /// has one.
+    /// Requests the certificate of the initial gains, and of the fallback if it is refused. Returns whether
+    /// the initial gains have one.
     pub(super) fn begin(&mut self) -> bool {
-        let start = self.centre;
+        let start = self.center;
         let mut asked = vec![start];
         if self.tune.fallback != start {
             asked.push(self.tune.fallback);
         }
         let found = asked.into_iter().find(|candidate| self.is_certified(candidate));
-        self.centre = found.unwrap_or(start);
+        self.center = found.unwrap_or(start);
         self.certified.extend(found);
         found == Some(start)
     }
 
-    /// Draws, drives, and moves to the best that is certified.
+    /// Draws and simulates candidates, and moves to the best certified one.
     pub(super) fn round(&mut self, round: usize) {
         let starts = (STARTS.0 << (round / 3)).min(STARTS.1);
         let seed = seed_of_round(self.tune.sweep.seed, round);
@@ -91,34 +91,34 @@ impl<'a> Search<'a> {
         let rated = self.rated(finalists, starts, seed);
 
         let incumbent = self.certified.last().copied();
-        // Without one, whatever always arrives is welcome.
+        // Without an incumbent, any candidate without failed trials is accepted.
         let better = better(&rated, incumbent).into_iter().take(ASKED);
         let found = better
             .map(|it| it.candidate)
             .find(|candidate| !self.cancel.is_cancelled() && self.is_certified(candidate));
         if let Some(candidate) = found {
             self.certified.push(candidate);
-            self.centre = candidate;
+            self.center = candidate;
         }
     }
 
     fn drawn(&self, round: usize, number: usize) -> GainCandidate {
         let deviates = deviates(self.tune.sweep.seed, round, number);
-        let centre = self.centre.logarithms();
-        // From the first step to the last in equal ratios.
+        let center = self.center.logarithms();
+        // Step sizes decrease geometrically from the first to the last round.
         let done = round as f64 / self.tune.rounds.max(2).saturating_sub(1) as f64;
         let step = STEP.0 * libm::pow(STEP.1 / STEP.0, done);
-        self.inside(core::array::from_fn(|k| centre[k] + step * deviates[k]))
+        self.inside(core::array::from_fn(|k| center[k] + step * deviates[k]))
     }
 
-    /// The candidate of these logarithms, brought inside the bounds.
+    /// Returns the candidate of these logarithms, clamped to the bounds.
     fn inside(&self, logarithms: [f64; NUMBERS]) -> GainCandidate {
         let (least, most) = (self.tune.least.logarithms(), self.tune.most.logarithms());
         GainCandidate::from_logarithms(core::array::from_fn(|k| logarithms[k].max(least[k]).min(most[k])))
     }
 
-    /// Drives every candidate from the same starts with the same noise; the best first. A search that was stopped rates
-    /// nothing.
+    /// Simulates every candidate from the same starts with the same noise, and sorts by cost. A canceled
+    /// search returns nothing.
     fn rated(&mut self, candidates: Vec<GainCandidate>, starts: usize, seed: u64) -> Vec<Rated> {
         let mut rated = Vec::with_capacity(candidates.len());
         for candidate in candidates {
@@ -142,25 +142,27 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Those of `rated`, which the best begins, that may take the place of the incumbent, the best first.
+/// Returns the candidates of `rated`, sorted by cost, that may replace the incumbent.
 ///
-/// The quantiles do not see the slowest trial, but the judgement in the end does: it is not to get slower on the way.
+/// The quantiles do not include the slowest trial, but the final evaluation does, so it must not become
+/// slower.
 fn better(rated: &[Rated], incumbent: Option<GainCandidate>) -> Vec<Rated> {
     let before = rated.iter().find(|it| Some(it.candidate) == incumbent);
     let quicker = rated.iter().take_while(|it| Some(it.candidate) != incumbent && it.cost < LOST);
     quicker.filter(|it| before.is_none_or(|before| it.slowest <= before.slowest)).copied().collect()
 }
 
-/// No time ratios add up to this: beyond it lie the candidates that do not always arrive.
+/// Cost offset of candidates with failed trials; no sum of time ratios reaches it.
 const LOST: f64 = 1e6;
 
-/// The median and the 95 % quantile of the time ratio, added; for gains that lose trials, how many they lose.
+/// Returns median plus 95 % quantile of the time ratio; for gains with failed trials, their number plus an
+/// offset.
 fn cost(report: &SweepReport) -> f64 {
     let time = report.time_ratio.map_or(LOST, |ratio| ratio.p50 + ratio.p95);
     time + LOST * losses(report)
 }
 
-/// 0 where every trial arrived, and more than 1 where one did not.
+/// Returns 0 if every trial succeeded, otherwise a value above 1.
 fn losses(report: &SweepReport) -> f64 {
     match report.success_rate {
         Some(success) if success >= 1.0 => 0.0,
@@ -168,7 +170,7 @@ fn losses(report: &SweepReport) -> f64 {
     }
 }
 
-/// The mean of the logarithms of several candidates.
+/// Returns the mean of the candidates' logarithms; `None` without candidates.
 fn mean(candidates: &[GainCandidate]) -> Option<[f64; NUMBERS]> {
     let logarithms: Vec<_> = candidates.iter().map(GainCandidate::logarithms).collect();
     let count = logarithms.len() as f64;
@@ -182,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_quicker_but_slower_at_its_slowest_does_not_take_the_incumbent_s_place() {
+    fn a_candidate_with_a_slower_slowest_trial_does_not_replace_the_incumbent() {
         let rated = |capture_radius: f64, cost: f64, slowest: f64| Rated {
             candidate: GainCandidate { gains: Gains::tran2012(), capture_radius },
             cost,

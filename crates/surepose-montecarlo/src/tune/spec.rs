@@ -1,4 +1,4 @@
-//! What to tune, and the trials and figures that candidates are judged by.
+//! Parameters of tuning, and the trials and figures that evaluate candidates.
 
 use crate::sweep::{Starts, Sweep, SweepReport};
 
@@ -7,22 +7,22 @@ use super::candidate::GainCandidate;
 /// What to tune.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tune {
-    /// The trials by which gains are judged in the end, with the law to begin from. The search has seeds of its own.
+    /// Trials of the final evaluation, with the initial law; the search uses other seeds.
     pub sweep: Sweep,
-    /// Other gains to begin from where the law's are not certified.
+    /// Initial gains if those of the law are not certified.
     pub fallback: GainCandidate,
-    /// Least gains and capture radius that are tried.
+    /// Lower bounds of gains and capture radius.
     pub least: GainCandidate,
-    /// The largest.
+    /// Upper bounds of gains and capture radius.
     pub most: GainCandidate,
-    /// Rounds of the search.
+    /// Number of rounds.
     pub rounds: usize,
 }
 
-/// How much larger the noise is under which no trial may be lost either.
+/// Noise factor of the stress trials, none of which may fail.
 pub const STRESS: f64 = 1.3;
 
-/// As many trials from near the goal, with [`STRESS`] times the noise.
+/// Returns an equal number of trials near the goal with [`STRESS`] times the noise.
 pub(super) fn stressed(sweep: &Sweep) -> Sweep {
     Sweep {
         starts: Starts::near_goal(sweep.starts.len(), sweep.seed),
@@ -31,7 +31,7 @@ pub(super) fn stressed(sweep: &Sweep) -> Sweep {
     }
 }
 
-/// The longest time of a trial that arrived \[s].
+/// Returns the maximum time of the successful trials \[s]; `None` without one.
 pub(super) fn slowest(report: &SweepReport) -> Option<f64> {
     report.time_s.map(|time| time.max)
 }

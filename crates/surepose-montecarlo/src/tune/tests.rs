@@ -37,25 +37,25 @@ fn fitted() -> Law<f64> {
     fitted_law(0.1, Direction::Auto, SweepNoise::BENCH)
 }
 
-/// A certificate of its own: it holds up to a capture radius that quick gains would like to exceed.
+/// A test certificate: it holds up to a capture radius that fast gains would exceed.
 fn narrow(law: &Law<f64>) -> bool {
     GainCandidate::from_law(law).capture_radius <= 0.034
 }
 
 #[test]
-fn what_comes_out_is_quicker_certified_and_the_same_every_time() {
+fn the_result_is_faster_certified_and_reproducible() {
     let run = || tune(fitted(), 4).run(&narrow, &TuneProgress::default());
     let tuned = run();
-    let best = tuned.best.expect("the start is certified");
+    let best = tuned.best.expect("certified initial gains");
     assert!(narrow(&best.with(&fitted())) && best != tuned.start, "{best:?}");
-    let after = tuned.after.expect("there is a best");
+    let after = tuned.after.expect("a best candidate");
     let (now, then) = (after.time_ratio.expect("arrived"), tuned.before.time_ratio.expect("arrived"));
-    assert!(now.p50 < then.p50 - 0.005 && now.p95 <= then.p95, "{now:?} after {then:?}");
+    assert!(now.p50 < then.p50 - 0.005 && now.p95 <= then.p95, "got {now:?}, initially {then:?}");
     assert_eq!(after.success_rate, Some(1.0));
     assert_eq!(run().best, Some(best));
 }
 
-/// Quicker in the median and at 95 %, but with one trial that takes longer than any before: not given.
+/// Faster in the median and at 95 %, but with a slower slowest trial: rejected.
 #[test]
 fn a_slower_slowest_trial_is_worse() {
     let before = tune(fitted(), 0).sweep.run(&surepose_sim::CancelToken::default());
@@ -77,25 +77,25 @@ fn without_a_certificate_there_is_no_result() {
     assert_eq!(tuned.before.runs, 3000);
 }
 
-/// Gains that are refused are left for some that are not, even if those take longer.
+/// Refused initial gains are replaced by certified ones, even if those are slower.
 #[test]
-fn gains_that_are_refused_are_replaced() {
+fn refused_gains_are_replaced() {
     let law = GainCandidate { gains: Gains::tran2012(), capture_radius: 0.05 }.with(&fitted());
     let tuned = tune(law, 0).run(&narrow, &TuneProgress::default());
     assert!(!tuned.start_certified);
     assert_eq!(tuned.best, Some(GainCandidate::from_law(&fitted())));
 }
 
-/// Where only the gains to begin from are certified, they come back.
+/// If only the initial gains are certified, they are returned.
 #[test]
-fn nothing_better_is_no_change() {
+fn without_a_better_candidate_the_gains_are_unchanged() {
     let start = GainCandidate::from_law(&fitted());
     let tuned = tune(fitted(), 1).run(&|law| GainCandidate::from_law(law) == start, &TuneProgress::default());
     assert_eq!((tuned.best, tuned.after.map(|r| r.trials)), (Some(start), Some(tuned.before.trials)));
 }
 
 #[test]
-fn a_search_that_is_stopped_keeps_the_best_until_then() {
+fn a_canceled_search_keeps_the_best_so_far() {
     let progress = TuneProgress::default();
     let asked = Cell::new(0);
     let tuned = tune(fitted(), 50).run(
@@ -113,7 +113,7 @@ fn a_search_that_is_stopped_keeps_the_best_until_then() {
 }
 
 #[test]
-fn candidates_are_written_as_they_are_meant() {
+fn written_and_used_candidates_are_identical() {
     let candidate = GainCandidate::from_law(&fitted());
     let rounded = GainCandidate::from_logarithms(candidate.logarithms());
     let again = GainCandidate::from_logarithms(rounded.logarithms());

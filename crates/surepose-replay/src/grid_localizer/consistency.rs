@@ -1,4 +1,4 @@
-//! Whether a place explains what was seen from it, whatever other places there are.
+//! Consistency of a hypothesis with the scans, independent of other hypotheses.
 
 use surepose::geometry::{Body, Point, Pose};
 use surepose_io::grid::Cells;
@@ -6,28 +6,28 @@ use surepose_io::grid::Cells;
 use super::likelihood_field::LikelihoodField;
 use super::surface_cells::ScanEndpoints;
 
-/// What becomes of the surface that is seen along a way.
+/// Classification of the surface observed along a path.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConsistencyCheck {
-    /// Beams on each piece by what became of them.
+    /// Number of beams on each surface cell, by class.
     beam_counts: Vec<[u32; 3]>,
-    /// So many sightings were counted.
+    /// Number of observations counted so far.
     endpoint_history: usize,
 }
 
-/// Parts of the surface that was seen, each piece counted once; they add up to 1.
+/// Fractions of the observed surface; each surface cell counts once, and the fractions add up to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ConsistencyShares {
-    /// It lies on walls.
+    /// On walls.
     pub(crate) hits: f64,
-    /// It stands where the map is free, in sight of the laser: people and furniture do.
+    /// In free space of the map, in front of walls: people and furniture.
     pub(crate) short: f64,
-    /// It lies beyond walls, or where the map knows nothing: by the map, nothing can be seen there.
+    /// Behind walls or in unknown space, where the map allows no observation.
     pub(crate) behind_wall: f64,
 }
 
 impl ConsistencyCheck {
-    /// Counts those of `endpoint_history` that were not counted yet, made along `trajectory`.
+    /// Counts the new observations of `endpoint_history`, made along `trajectory`.
     pub(super) fn add(
         &mut self,
         field: &LikelihoodField,
@@ -47,7 +47,7 @@ impl ConsistencyCheck {
         }
     }
 
-    /// The parts of what was counted.
+    /// Returns the fractions so far.
     pub(super) fn shares(&self) -> ConsistencyShares {
         let mut parts = [0.0; 3];
         let mut seen = 0.0;
@@ -65,7 +65,7 @@ impl ConsistencyCheck {
     }
 }
 
-/// What may become of a beam, in the order in which it is counted.
+/// Class of a beam, in the order of the counters.
 #[derive(Clone, Copy)]
 enum BeamClass {
     Hit,
@@ -73,7 +73,7 @@ enum BeamClass {
     BehindWall,
 }
 
-/// What becomes of a beam from `laser` to `end`.
+/// Classifies a beam from `laser` to `end`.
 fn classify(
     field: &LikelihoodField,
     within: f64,

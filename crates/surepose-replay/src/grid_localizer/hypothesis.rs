@@ -1,4 +1,4 @@
-//! One place that the robot may be: its pose is put right by each scan, and what speaks for it adds up.
+//! A pose hypothesis: scans correct its pose and add to its evidence.
 
 use surepose::geometry::{Body, Point, Pose};
 use surepose_io::grid::Cells;
@@ -6,51 +6,51 @@ use surepose_io::grid::Cells;
 use super::likelihood_field::{LikelihoodField, LikelihoodTable};
 use super::surface_cells::ScanEndpoints;
 
-/// The first steps of the climb \[m], \[rad]; each round takes half of them.
+/// Initial steps of the hill climb \[m], \[rad]; each round halves them.
 const FIRST_STEP: (f64, f64) = (0.1, 0.05);
 const ROUNDS: i32 = 3;
-/// Steps of one size.
+/// Maximum number of steps per size.
 const STEPS: usize = 4;
 
-/// What one beam counts where the pose is put right: neighbours are off together.
+/// Weight of one beam in the hill climb; errors of neighboring beams are correlated.
 const SHARE: f64 = 0.5;
 
-/// How well a pose is known before a scan puts it right: standard deviations of x and y \[m], and of the heading \[rad].
+/// Standard deviations of a pose before correction: x and y \[m], heading \[rad].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PoseUncertainty {
     pub(super) position: f64,
     pub(super) heading: f64,
 }
 
-/// What is seen, and how it is to be weighed.
+/// An observation with its likelihood model.
 pub(super) struct ScanScorer<'a> {
     pub(super) field: &'a LikelihoodField,
     pub(super) law: &'a LikelihoodTable,
     pub(super) endpoints: &'a ScanEndpoints,
-    /// How many pieces of surface were seen, those of this sighting among them.
+    /// Number of surface cells observed so far, including this observation.
     pub(super) pieces: usize,
 }
 
-/// A place that the robot may be.
+/// A hypothesis of the robot's pose.
 #[derive(Clone, Debug)]
 pub(super) struct PoseHypothesis {
-    /// Where it is now.
+    /// Current pose.
     pub(super) pose: Pose<Cells, Body, f64>,
-    /// Log likelihood of all that was seen, each piece of surface counted once, and of what odometry was off by.
+    /// Log likelihood of all observations, each surface cell counted once, and of the odometry corrections.
     pub(super) evidence: f64,
-    /// Mean log likelihood of the beams that ended on each piece of surface.
+    /// Mean log likelihood of the beams that ended in each surface cell.
     pieces: Vec<f32>,
-    /// Where it was at each look.
+    /// Pose at each update.
     pub(super) trajectory: Vec<Pose<Cells, Body, f64>>,
 }
 
 impl PoseHypothesis {
-    /// Nothing speaks for this place yet, and nothing against it.
+    /// Creates a hypothesis without evidence.
     pub(super) fn at(pose: Pose<Cells, Body, f64>) -> Self {
         Self { pose, evidence: 0.0, pieces: Vec::new(), trajectory: Vec::new() }
     }
 
-    /// Rolls on by `motion`, takes the pose near there from which the view is likeliest, and counts what speaks for it.
+    /// Predicts by `motion`, corrects the pose by hill climbing, and adds the evidence.
     pub(super) fn update(
         &mut self,
         motion: Pose<Body, Body, f64>,
@@ -72,7 +72,7 @@ impl PoseHypothesis {
         }
     }
 
-    /// Whether both are of one place.
+    /// Returns whether both hypotheses are within the given distance and angle.
     pub(super) fn is_near(&self, other: &Self, (distance, turn): (f64, f64)) -> bool {
         let turned = (self.pose.heading - other.pose.heading).radians().abs();
         self.pose.origin().distance(other.pose.origin()) < distance && turned < turn
@@ -84,7 +84,7 @@ impl ScanScorer<'_> {
         self.field.log_likelihood(self.law, self.field.cell_at(pose * end))
     }
 
-    /// The pose around `start` that explains the scan best, climbing in ever smaller steps.
+    /// Climbs from `start` to the most likely pose, with decreasing steps.
     fn hill_climb(
         &self,
         start: Pose<Cells, Body, f64>,
@@ -97,7 +97,7 @@ impl ScanScorer<'_> {
             if !stands {
                 return f64::NEG_INFINITY;
             }
-            // A turned pose keeps its sine and cosine for all beams.
+            // Sine and cosine are computed once per pose for all beams.
             let (sin, cos) = pose.heading.sin_cos();
             let seen = self.endpoints.ends.iter().step_by(2).map(|end| {
                 let at = Point::new(pose.x + cos * end.x - sin * end.y, pose.y + sin * end.x + cos * end.y);
@@ -129,7 +129,7 @@ impl ScanScorer<'_> {
     }
 }
 
-/// Log likelihood that odometry is off by the way from `rolled` to `pose`.
+/// Returns the log likelihood of an odometry error from `rolled` to `pose`.
 fn odometry_log_likelihood(
     rolled: Pose<Cells, Body, f64>,
     pose: Pose<Cells, Body, f64>,

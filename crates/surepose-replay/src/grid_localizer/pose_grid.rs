@@ -1,4 +1,4 @@
-//! The first guess: every free place of a grid in every heading, so that no place is overlooked.
+//! Exhaustive search over all free cells and headings of a grid.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -8,17 +8,17 @@ use surepose_io::grid::Cells;
 
 use super::likelihood_field::{CellIndex, LikelihoodField, LikelihoodTable};
 
-/// From place to place \[m], and headings of a turn.
+/// Position step \[m], and number of headings per turn.
 const STEP: f64 = 0.2;
 const HEADINGS: i32 = 72;
 
-/// How far an end may be off because the lattice is coarse \[m].
+/// Maximum error of an end point due to the grid of poses \[m].
 pub(super) const COARSE: f64 = 0.25;
 
-/// So many steps along x, along y and of the heading are one block, of which the best pose goes on.
+/// Block size in steps of x, y and heading; only the best pose of a block is kept.
 const BLOCK: i32 = 3;
 
-/// The poses from which `ends` lie nearest to walls, the best of each block; the best `most` of them, the best first.
+/// Returns the best pose of each block by the distance of `ends` from walls; at most `most`, the best first.
 pub(super) fn poses(
     field: &LikelihoodField,
     ends: &[Point<Body, f64>],

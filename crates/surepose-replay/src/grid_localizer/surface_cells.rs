@@ -1,9 +1,8 @@
-//! What was seen of the surfaces around: pieces as large as a cell of the grid, each with the number of beams that ended
-//! there.
+//! Observed surface, divided into cells with beam counts.
 //!
-//! A wall that is looked at for a minute says no more than one that is looked at once: what makes its beams end where the
-//! map has no wall, a door that stands otherwise or a cupboard that was moved, is there each time. So a piece counts once
-//! however often it is seen. Pieces are told apart by where odometry puts them, which is the same for all hypotheses.
+//! Repeated observations of a surface are not independent: a door or a cupboard that differs from the map is
+//! wrong in every scan. Each surface cell therefore counts once. Cells are identified by their odometry
+//! position, which is the same for all hypotheses.
 
 use std::collections::HashMap;
 
@@ -12,22 +11,22 @@ use surepose_io::recording::{ScanRecord, laser_extrinsics};
 
 use crate::laser_replay::{MAX_RANGE, MIN_RANGE};
 
-/// The most beams of a scan that are looked at.
+/// Maximum number of beams used per scan.
 const MAX_BEAMS: usize = 128;
 
-/// The beams of one scan.
+/// End points of one scan.
 #[derive(Clone, Debug)]
 pub(super) struct ScanEndpoints {
-    /// Where the laser is.
+    /// Position of the laser.
     pub(super) laser: Point<Body, f64>,
-    /// Where beams ended.
+    /// Beam end points.
     pub(super) ends: Vec<Point<Body, f64>>,
-    /// Which piece of surface each of them is, and how many beams had ended there by then.
+    /// Surface cell of each end point, and the number of its beams so far.
     pieces: Vec<(usize, u32)>,
 }
 
 impl ScanEndpoints {
-    /// An even selection of the beams of `scan` that came back.
+    /// Selects returned beams of `scan` evenly.
     pub(super) fn from_scan(scan: &ScanRecord) -> Self {
         let body_from_laser = laser_extrinsics(scan.mount);
         let beams = scan.ranges.iter().enumerate().step_by(scan.ranges.len().div_ceil(MAX_BEAMS).max(1));
@@ -39,33 +38,33 @@ impl ScanEndpoints {
         Self { laser: body_from_laser.origin(), ends: ends.collect(), pieces: Vec::new() }
     }
 
-    /// Where each beam ended, its piece of surface, and how many beams had ended there by then.
+    /// Iterates over end points with their surface cell and the number of its beams so far.
     pub(super) fn pieces(&self) -> impl Iterator<Item = (Point<Body, f64>, usize, u32)> {
         self.ends.iter().zip(&self.pieces).map(|(end, (piece, count))| (*end, *piece, *count))
     }
 }
 
-/// All pieces of surface that were seen.
+/// All observed surface cells.
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceCells {
-    /// Side of a piece \[m].
+    /// Side of a cell \[m].
     side: f64,
     pieces: HashMap<(i32, i32), usize>,
     beams: Vec<u32>,
 }
 
 impl SurfaceCells {
-    /// Nothing was seen yet; pieces will have this side \[m].
+    /// Creates an empty set with cells of this side \[m].
     pub(super) fn new(side: f64) -> Self {
         Self { side, pieces: HashMap::new(), beams: Vec::new() }
     }
 
-    /// How many pieces were seen.
+    /// Returns the number of cells.
     pub(super) fn len(&self) -> usize {
         self.beams.len()
     }
 
-    /// Adds what was seen from where odometry puts the robot.
+    /// Adds the end points at an odometry pose.
     pub(super) fn add(&mut self, odometry_from_body: Pose<Map, Body, f64>, endpoints: &mut ScanEndpoints) {
         endpoints.pieces.clear();
         for end in &endpoints.ends {

@@ -1,4 +1,4 @@
-//! A robot sought in a corridor whose bays look alike, on grids and scans made for it.
+//! Global localization in a corridor with identical bays, on synthetic grids and scans.
 
 use surepose::geometry::{Angle, Body, Map, Point, Pose};
 use surepose::kinematics::{Integration, Motion};
@@ -10,13 +10,13 @@ use crate::{LaserReplaySettings, cmu_wean};
 use super::GridLocalizer;
 
 const SIDE: f64 = 0.1;
-/// How far the laser sees \[m]: not to the ends of the corridor.
+/// Maximum range \[m]; shorter than the corridor.
 const SIGHT: f64 = 8.0;
-/// A bay with its doorway \[m].
+/// Length of a bay with its doorway \[m].
 const BAY: f64 = 6.0;
 const BAYS: usize = 8;
 
-/// A corridor of equal bays along x, with a doorway in each on one side, and what else is solid.
+/// Builds a corridor of equal bays along x, with a doorway in each on one side, and additional solid cells.
 fn corridor(is_solid: impl Fn(f64, f64) -> bool) -> Grid {
     let (width, height) = ((BAYS as f64 * BAY / SIDE) as usize, 60);
     let cell = |k: usize| {
@@ -27,12 +27,12 @@ fn corridor(is_solid: impl Fn(f64, f64) -> bool) -> Grid {
         let open = (1.5..3.9).contains(&y) || doorway;
         Some(f32::from(u8::from(!open || is_solid(x, y))))
     };
-    // The corridor lies askew in the map.
+    // The corridor is rotated in the map.
     let origin = GridOrigin { x: -7.0, y: 3.0, heading: 0.4 };
     Grid { width, height, resolution: SIDE, origin, cells: (0..width * height).map(cell).collect() }
 }
 
-/// What a laser sees in a grid from `pose`.
+/// Simulates a scan in a grid from `pose`.
 fn scan(grid: &Grid, map_from_body: Pose<Map, Body, f64>) -> ScanRecord {
     let ranges = (0..90).map(|number| {
         let (sin, cos) = (f64::from(number).to_radians() * 2.0 - std::f64::consts::FRAC_PI_2).sin_cos();
@@ -56,8 +56,8 @@ fn scan(grid: &Grid, map_from_body: Pose<Map, Body, f64>) -> ScanRecord {
     }
 }
 
-/// Drives from the middle of `world` through the next bays and back, with a map of it that may be another; returns the
-/// localizer, and where the robot is.
+/// Drives from the middle of `world` through adjacent bays and back, with `known` as the map. Returns the
+/// localizer and the true pose.
 fn driven(world: &Grid, known: &Grid) -> (GridLocalizer, Pose<Map, Body, f64>) {
     let settings: LaserReplaySettings = cmu_wean::settings(&cmu_wean::preset());
     let mut grid_localizer = GridLocalizer::new(known, settings);
@@ -69,7 +69,7 @@ fn driven(world: &Grid, known: &Grid) -> (GridLocalizer, Pose<Map, Body, f64>) {
             grid_localizer.update(&scan(world, pose));
             let motion = Motion { length, turn };
             pose = pose.integrate(motion, Integration::Arc);
-            // Its wheels are a hundredth too large, as far as it knows.
+            // Odometry has a scale error of 1 %.
             grid_localizer.predict(Motion { length: 1.01 * length, turn });
         }
     }
@@ -82,7 +82,7 @@ fn cupboards_disambiguate_the_pose() {
     let cupboards = |x: f64, y: f64| (26.0..30.0).contains(&x) && y < 2.1;
     let grid = corridor(cupboards);
     let (grid_localizer, truth) = driven(&grid, &grid);
-    let found = grid_localizer.found().expect("the only place with cupboards");
+    let found = grid_localizer.found().expect("a unique pose beside the cupboards");
     let turned = (found.heading - truth.heading).radians().abs();
     assert!(found.origin().distance(truth.origin()) < 0.2 && turned < 0.05, "{found:?} is not {truth:?}");
     assert!(grid_localizer.shares().is_some_and(|shares| shares.hits > 0.95 && shares.behind_wall < 0.01));
@@ -90,7 +90,7 @@ fn cupboards_disambiguate_the_pose() {
 }
 
 #[test]
-fn identical_bays_stay_ambiguous() {
+fn identical_bays_remain_ambiguous() {
     let grid = corridor(|_, _| false);
     let (grid_localizer, truth) = driven(&grid, &grid);
     assert_eq!(grid_localizer.found(), None);
@@ -99,9 +99,9 @@ fn identical_bays_stay_ambiguous() {
     assert!(candidates.iter().any(|place| place.origin().distance(truth.origin()) < 0.3), "{candidates:?}");
 }
 
-/// On the map one bay has no doorway, and in the world all have: the robot is not taken to be where it is by that.
+/// On the map one bay has no doorway, in the world all have: this difference must not determine the pose.
 #[test]
-fn a_door_that_stands_otherwise_is_no_proof() {
+fn a_door_that_differs_from_the_map_does_not_decide() {
     let (world, known) = (corridor(|_, _| false), corridor(|x, y| (25.5..28.0).contains(&x) && y > 3.9));
     assert_eq!(driven(&world, &known).0.found(), None);
 }
@@ -115,7 +115,7 @@ fn no_pose_is_found_when_no_hypothesis_fits() {
 }
 
 #[test]
-fn a_map_that_is_all_unknown_has_no_place() {
+fn an_unknown_map_has_no_pose() {
     let world = corridor(|_, _| false);
     let mut known = world.clone();
     known.cells.fill(None);
@@ -127,9 +127,9 @@ fn a_map_that_is_all_unknown_has_no_place() {
     );
 }
 
-/// What was seen once says no more when it is seen again.
+/// Repeated observations add no evidence.
 #[test]
-fn a_piece_of_surface_counts_once() {
+fn a_surface_cell_counts_once() {
     let (world, known) = (corridor(|_, _| false), corridor(|x, y| (25.5..28.0).contains(&x) && y > 3.9));
     let mut grid_localizer = GridLocalizer::new(&known, cmu_wean::settings(&cmu_wean::preset()));
     let seen = scan(&world, world.map_from_cells() * Pose::new(24.0, 2.6, Angle::zero()));
@@ -140,11 +140,11 @@ fn a_piece_of_surface_counts_once() {
             grid_localizer.hypotheses.last().map_or(0.0, |last| last.evidence)
                 - grid_localizer.hypotheses[0].evidence,
         );
-        // Round once, on the spot.
+        // One full turn in place.
         (0..72)
             .for_each(|_| grid_localizer.predict(Motion { length: 0.0, turn: std::f64::consts::TAU / 72.0 }));
     }
     assert!(grid_localizer.hypotheses.len() > 10 && spread[0] < -1.0);
     let grown = spread[2] / spread[0];
-    assert!(grown < 1.3, "thrice the same scan says {grown} times as much");
+    assert!(grown < 1.3, "three equal scans have {grown} times the evidence of one");
 }

@@ -1,23 +1,23 @@
-//! What the robot makes of a commanded velocity: MRCLAM records commands, not wheel ticks.
+//! Response of the base to commanded velocities; MRCLAM records commands, not wheel ticks.
 
 use surepose::kinematics::Twist;
 
-/// The base's response to commands: nothing for a dead time, then a steady twist.
+/// Response of the base to commands: a dead time, then a steady twist.
 ///
-/// The defaults are the means of five least-squares fits to reference poses, one for each robot of data set 7; each
-/// robot is followed as well with the mean of the other four's.
+/// The defaults are the means of five least-squares fits to reference poses, one for each robot of data set
+/// 7. Replacing a robot's fit by the mean of the other four does not increase its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
-    /// A command shows no effect for this long \[s]. The robots' fits: 0.16 to 0.20 s.
+    /// Time before a command takes effect \[s]. Fits of the robots: 0.16 to 0.20 s.
     pub dead_time: f64,
-    /// Speed over commanded speed, straight on. The robots' fits: 1.04 to 1.06.
+    /// Speed over commanded speed in straight motion. Fits of the robots: 1.04 to 1.06.
     pub speed_gain: f64,
-    /// Turn rate over commanded turn rate. The robots' fits: 0.93 to 0.99.
+    /// Turn rate over commanded turn rate. Fits of the robots: 0.93 to 0.99.
     pub turn_gain: f64,
-    /// Way lost for each radian turned while driving \[m]. The robots' fits: 0.090 to 0.108 m.
+    /// Distance lost per radian turned while driving \[m]. Fits of the robots: 0.090 to 0.108 m.
     ///
-    /// Commanded (0.086 m/s, ±0.40 rad/s), all five robots settle at (0.050 m/s, ±0.39 rad/s): the inner wheel stands
-    /// still, and nothing in the command says so.
+    /// Commanded (0.086 m/s, ±0.40 rad/s), all five robots settle at (0.050 m/s, ±0.39 rad/s): the inner
+    /// wheel stands still, which the command does not indicate.
     pub way_lost_per_radian: f64,
 }
 
@@ -28,11 +28,11 @@ impl Default for Response {
 }
 
 impl Response {
-    /// The twist that a command ends up as.
+    /// Returns the steady twist that a command results in.
     pub(super) fn twist(&self, command: Twist<f64>) -> Twist<f64> {
         let straight = self.speed_gain * command.v;
         let lost = self.way_lost_per_radian * command.omega.abs();
-        // A turn slows the base down; it neither turns it round nor moves it where it stands.
+        // A turn reduces the speed; it never reverses it and never moves a robot that turns in place.
         let speed = (straight.abs() - lost).max(0.0);
         Twist::new(speed.copysign(straight), self.turn_gain * command.omega)
     }
@@ -42,9 +42,9 @@ impl Response {
 mod tests {
     use super::*;
 
-    /// The steady twists that the motion capture saw, mean of all robots.
+    /// Steady twists from motion capture, mean of all robots.
     #[test]
-    fn a_turn_costs_speed() {
+    fn turning_reduces_the_speed() {
         let response = Response::default();
         let straight = response.twist(Twist::new(0.067, 0.0));
         assert!((straight.v - 0.070).abs() < 0.002 && straight.omega.abs() < 1e-15, "{straight:?}");
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_on_the_spot_stays_there_and_reverse_mirrors_forward() {
+    fn turns_in_place_do_not_translate_and_reverse_mirrors_forward() {
         let response = Response::default();
         assert!(response.twist(Twist::new(0.0, 0.57)).v.abs() < 1e-15);
         assert!(response.twist(Twist::new(0.001, 0.57)).v.abs() < 1e-15);

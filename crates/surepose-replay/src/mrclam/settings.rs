@@ -1,4 +1,4 @@
-//! The replay's settings from a configuration.
+//! Settings of the MRCLAM replay from a configuration.
 
 use surepose::param;
 use surepose_config::Config;
@@ -6,13 +6,13 @@ use surepose_config::Config;
 use super::{Camera, MrclamSettings, Response};
 
 impl MrclamSettings {
-    /// The configuration that fits the format better than the defaults, before the user's own values.
+    /// Returns the format's preset, which the user's values override.
     pub fn preset() -> Config {
         let values = [(&param::WHEEL_SEPARATION, 0.26), (&param::HISTORY, 0.5)];
         Config::default().with_preset("mrclam", &values)
     }
 
-    /// The settings of a configuration.
+    /// Reads the settings of a configuration.
     pub fn from_config(config: &Config) -> Self {
         let number = |parameter| config.number(parameter);
         Self {
@@ -45,9 +45,9 @@ impl MrclamSettings {
 mod tests {
     use super::MrclamSettings;
 
-    /// The table of parameters and the settings that were fitted to the data are the same numbers.
+    /// The preset's parameters are equal to the settings fitted to the data.
     #[test]
-    fn the_preset_is_what_was_fitted() {
+    fn the_preset_has_the_fitted_values() {
         let (preset, fitted) =
             (MrclamSettings::from_config(&MrclamSettings::preset()), MrclamSettings::default());
         assert_eq!(MrclamSettings { camera: fitted.camera, ..preset }, fitted);

@@ -1,8 +1,8 @@
-//! Where the recordings are.
+//! Location of the recordings.
 
 use std::path::PathBuf;
 
-/// The path of a recording, or nothing and a line that says so.
+/// Returns the path of a recording; `None`, with a printed line, if it is absent.
 pub(crate) fn recording(name: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("SUREPOSE_DATA").map_or_else(
         || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),

@@ -43,7 +43,7 @@ pub struct SimulationSummary {
     /// Root mean square of the estimate's heading error over the drive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heading_rmse_deg: Option<f64>,
-    /// Mean of the normalised estimation error squared; 3 for a consistent filter.
+    /// Mean of the normalized estimation error squared (NEES); 3 for a consistent filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_mean: Option<f64>,
     /// Length of the true way.

@@ -161,7 +161,7 @@ impl<'a, S: Float> DistanceField<'a, S> {
             .flat_map(move |row| (0..columns).step_by(step).map(move |column| (column, row)))
     }
 
-    /// The middle of a cell.
+    /// Returns the center of a cell.
     pub(crate) fn center(&self, (column, row): Cell) -> Point<Map, S> {
         self.grid.center(column as usize, row as usize)
     }

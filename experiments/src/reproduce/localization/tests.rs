@@ -14,11 +14,11 @@ fn set(values: &[(&Parameter, f64)], clutter: Clutter) -> LoopWorld {
     LoopWorld::new(&Config::default().with_preset("test", values), clutter).unwrap()
 }
 
-/// Errors forget themselves within about five ticks, so that 20 runs are some 2000 independent poses: their RMSE is
-/// known to 1.1 % and their mean NEES to 0.06. The bounds are the Cramér–Rao bound of this world, less four of these
-/// errors, and 1.05 times it.
+/// Errors decorrelate within about five ticks, so 20 runs are about 2000 independent poses: their RMSE has a
+/// standard error of 1.1 % and their mean NEES of 0.06. The bounds are the Cramér–Rao bound of this world
+/// less four standard errors, and 1.05 times it.
 #[test]
-fn laser_and_compass_come_within_five_percent_of_the_bound() {
+fn laser_and_compass_are_within_five_percent_of_the_bound() {
     let accuracy =
         localization(&world(181, Clutter::default()), Configuration::Both, 1..21, &CancelToken::default())
             .unwrap();
@@ -42,9 +42,9 @@ fn laser_alone_and_twice_the_beams() {
     assert!(many.heading_rmse.to_degrees() <= 0.051, "{many:?}");
 }
 
-/// Steps finer than the bearing noise: many beams beside an edge or a corner are not certain of their wall.
+/// Steps finer than the bearing noise: near an edge or a corner, the wall of a beam is ambiguous.
 #[test]
-fn a_laser_with_fine_steps_is_no_surer_than_it_may_be() {
+fn a_laser_with_fine_steps_is_consistent() {
     let accuracy =
         localization(&world(1081, Clutter::default()), Configuration::Both, 1..9, &CancelToken::default())
             .unwrap();
@@ -52,11 +52,11 @@ fn a_laser_with_fine_steps_is_no_surer_than_it_may_be() {
     assert!(accuracy.position_rmse <= 1.05e-3, "{accuracy:?}");
 }
 
-/// Without a laser the position error grows all along a run: a run is not much more than one sample of it, and 500 runs
-/// give its RMSE to 2 %. The figures are the Cramér–Rao bounds of this world: the filter's own covariance, propagated along
-/// the true course. Over 20 000 runs with encoders and compass the position's RMSE is 22.72 ± 0.07 mm, half a per cent above
-/// the bound of 22.61: the filter takes the variance of a travel from what the encoders read, the same noise is in the
-/// heading's residual, and what they have in common leaves a bias of 2.8 mm. A hundred runs give it to ± 1.0 mm.
+/// Without a laser the position error grows along a run, so a run is about one sample; 500 runs give the RMSE
+/// to 2 %. The bounds are the Cramér–Rao bounds of this world: the filter's covariance, propagated along the
+/// true course. Over 20 000 runs with encoders and compass the position RMSE is 22.72 ± 0.07 mm, 0.5 % above
+/// the bound of 22.61 mm. The filter computes the variance of a travel from the encoder reading, whose noise
+/// is also in the heading residual; the correlation leaves a bias of 2.8 mm. 100 runs give it to ± 1.0 mm.
 #[test]
 fn dead_reckoning_and_compass_are_at_the_bound() {
     let world = world(3, Clutter::default());
@@ -71,9 +71,9 @@ fn dead_reckoning_and_compass_are_at_the_bound() {
     }
 }
 
-/// A fifth of the beams less is worth 12 % by itself.
+/// A fifth fewer beams alone costs 12 %.
 #[test]
-fn clutter_costs_less_than_a_third() {
+fn clutter_increases_the_error_by_less_than_a_third() {
     for width in [1.0, 6.0] {
         let world = world(181, Clutter { fraction: 0.2, width });
         let accuracy = localization(&world, Configuration::Both, 1..11, &CancelToken::default()).unwrap();
@@ -82,9 +82,9 @@ fn clutter_costs_less_than_a_third() {
     }
 }
 
-/// 10 runs are some 11 000 lines: their mean NEES is known to 0.02.
+/// 10 runs are about 11 000 lines: their mean NEES has a standard error of 0.02.
 #[test]
-fn walls_are_found_and_matched_and_their_lines_know_their_errors() {
+fn walls_are_found_and_matched_with_consistent_lines() {
     for beams in [181, 361] {
         let result = extraction(&world(beams, Clutter::default()), 1..11, &CancelToken::default()).unwrap();
         assert!(result.visible > 9000 && result.matched > 9000, "{beams} beams: {result:?}");
@@ -95,9 +95,9 @@ fn walls_are_found_and_matched_and_their_lines_know_their_errors() {
     }
 }
 
-/// In front of the axle, beside it and turned: the same walls, seen from elsewhere.
+/// Mounted in front of the axle, beside it, and rotated.
 #[test]
-fn a_laser_mounted_off_centre_and_turned_does_as_well() {
+fn laser_mounting_does_not_affect_the_accuracy() {
     let mounting = [(&LASER_X, 0.25), (&LASER_Y, -0.1), (&LASER_HEADING, 40.0)];
     let world = set(&mounting, Clutter::default());
     let accuracy = localization(&world, Configuration::Both, 1..21, &CancelToken::default()).unwrap();
@@ -109,7 +109,7 @@ fn a_laser_mounted_off_centre_and_turned_does_as_well() {
 }
 
 #[test]
-fn a_run_is_the_same_every_time_and_another_for_another_seed() {
+fn runs_are_reproducible_and_depend_on_the_seed() {
     let world = world(181, Clutter::default());
     let run = |seed| deviations(&world, Configuration::Both, Seed(seed));
     assert_eq!(run(3).len(), 600);
@@ -117,9 +117,10 @@ fn a_run_is_the_same_every_time_and_another_for_another_seed() {
     assert_ne!(run(3), run(4));
 }
 
-/// The RMSE of 20 disjoint blocks of 50 runs scatters by what each block says of itself: that scatter is known to a sixth.
+/// The scatter of the RMSE over 20 blocks of 50 runs matches the reported standard error; 20 blocks give the
+/// scatter to a sixth.
 #[test]
-fn the_standard_error_is_how_far_other_runs_would_be() {
+fn the_standard_error_matches_the_scatter_between_blocks() {
     let world = world(3, Clutter::default());
     let blocks: Vec<_> = (0..20)
         .filter_map(|block| {
@@ -128,10 +129,10 @@ fn the_standard_error_is_how_far_other_runs_would_be() {
         })
         .collect();
     let mean = |values: &dyn Fn(&super::Accuracy) -> f64| blocks.iter().map(values).sum::<f64>() / 20.0;
-    let centre = mean(&|block| block.position_rmse);
-    let scatter = (mean(&|block| (block.position_rmse - centre).powi(2)) * 20.0 / 19.0).sqrt();
-    let told = mean(&|block| block.position_rmse_std_error.unwrap());
-    assert!((scatter / told - 1.0).abs() < 0.5, "{scatter} m, told {told} m");
+    let center = mean(&|block| block.position_rmse);
+    let scatter = (mean(&|block| (block.position_rmse - center).powi(2)) * 20.0 / 19.0).sqrt();
+    let reported = mean(&|block| block.position_rmse_std_error.unwrap());
+    assert!((scatter / reported - 1.0).abs() < 0.5, "scatter {scatter} m, reported {reported} m");
 
     let alone = localization(&world, Configuration::Compass, 1..2, &CancelToken::default()).unwrap();
     assert_eq!((alone.position_rmse_std_error, alone.heading_rmse_std_error), (None, None));
