@@ -1,4 +1,4 @@
-//! The commands, one file each.
+//! The commands of the program, one file each.
 
 mod calibrate;
 mod certify;
@@ -18,40 +18,40 @@ use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::Output;
 
-/// What to do.
+/// The command to run.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Drive the simulated robot to a pose
+    /// Simulate one closed-loop run of the robot to a goal pose
     Run(run::RunCommand),
     /// Reproduce the figures of the paper
     Reproduce(reproduce::ReproduceCommand),
-    /// Run many closed-loop trials at once
+    /// Run many closed-loop trials and report success, time and final error
     Sweep(sweep::SweepCommand),
-    /// Find gains that take least time, always arrive, and are certified
+    /// Find certified gains with minimum time to the goal
     Tune(tune::TuneCommand),
-    /// Certify that the robot arrives, for these gains, period and noise
+    /// Prove that the closed loop reaches the goal, for given gains, period and noise bounds
     Certify(certify::CertifyCommand),
-    /// Make a wall map from a grid or a recording, or show one
+    /// Create a wall map from an occupancy grid or a recording, or show one
     Map(map::MapCommand),
-    /// Fit the robot's parameters to a recording
+    /// Calibrate the parameters of a robot from a recording
     Calibrate(calibrate::CalibrateCommand),
     /// Check, show or explain the configuration
     Config(config::ConfigCommand),
-    /// Run the estimator on a recording, judged against its reference
+    /// Run the estimator on a recording and compare it with the reference
     Replay(replay::ReplayCommand),
-    /// Run as a ROS 2 node, on a robot or with a simulated one
+    /// Run the ROS 2 node, on a robot or with a simulated robot
     Ros2(ros2::Ros2Command),
 }
 
 impl Default for Command {
-    /// The robot drives.
+    /// The command of a command line without one: `run` with its default options.
     fn default() -> Self {
         Self::Run(run::RunCommand::default())
     }
 }
 
 impl Command {
-    /// Does it.
+    /// Runs the command and returns the exit code.
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         match self {
             Self::Run(command) => command.run(output),

@@ -1,6 +1,6 @@
-//! `surepose`: drives a simulated robot to a pose, replays recordings, reproduces the paper's figures.
+//! The program `surepose`: simulation, certification, replay, calibration and a ROS 2 node.
 //!
-//! The program is thin: it reads options and files, calls the libraries, and prints. One file per command.
+//! Each command reads options and files, calls the libraries and prints the result. Each command is one file.
 
 mod certification;
 mod command;
@@ -24,10 +24,10 @@ use exit::Exit;
 /// Drive a differential robot to a pose, and be sure.
 #[derive(Debug, Parser)]
 #[command(
-    // What is typed, not what the package is called.
+    // The name of the binary, not of the package.
     name = "surepose",
     version,
-    after_help = "Exit codes: 0 done, 1 ran but the outcome is negative, 2 usage or configuration error, 3 input data \
+    after_help = "Exit codes: 0 done, 1 completed with a negative outcome, 2 usage or configuration error, 3 input data \
                   unreadable or malformed, 4 stopped by the supervisor, 130 interrupted.",
     after_long_help = EXAMPLES
 )]
@@ -35,36 +35,36 @@ struct Program {
     #[command(subcommand)]
     command: Option<command::Command>,
 
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print the result as one JSON object on standard output; messages go to standard error
     #[arg(long, global = true)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
-Without a command, the robot drives: `surepose` is `surepose run`.
+Without a command, `surepose` runs `surepose run`.
 
 Examples:
-  surepose run --goal 2,2,90 --out out        drive the simulated robot; pictures and data into out/
-  surepose reproduce --out figures            the figures of the paper
-  surepose certify                            whether the robot is sure to arrive
-  surepose sweep --runs 100000 --noise bench  many trials, against the least possible time
-  surepose tune --period 0.05 --out t.toml    certified gains that take least time
-  surepose replay mrclam MRCLAM_Dataset7      the estimator on a real robot's recording
-  surepose replay carmen freiburg-101.log.gz  the same on walls, seen by a laser
+  surepose run --goal 2,2,90 --out out        simulate one run; write plots and data into out/
+  surepose reproduce --out figures            reproduce the figures of the paper
+  surepose certify                            prove that the closed loop reaches the goal
+  surepose sweep --runs 100000 --noise bench  run many trials and compare with the minimum time
+  surepose tune --period 0.05 --out t.toml    find certified gains with minimum time
+  surepose replay mrclam MRCLAM_Dataset7      run the estimator on a recording of a real robot
+  surepose replay carmen freiburg-101.log.gz  run the estimator on laser scans and a wall map
   surepose map from-grid room.yaml --out room.toml
-  surepose calibrate mcap my_bag              your robot's wheels, track, sensors, from a rosbag2 recording
-  surepose ros2 --simulate                    a ROS 2 node with a simulated robot; without it, on yours
-  surepose config show > robot.toml           every parameter with its default, to edit
-  surepose config check robot.toml            whether a configuration can be used
-  surepose config explain capture_radius_m    what one parameter does
+  surepose calibrate mcap my_bag              calibrate wheels and sensors from a rosbag2 recording
+  surepose ros2 --simulate                    run the ROS 2 node with a simulated robot
+  surepose config show > robot.toml           write every parameter with its default, for editing
+  surepose config check robot.toml            check a configuration file
+  surepose config explain capture_radius_m    explain one parameter
 
 Exit codes:
   0    done: goal reached, certificate holds, files written
-  1    ran, but the outcome is negative
+  1    completed with a negative outcome
   2    usage or configuration error
   3    input data unreadable or malformed; the message names file and line
   4    stopped by the supervisor
-  130  interrupted; what was finished is kept";
+  130  interrupted; completed results are kept";
 
 fn main() -> ExitCode {
     error::style_messages();
@@ -85,7 +85,7 @@ fn main() -> ExitCode {
         .into()
 }
 
-/// Says what is wrong with the command line, or prints the help or the version that was asked for.
+/// Prints a command-line error, or the requested help or version.
 fn parted(problem: &clap::Error) -> Result<Exit, CliError> {
     let printed = problem.print();
     if problem.use_stderr() {

@@ -35,7 +35,7 @@ fn the_table_speaks_in_words_and_names_what_is_not_bounded() {
         surepose(&["certify", "--noise-position", noise[0], "--noise-heading", noise[1]]).stderr
     };
     let bounded = table(["0.007", "0.25"]);
-    assert!(bounded.contains("comes within") && !bounded.contains("not bounded"), "{bounded}");
+    assert!(bounded.contains("capture radius") && !bounded.contains("not bounded"), "{bounded}");
     assert!(!bounded.contains("_m") && !bounded.contains("true"), "{bounded}");
     let refused = table(["0.5", "5"]);
     for what in ["heading ", "position "] {

@@ -217,7 +217,7 @@ fn what_was_typed_is_what_is_blamed() {
         (&["reproduce", "--out", "x", "--runs", "-1"], "invalid value '-1'"),
         (&["certify", "--noise-heading=-1"], "less than 180°"),
         (&["certify", "--noise-heading", "north"], "less than 180°"),
-        (&["certify", "--noise-position", "5mm"], "write a number from 0 to 1000"),
+        (&["certify", "--noise-position", "5mm"], "expected a number from 0 to 1000"),
     ] {
         let run = surepose(arguments);
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
@@ -237,7 +237,7 @@ fn a_goal_that_no_drive_can_have_is_doubted() {
     let path = file(&folder("far-goal"), "far.toml", b"[scenario]\ngoal_x_m = 50\n");
     let run = surepose(&["config", "check", &path]);
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stderr.contains("refuses this [scenario]: the goal (50, 2)"), "{}", run.stderr);
+    assert!(run.stderr.contains("rejected by `surepose run`: the goal (50, 2)"), "{}", run.stderr);
     assert!(run.stderr.contains("valid, with a warning"), "{}", run.stderr);
 }
 

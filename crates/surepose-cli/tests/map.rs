@@ -100,7 +100,7 @@ fn what_is_read_is_not_written_over() {
         let run = surepose(arguments);
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
         let said = run.stderr.replace("\n  │ ", " ");
-        assert!(said.contains("would be written over") && said.contains("give --out another name"), "{said}");
+        assert!(said.contains("would be overwritten") && said.contains("give --out another name"), "{said}");
         assert_eq!(std::fs::read(folder.join(input)).expect("there"), before, "{arguments:?}");
     }
     // With the picture elsewhere there is nothing in the way.

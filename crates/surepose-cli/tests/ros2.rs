@@ -15,8 +15,8 @@ fn what_cannot_be_meant_is_a_usage_error_with_its_cure() {
         (&["ros2", "--namespace", "1 2"], "is no name"),
         (&["ros2", "--set", "law.k_v=-1"], "k_v"),
         (&["ros2", "--seed", "3"], "--simulate"),
-        (&["ros2", "--map-frame", ""], "write letters, digits"),
-        (&["ros2", "--map-frame", "a b"], "write letters, digits"),
+        (&["ros2", "--map-frame", ""], "expected letters, digits"),
+        (&["ros2", "--map-frame", "a b"], "expected letters, digits"),
         (&["ros2", "--map-frame", "/map"], "no / at the beginning"),
     ];
     for (arguments, cure) in cases {

@@ -131,7 +131,7 @@ fn walls_and_plates_are_in_the_way() {
     assert_eq!((&json["outcome"], &json["stop_reason"]), (&"stopped".into(), &"wall".into()), "{json}");
     assert!(json["closest_wall_m"].as_f64().is_some_and(|nearest| nearest > 0.0), "{json}");
     assert_eq!(json["final_speed_m_s"], 0.0, "{json}");
-    assert!(run.stderr.contains("does not go round"), "{}", run.stderr);
+    assert!(run.stderr.contains("does not plan around"), "{}", run.stderr);
     assert_eq!(surepose(&["run", "--scenario", "loop", "--json"]).code, 0);
 }
 
@@ -255,7 +255,7 @@ fn a_long_drive_is_thinned_where_it_is_drawn() {
 /// wall for the wheels.
 #[test]
 fn what_the_robot_does_without_is_said() {
-    let saw_none = "the laser saw no wall";
+    let saw_none = "laser: no wall was observed";
     let usual = surepose(&["run", "--json"]);
     assert!(usual.json()["walls"].as_u64().is_some_and(|walls| walls > 100), "{}", usual.stdout);
     assert!(!usual.stderr.contains(saw_none) && !usual.stderr.contains("room to turn"), "{}", usual.stderr);
@@ -271,5 +271,5 @@ fn a_figure_that_heeds_no_configuration_says_so() {
     let out = folder("figure3");
     let path = out.to_str().expect("UTF-8");
     let run = surepose(&["reproduce", "fig3", "--out", path, "--json", "--set", "law.k_v=1"]);
-    assert!(run.code == 0 && run.stderr.contains("it heeds no configuration"), "{}", run.stderr);
+    assert!(run.code == 0 && run.stderr.contains("the configuration is ignored"), "{}", run.stderr);
 }

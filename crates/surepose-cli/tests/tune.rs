@@ -96,7 +96,7 @@ fn without_a_certificate_the_exit_code_is_1_and_nothing_is_written() {
     let json = run.json();
     assert_eq!(json["certified"], false, "{json}");
     assert!(json["k_v"].is_null() && json["after"].is_null() && json["before"].is_object(), "{json}");
-    assert!(!out.exists() && run.stderr.contains("nothing was certified"), "{}", run.stderr);
+    assert!(!out.exists() && run.stderr.contains("no gains were certified"), "{}", run.stderr);
 }
 
 #[test]

@@ -1,67 +1,66 @@
-//! One table of parameters: what each is called, what it means, in which unit, within which bounds and why.
+//! Defines every user parameter: name, meaning, unit, bounds and default.
 //!
-//! The configuration file, its errors, the command line's help and the ROS parameters are made from [`ALL`], so
-//! that none of them can drift from the others. Values here are in the unit of their key: degrees where the key ends
-//! in `_deg`, SI elsewhere.
+//! The configuration file, its error messages, `surepose config` and the ROS parameters are generated from [`ALL`].
+//! Values in this module are in the unit of their key: degrees where the key ends in `_deg`, SI units elsewhere.
 
 mod table;
 
 pub use table::*;
 
-/// A named constant that the user may set.
+/// A constant that the user may set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// The section it belongs to, `robot` for example.
+    /// The section of the configuration file, for example `robot`.
     pub section: &'static str,
-    /// Its key there; the suffix says the unit.
+    /// The key within the section. Its suffix names the unit.
     pub key: &'static str,
     /// The unit of the value under this key.
     pub unit: Unit,
-    /// What it may be, and what it is unless set.
+    /// The kind of value, with bounds and default.
     pub kind: Kind,
-    /// What it does, as sentences.
+    /// The meaning, in complete sentences.
     pub meaning: &'static str,
 }
 
-/// What a parameter may be, and what it is unless set.
+/// The kind of a parameter's value, with bounds and default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A finite number.
     Number {
-        /// Where nothing else is said.
+        /// The value unless the configuration sets another.
         default: f64,
         /// The bounds.
         range: Range,
     },
-    /// A whole number.
+    /// An integer.
     Integer {
-        /// Where nothing else is said.
+        /// The value unless the configuration sets another.
         default: u32,
         /// The bounds.
         range: Range,
     },
-    /// One of these names; the first is the default.
+    /// One of several names; the first is the default.
     Choice {
         /// The names.
         options: &'static [&'static str],
     },
 }
 
-/// The bounds of a number, and why they are there.
+/// The bounds of a number, with the reason for them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// The smallest value.
     pub low: f64,
-    /// Whether `low` itself is allowed.
+    /// Whether `low` itself is a valid value.
     pub low_inclusive: bool,
-    /// The largest value, allowed.
+    /// The largest valid value.
     pub high: f64,
-    /// Why a value outside is rejected.
+    /// The reason why values outside are rejected.
     pub reason: &'static str,
 }
 
 impl Range {
-    /// Whether `value` is inside; NaN is not.
+    /// Returns whether `value` lies within the bounds; `false` for NaN.
     pub fn contains(&self, value: f64) -> bool {
         let above = if self.low_inclusive { value >= self.low } else { value > self.low };
         above && value <= self.high
@@ -78,17 +77,17 @@ impl core::fmt::Display for Range {
 /// The unit of a value under its key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// A pure number or a name.
+    /// Dimensionless, or a name.
     One,
-    /// Metres.
+    /// Meters.
     Meter,
     /// Seconds.
     Second,
-    /// Degrees; radians inside the program.
+    /// Degrees. The program converts them to radians.
     Degree,
-    /// Metres per second.
+    /// Meters per second.
     MeterPerSecond,
-    /// Metres per second squared.
+    /// Meters per second squared.
     MeterPerSecondSquared,
     /// Per second.
     PerSecond,
@@ -109,7 +108,7 @@ impl Unit {
         Self::DegreePerSecond,
     ];
 
-    /// The unit's symbol; empty for a pure number.
+    /// Returns the symbol of the unit; empty for [`Unit::One`].
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::One => "",
@@ -123,7 +122,7 @@ impl Unit {
         }
     }
 
-    /// How a key in this unit ends. Gains end in nothing: their keys are the paper's symbols.
+    /// Returns the suffix of keys in this unit; empty for gains, whose keys are the symbols of [Tran2012].
     pub const fn suffix(self) -> &'static str {
         match self {
             Self::One | Self::PerSecond => "",
@@ -136,7 +135,7 @@ impl Unit {
         }
     }
 
-    /// What a value under the key is multiplied by to be SI, radians for degrees.
+    /// Returns the factor that converts a value under the key to SI units (radians for degrees).
     pub const fn to_si(self) -> f64 {
         match self {
             Self::Degree | Self::DegreePerSecond => core::f64::consts::PI / 180.0,
@@ -145,12 +144,14 @@ impl Unit {
     }
 }
 
-/// The parameter `key` of `section`.
+/// Finds the parameter `key` of `section`; `None` if it does not exist.
 pub fn find(section: &str, key: &str) -> Option<&'static Parameter> {
     ALL.iter().find(|p| p.section == section && p.key == key)
 }
 
-/// The parameter called `section.key`, or `key` where only one section has it.
+/// Finds a parameter by `section.key` or, if only one section has the key, by `key` alone.
+///
+/// Returns `None` if no parameter or more than one matches.
 pub fn find_by_name(name: &str) -> Option<&'static Parameter> {
     if let Some((section, key)) = name.split_once('.') {
         return find(section, key);
@@ -160,7 +161,7 @@ pub fn find_by_name(name: &str) -> Option<&'static Parameter> {
     if found.next().is_some() { None } else { first }
 }
 
-/// Whether any parameter belongs to `section`.
+/// Returns whether any parameter belongs to `section`.
 pub fn is_section(section: &str) -> bool {
     ALL.iter().any(|p| p.section == section)
 }
@@ -186,10 +187,10 @@ mod tests {
     }
 
     #[test]
-    fn names_are_found_where_they_are_unambiguous() {
+    fn find_by_name_rejects_ambiguous_keys() {
         assert_eq!(find_by_name("k_v"), find("law", "k_v"));
         assert_eq!(find_by_name("law.k_v"), find("law", "k_v"));
-        assert_eq!(find_by_name("latency_s"), None, "compass and laser both have one");
+        assert_eq!(find_by_name("latency_s"), None, "several sections have this key");
         assert_eq!(find_by_name("robot.k_v"), None);
     }
 }

@@ -1,4 +1,4 @@
-//! `surepose calibrate`: what a recording says of the robot that made it.
+//! `surepose calibrate`: estimates the parameters of a robot from a recording.
 
 use std::path::PathBuf;
 
@@ -16,44 +16,45 @@ use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, names_of};
 use crate::{interrupt, progress};
 
-/// Fit wheel radii, track, noise, laser mounting and latency to a recording, with standard errors.
+/// Calibrate wheel radii, wheel separation, odometry noise, laser pose and latency from a recording, with standard errors
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose calibrate ticks exp1.dat.gz --out calibration
   surepose calibrate mcap rosbag2/drive_0.mcap --config robot.toml --compass --out calibration
 
-All lengths are in the laser's metres. What the motion did not excite is said so, not guessed: drive a few minutes in sight of \
-walls, with turns both ways, at changing speeds.
+The laser sets the scale of all lengths. A parameter that the motion does not excite is reported as such, without a value: \
+record a few minutes in view of walls, with turns in both directions and changing speeds.
 
-mcap: `odom` must be of the wheels alone, and [robot] what its base takes the wheels for: by that it is turned back into how far \
-they turned. Give the base what was found as well, for it is the base that makes odometry of it. With --compass the headings of \
-`imu` count; the compass' offset needs a `truth`, too.
+mcap: `odom` must come from the wheels alone, and [robot] must hold the wheel parameters of the base; they convert odometry \
+back into wheel angles. Copy the calibrated values into the configuration of the base as well, because the base computes \
+odometry. With --compass the headings of `imu` are used; the compass offset also needs the topic `truth`.
 
-Exit codes: 0 done, 2 wrong command line, 3 a recording that cannot be read, or not be calibrated from, 130 interrupted.")]
+Exit codes: 0 done; 2 usage or configuration error; 3 recording unreadable, malformed or not sufficient for calibration; \
+130 interrupted.")]
 pub(crate) struct CalibrateCommand {
     /// The format of the recording
     format: Format,
     /// The recording
     path: PathBuf,
-    /// A folder for the configuration that was found
+    /// A directory for the calibrated configuration
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Hear the absolute heading of imu in a mcap recording
+    /// Use the absolute heading of the topic imu (mcap only)
     #[arg(long)]
     compass: bool,
-    /// What a topic of a mcap recording is called, where it is not odom, scan, imu or truth, or not the only one of its type: odom:=/base/odom. May be repeated
+    /// Rename a topic (mcap only), for example odom:=/base/odom; needed if the topics are not odom, scan, imu and truth and their type is not unique. May be repeated
     #[arg(long, value_name = "FROM:=TO")]
     remap: Vec<String>,
     #[command(flatten)]
     config: ConfigArgs,
 }
 
-/// Formats whose recordings have wheels and scans.
+/// Formats with wheel odometry and laser scans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// Wheel ticks and a laser, as the mines rover recorded them
+    /// Wheel ticks and laser scans of the mines rover
     Ticks,
-    /// ROS 2 messages in MCAP, as rosbag2 writes them: odometry and a laser, with --compass a heading
+    /// ROS 2 messages in an MCAP file of rosbag2: odometry and laser scans, heading with --compass
     Mcap,
 }
 
@@ -68,7 +69,7 @@ impl CalibrateCommand {
         let part = || cancel.completed() as f64 / STAGES as f64;
         let fit = || calibrate(&recording, &options, &cancel);
         let found = match progress::attended(&bar, part, || cancel.cancel(), fit)? {
-            // There is no half of a fit to be kept.
+            // A partial fit has no result.
             Err(CalibrationError::Stopped) => return interrupt::nothing(output),
             found => found.map_err(|why| CliError::Recording { path: self.path, what: why.to_string() })?,
         };
@@ -81,7 +82,7 @@ impl CalibrateCommand {
             for (name, estimate) in &parameters {
                 let number =
                     |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
-                let unknown = estimate.not_excited.map(|motion| format!("not excited: it takes {motion}"));
+                let unknown = estimate.not_excited.map(|motion| format!("not excited: requires {motion}"));
                 let value = unknown.unwrap_or_else(|| number(estimate.value));
                 table.add_row([
                     (*name).to_owned(),
@@ -97,7 +98,7 @@ impl CalibrateCommand {
     fn ticks(&self) -> Result<(CalibrationRecording, Options), CliError> {
         if self.compass || !self.remap.is_empty() || self.config.is_given() {
             return Err(CliError::Usage {
-                what: "ticks are the rover's, whose robot is known, and have neither topics nor a compass"
+                what: "--config, --set, --compass, --remap: not used with ticks, whose robot is known"
                     .to_owned(),
                 help: "leave out --config, --set, --compass and --remap".to_owned(),
             });
@@ -126,7 +127,7 @@ impl CalibrateCommand {
         }
         if !skipped.is_empty() {
             let counted: Vec<_> = skipped.iter().map(|(why, count)| format!("{count} {why}")).collect();
-            warning(&format!("messages that are not used: {}", counted.join(", ")));
+            warning(&format!("skipped messages: {}", counted.join(", ")));
         }
         Ok((recording, options))
     }

@@ -1,4 +1,4 @@
-//! `surepose certify`: whether the robot is sure to arrive, for these gains, this period and this noise.
+//! `surepose certify`: proves that the closed loop reaches the goal, for given gains, period and noise bounds.
 
 mod average;
 
@@ -19,58 +19,62 @@ use crate::output_dir::OutputDir;
 use crate::settings::LawArgs;
 use crate::{certification, interrupt, progress};
 
-/// Certify that the loop arrives: the shipped law, evaluated with intervals.
+/// Prove that the closed loop reaches the goal: the deployed law, evaluated in interval arithmetic
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose certify --noise-position 0.007 --noise-heading 0.25
   surepose certify --set law.k_v=10 --set law.k_alpha=100 --set law.h=1   refused, with the reason
-  surepose certify --out certificate                                      pictures of the margin
-  surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3  white noise, on average
+  surepose certify --out certificate                                      plots of the decrease margin
+  surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3  expected decrease under white noise
 
-Noise is bounded, in any direction, at every tick. The wheels are taken to follow their commands at once.
+The noise options are bounds: any error within them may occur at every tick. Wheels are assumed to follow their commands \
+without delay.
 
-Written to --out: margin and margin_over_distance, as SVG and PNG: how fast W falls at the least, over how the goal is \
-seen (margin.csv has their numbers), and where that was not shown; summary.json, the JSON of the command without wall_s.
+Files in --out: margin and margin_over_distance, as SVG and PNG: the smallest proven decrease rate of W over the bearing and \
+the direction of approach, and where no decrease was proven; margin.csv with the same numbers; summary.json, the JSON result \
+without wall_s.
 
---gaussian takes the noise options as standard deviations. No bound holds for ever then; W falls on average outside of \
-the radius that is told, and the expected time of coming within it is bounded. What that leaves out is told with it.
+With --gaussian the noise options are standard deviations of white Gaussian noise. No bound then holds for all time: outside \
+the printed radius W decreases in expectation, and the expected time to reach that radius is bounded. The output lists what \
+this statement does not cover.
 
-Exit codes: 0 certified, 1 refused, 130 interrupted.")]
+Exit codes: 0 certified; 1 refused; 2 usage or configuration error; 130 interrupted.")]
 pub(crate) struct CertifyCommand {
+    /// The control period, in seconds; overrides loop.period_s
     /// Time between two ticks, in seconds, over the configuration's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<String>,
     #[command(flatten)]
     noise: NoiseArgs,
-    /// Take the noise options as standard deviations of white Gaussian noise (of each coordinate, of the heading, of each rim)
+    /// Take the noise options as standard deviations of white Gaussian noise (per coordinate, of the heading, per rim)
     #[arg(long, conflicts_with = "out")]
     gaussian: bool,
-    /// A folder for pictures of the margin; they take half a minute more
+    /// A directory for plots of the decrease margin; they take about half a minute
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     config: LawArgs,
 }
 
-/// What may go wrong at every tick.
+/// The noise bounds at every tick.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct NoiseArgs {
-    /// Bound of the position error, in metres
+    /// Bound of the position error, in meters
     #[arg(long = "noise-position", value_name = "M", default_value_t = certification::POSITION_NOISE, value_parser = bound, allow_negative_numbers = true)]
     position: f64,
     /// Bound of the heading error, in degrees
     #[arg(long = "noise-heading", value_name = "DEG", default_value_t = certification::HEADING_NOISE_DEG, value_parser = heading_bound, allow_negative_numbers = true)]
     heading: f64,
-    /// Bound of each rim's speed error, in metres per second
+    /// Bound of the rim-speed error of each wheel, in meters per second
     #[arg(long = "noise-speed", value_name = "M_S", default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     speed: f64,
-    /// Bound of each rim's speed error, as a part of that speed: 0.05 is 5 %
+    /// Bound of the rim-speed error of each wheel, as a fraction of the speed: 0.05 is 5 %
     #[arg(long = "noise-speed-part", value_name = "PART", default_value_t = 0.0, value_parser = bound, allow_negative_numbers = true)]
     speed_part: f64,
 }
 
 impl NoiseArgs {
-    /// The same, in radians.
+    /// Returns the bounds in SI units and radians.
     pub(super) fn bounds(self) -> NoiseBounds {
         NoiseBounds {
             position: self.position,
@@ -83,12 +87,12 @@ impl NoiseArgs {
 
 fn bound(text: &str) -> Result<f64, String> {
     let bound = text.parse::<f64>().ok().filter(|bound| (0.0..=1000.0).contains(bound));
-    bound.ok_or_else(|| "write a number from 0 to 1000".to_owned())
+    bound.ok_or_else(|| "expected a number from 0 to 1000".to_owned())
 }
 
 fn heading_bound(text: &str) -> Result<f64, String> {
     let bound = text.parse::<f64>().ok().filter(|bound| (0.0..180.0).contains(bound));
-    bound.ok_or_else(|| "write degrees, from 0 to less than 180°".to_owned())
+    bound.ok_or_else(|| "expected degrees from 0 to less than 180°".to_owned())
 }
 
 impl CertifyCommand {
@@ -101,7 +105,7 @@ impl CertifyCommand {
         if self.gaussian {
             return average::run(&config, noise, output);
         }
-        // A folder that cannot be written to is found before the work, not after it.
+        // Checked before the computation: an output directory that is not writable must not discard a result.
         let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
         let certificate = certification::certificate(&config, noise);
         let mut json = json_of(&certificate);
@@ -131,7 +135,7 @@ impl CertifyCommand {
                 table.add_row(["counterexample".to_owned(), described(found)]);
             }
             if let Some(path) = &self.out {
-                table.add_row(["written to".to_owned(), path.display().to_string()]);
+                table.add_row(["output".to_owned(), path.display().to_string()]);
             }
             wrapped(table)
         })?;
@@ -143,7 +147,7 @@ impl CertifyCommand {
     }
 }
 
-/// Writes the pictures of the margin, unless the user does not wait for them.
+/// Writes the plots of the decrease margin, unless Ctrl-C interrupts their computation.
 fn draw(
     folder: &OutputDir,
     config: &Config,
@@ -165,7 +169,7 @@ fn draw(
     folder.table("margin.csv", cells(&margins))
 }
 
-/// A cell of the margin's pictures: the middle of its angles, and the least fall that was shown; none where none was.
+/// A cell of the margin plots: the center angles and the proven decrease rates; `None` if no decrease was proven.
 #[derive(Serialize)]
 struct Cell {
     alpha_deg: f64,
@@ -187,22 +191,22 @@ fn cells(margins: &Margins) -> impl Iterator<Item = Cell> {
     })
 }
 
-/// The certificate's keys in words.
+/// Table labels of the keys of the certificate.
 const WORDS: [(&str, &str); 11] = [
     ("certified", "certified"),
-    ("capture_radius_m", "comes within (capture radius) [m]"),
-    ("decrease_rate_per_s", "W falls at least by [1/s]"),
-    ("time_bound_s", "comes there in at most [s]"),
-    ("max_period_s", "capture is shown at a period of [s]"),
-    ("final_heading_bound_deg", "heading, while the local law is in charge [°]"),
-    ("final_position_bound_m", "position, then within [m]"),
-    ("switch_keeps_its_mind", "the switch keeps its mind"),
-    ("switch_dwell_ticks", "for at least so many ticks"),
-    ("boxes", "regions looked at"),
+    ("capture_radius_m", "capture radius: reaches this distance [m]"),
+    ("decrease_rate_per_s", "decrease rate of W, minimum [1/s]"),
+    ("time_bound_s", "time to the capture radius, maximum [s]"),
+    ("max_period_s", "longest period with proven capture [s]"),
+    ("final_heading_bound_deg", "heading error under the local law, bound [°]"),
+    ("final_position_bound_m", "position error after capture, bound [m]"),
+    ("switch_keeps_its_mind", "law switch has hysteresis"),
+    ("switch_dwell_ticks", "law switch, minimum dwell [ticks]"),
+    ("boxes", "boxes evaluated"),
     ("wall_s", "computing time [s]"),
 ];
 
-/// The certificate under the contract's keys; what was not shown is absent.
+/// Returns the certificate under the documented JSON keys; values that were not proven are absent.
 fn json_of(certificate: &Certificate) -> Map<String, Json> {
     let CertifiedBounds { capture_radius_m, final_heading_bound_deg, final_position_bound_m } =
         CertifiedBounds::from_certificate(certificate);
@@ -251,7 +255,7 @@ fn disturbed_state(found: &Counterexample) -> Json {
 fn described(found: &Counterexample) -> String {
     let (at, then) = (&found.disturbed_state, &found.transition);
     format!(
-        "at {:.3} m, {:.3} m, {:.1}°: W goes from {:.3} to {:.3} in a tick",
+        "at {:.3} m, {:.3} m, {:.1}°: W increases from {:.3} to {:.3} in one tick",
         at.x,
         at.y,
         at.heading.to_degrees(),

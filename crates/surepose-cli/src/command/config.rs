@@ -1,4 +1,4 @@
-//! `surepose config`: whether a configuration can be used, what is in effect and why, what a parameter means.
+//! `surepose config`: checks, shows and explains the configuration.
 
 use std::path::PathBuf;
 
@@ -23,26 +23,34 @@ pub(crate) struct ConfigCommand {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Whether a configuration can be used; every problem with its line and its cure
-    #[command(after_help = "Example: surepose config check robot.toml")]
+    /// Check a configuration; reports every problem with its line and its remedy
+    #[command(after_help = "Example: surepose config check robot.toml
+
+With --json the problems are listed as {file, line, message, help}.
+
+Exit codes: 0 valid; 2 invalid.")]
     Check(Source),
-    /// Every parameter in effect, with where its value came from, as TOML that can be edited and read again
+    /// Print every parameter in effect, with the origin of its value, as TOML
     #[command(after_help = "Example: surepose config show --config robot.toml --set law.k_v=3
 
-Gains that nobody set are comments: they are fitted anew to the period and the wheels of the file. Without the leading # they \
-stay as they are.")]
+The output is a valid configuration file. Gains that are not set are commented out, because they are fitted to the period \
+and the wheels of the file; without the leading # they are fixed.
+
+Exit codes: 0 done; 2 invalid configuration.")]
     Show(Source),
-    /// What one parameter means, its unit, its bounds and why they are there
-    #[command(after_help = "Example: surepose config explain capture_radius_m")]
+    /// Explain one parameter: meaning, unit, default, bounds and the reason for the bounds
+    #[command(after_help = "Example: surepose config explain capture_radius_m
+
+Exit codes: 0 done; 2 unknown or ambiguous name.")]
     Explain {
-        /// The parameter: KEY, or SECTION.KEY
+        /// The parameter: KEY or SECTION.KEY
         name: String,
     },
 }
 
 #[derive(Debug, Args)]
 struct Source {
-    /// The file, as with --config
+    /// The configuration file, the same as --config
     #[arg(value_name = "FILE", conflicts_with = "config")]
     file: Option<PathBuf>,
     #[command(flatten)]
@@ -80,7 +88,7 @@ impl ConfigCommand {
     }
 }
 
-/// The problems of a configuration for programs; people read the same on standard error.
+/// Returns the problems of a configuration as JSON.
 fn invalid(error: &ConfigError) -> Json {
     let listed = |problem: &ConfigProblem| {
         let mut json = Map::new();
@@ -99,7 +107,7 @@ fn invalid(error: &ConfigError) -> Json {
 fn check(output: Output, config: &Config) -> Result<(), CliError> {
     let mut warnings = certification::warnings(config);
     let refused = Scenario::configured(config.clone()).check_clearance().err();
-    warnings.extend(refused.map(|problem| format!("`surepose run` refuses this [scenario]: {problem}")));
+    warnings.extend(refused.map(|problem| format!("[scenario]: rejected by `surepose run`: {problem}")));
     for said in &warnings {
         warning(said);
     }
@@ -111,7 +119,7 @@ fn check(output: Output, config: &Config) -> Result<(), CliError> {
             table.add_row([name(setting.parameter), shown(setting), setting.origin.to_string()]);
         }
         if table.is_empty() {
-            table.add_row(["every parameter", "as in the table", "default"]);
+            table.add_row(["all parameters", "default", "default"]);
         }
         table
     })?;
@@ -144,12 +152,16 @@ fn show(output: Output, config: &Config) -> Result<(), CliError> {
 }
 
 fn explain(output: Output, wanted: &str) -> Result<Exit, CliError> {
-    let p = parameter(wanted)
-        .map_err(|help| CliError::Usage { what: format!("'{wanted}' is not one parameter"), help })?;
+    let p = parameter(wanted).map_err(|help| CliError::Usage {
+        what: format!("parameter: unknown or ambiguous name (got '{wanted}')"),
+        help,
+    })?;
     let (bounds, default, reason) = match p.kind {
         Kind::Number { default, range } => (bounds(p, &range), json!(default), range.reason),
         Kind::Integer { default, range } => (bounds(p, &range), json!(default), range.reason),
-        Kind::Choice { options } => (options.join(", "), json!(options.first()), "these are what there is"),
+        Kind::Choice { options } => {
+            (options.join(", "), json!(options.first()), "these are the available options")
+        }
     };
     let meaning = p.meaning.trim();
     if output.json {
@@ -163,7 +175,7 @@ fn explain(output: Output, wanted: &str) -> Result<Exit, CliError> {
         let unit = Some(p.unit.symbol()).filter(|unit| !unit.is_empty());
         let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
         text(&format!(
-            "{}\n  {meaning}\n  default: {default}{unit}\n  allowed: {bounds}\n  because: {reason}\n",
+            "{}\n  {meaning}\n  default: {default}{unit}\n  allowed: {bounds}\n  reason: {reason}\n",
             name(p)
         ))?;
     }

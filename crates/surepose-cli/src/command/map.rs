@@ -1,4 +1,4 @@
-//! `surepose map`: wall maps from occupancy grids and from recordings.
+//! `surepose map`: creates wall maps from occupancy grids and recordings, and shows them.
 
 mod output;
 
@@ -18,7 +18,7 @@ use crate::maps::grid_in;
 use crate::output::{Output, object, table, warning};
 use crate::output_dir::{OutputDir, write_file};
 
-/// Make a wall map, or show one.
+/// Create a wall map, or show one.
 #[derive(Debug, Args)]
 pub(crate) struct MapCommand {
     #[command(subcommand)]
@@ -27,56 +27,62 @@ pub(crate) struct MapCommand {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// The walls of an occupancy grid in the map_server form of ROS
+    /// Extract the walls of an occupancy grid of the ROS map_server
     #[command(after_help = "Examples:
   surepose map from-grid turtlebot3_world.yaml --out walls.toml
-  surepose map from-grid turtlebot3_world.yaml --out walls.toml --picture pictures")]
+  surepose map from-grid turtlebot3_world.yaml --out walls.toml --picture pictures
+
+Exit codes: 0 done; 1 no wall found; 2 usage error or output not writable; 3 grid unreadable or malformed; 130 interrupted.")]
     FromGrid {
-        /// The grid's YAML file; where the image that it names is absent, that of its own name is read
+        /// The YAML file of the grid; if the image it names is absent, the image with its own name is read
         grid: PathBuf,
-        /// The wall map to write, with a picture of the same name beside it
+        /// The wall map to write; its plot gets the same name
         #[arg(long, value_name = "MAP.toml")]
         out: PathBuf,
-        /// A folder for the picture, which has the walls and the grid below; beside the map unless given
+        /// A directory for the plot of the walls over the grid; default the directory of the map
         #[arg(long, value_name = "DIR")]
         picture: Option<PathBuf>,
     },
-    /// The walls that a recording's scans show at its reference poses
+    /// Extract walls from the scans of a recording at its reference poses
     #[command(
-        after_help = "Example: surepose map from-log carmen freiburg-101-corrected.log.gz --out walls.toml"
+        after_help = "Example: surepose map from-log carmen freiburg-101-corrected.log.gz --out walls.toml
+
+Exit codes: 0 done; 1 no wall found; 2 usage error or output not writable; 3 recording unreadable or malformed; 130 interrupted."
     )]
     FromLog {
         /// The format of the recording
         format: Format,
         /// The recording
         path: PathBuf,
-        /// The wall map to write, with a picture of the same name beside it
+        /// The wall map to write; its plot gets the same name
         #[arg(long, value_name = "MAP.toml")]
         out: PathBuf,
-        /// A folder for the picture, which has the walls and where the beams ended below; beside the map unless given
+        /// A directory for the plot of the walls over the beam end points; default the directory of the map
         #[arg(long, value_name = "DIR")]
         picture: Option<PathBuf>,
     },
-    /// How many walls a map has, and how long they are
+    /// Show the number and total length of the walls of a map
     #[command(after_help = "Examples:
   surepose map show walls.toml --out pictures
-  surepose map show walls.toml --grid turtlebot3_world.yaml --out pictures")]
+  surepose map show walls.toml --grid turtlebot3_world.yaml --out pictures
+
+Exit codes: 0 done; 1 no wall; 2 usage error or output not writable; 3 map or grid unreadable or malformed; 130 interrupted.")]
     Show {
         /// The wall map
         map: PathBuf,
-        /// An occupancy grid to draw below the walls
+        /// An occupancy grid to draw beneath the walls
         #[arg(long, value_name = "GRID.yaml", requires = "out")]
         grid: Option<PathBuf>,
-        /// A folder for a picture of it
+        /// A directory for the plot
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
 }
 
-/// Formats whose recordings have reference poses for their scans.
+/// Formats with reference poses for their scans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// CARMEN: poses corrected by SLAM
+    /// CARMEN log: poses corrected by SLAM
     Carmen,
 }
 
@@ -98,7 +104,7 @@ impl MapCommand {
                 let walls = wall_map::read(&map)?;
                 let grid = grid.as_deref().map(grid_in).transpose()?;
                 if let Some(folder) = &out {
-                    keep(&[&map], pictures_of(&map, folder), "give --out another folder")?;
+                    keep(&[&map], pictures_of(&map, folder), "give --out another directory")?;
                     let ground = grid.as_ref().map_or(MapBackground::Nothing, MapBackground::Grid);
                     OutputDir::at(folder)?.picture(&name_of(&map), &picture::wall_map(&walls, ground))?;
                 }
@@ -111,7 +117,7 @@ impl MapCommand {
             table.add_row(["walls".to_owned(), report.walls.to_string()]);
             table.add_row(["length".to_owned(), format!("{:.1} m", report.length_m)]);
             if let Some(residual) = report.residual_rms_m {
-                table.add_row(["residual (rms)".to_owned(), format!("{:.1} mm", 1e3 * residual)]);
+                table.add_row(["residual (RMS)".to_owned(), format!("{:.1} mm", 1e3 * residual)]);
             }
             if let Some(explained) = report.explained {
                 table.add_row(["points on a wall".to_owned(), format!("{:.1} %", 1e2 * explained)]);
@@ -122,21 +128,23 @@ impl MapCommand {
             return Ok(Exit::Interrupted);
         }
         if report.walls == 0 {
-            warning("no wall was found: are the cells of walls occupied, and several in a row?");
+            warning(
+                "no wall was found; check that wall cells are marked occupied and form lines of several cells",
+            );
             return Ok(Exit::Negative);
         }
         Ok(Exit::Done)
     }
 }
 
-/// Writes the map, and its picture beside it or into a folder of its own.
+/// Writes the map and its plot, and returns the report.
 fn write(
     mapped: &MappingResult,
     ground: MapBackground<'_>,
     target: &MapOutput,
 ) -> Result<MapReport, CliError> {
     let text = mapped.map.to_toml(&target.map)?;
-    // A map comes with its picture: from here on, Ctrl-C waits for it.
+    // A map is never left without its plot: from here on, Ctrl-C takes effect after both are written.
     interrupt::listen();
     write_file(&target.map, &text)?;
     target.pictures.picture(&name_of(&target.map), &picture::wall_map(&mapped.map, ground))?;

@@ -1,4 +1,4 @@
-//! `surepose replay`: the estimator on a recording, judged against its reference.
+//! `surepose replay`: runs the estimator on a recording and compares it with the reference.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, PoseArg, names_of, whole};
 use crate::{interrupt, progress};
 
-/// Run the estimator on a recording and judge it against the recording's reference.
+/// Run the estimator on a recording and compare the estimate with the reference of the recording
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose replay mrclam MRCLAM_Dataset7 --robot 3
@@ -33,29 +33,30 @@ use crate::{interrupt, progress};
   surepose replay mcap rosbag2/drive_0.mcap --map building.toml --compass --remap truth:=/mocap/pose
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
 
-Exit codes: 0 done; 1 not found where it was to be looked for, no step of odometry, no measurement accepted, or a position \
-farther off than dead reckoning's; 130 interrupted (of carmen, ticks and wean, what was done until then is judged).")]
+Exit codes: 0 done; 1 the robot was not localized, the recording has no odometry step, no measurement was accepted, or \
+the estimate is inconsistent or less accurate than dead reckoning; 2 usage or configuration error; 3 recording or map \
+unreadable or malformed; 130 interrupted (carmen, ticks and wean: the part replayed until then is evaluated).")]
 pub(crate) struct ReplayCommand {
     /// The format of the recording
     format: Format,
-    /// The recording: a file, or a folder where the format has several
+    /// The recording: a file, or a directory if the format has several files
     path: PathBuf,
-    /// A wall map, or the occupancy grid to make it from (`.yaml`, or Wean Hall's own); without one, `carmen` makes its own from every second scan and is judged on the others
+    /// A wall map (.toml), or an occupancy grid from which walls are extracted (.yaml, or the grid of Wean Hall); without it, `carmen` builds a map from every second scan and is evaluated on the others
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Where the robot starts, where the recording does not tell: metres, metres, degrees; without it, `wean` looks for the place, and exits with 1 while several explain the scans
+    /// The start pose, in meters, meters and degrees, for formats without one; without it, `wean` localizes globally and exits with 1 while several poses are possible
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
-    /// Hear the absolute heading of imu in a mcap recording
+    /// Use the absolute heading of the topic imu (mcap only)
     #[arg(long)]
     compass: bool,
-    /// What a topic of a mcap recording is called, where it is not odom, scan, imu or truth, or not the only one of its type: odom:=/base/odom. May be repeated
+    /// Rename a topic (mcap only), for example odom:=/base/odom; needed if the topics are not odom, scan, imu and truth and their type is not unique. May be repeated
     #[arg(long, value_name = "FROM:=TO")]
     remap: Vec<String>,
-    /// Which robot of a mrclam recording, which has several; the first unless given
+    /// The number of the robot (mrclam only); default 1
     #[arg(long, value_parser = whole(0..=u32::MAX), allow_negative_numbers = true)]
     robot: Option<u32>,
-    /// A folder for a picture of `wean`'s scans and the robot's way on its map
+    /// A directory for a plot of the scans and the trajectory on the map (wean only)
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -64,15 +65,15 @@ pub(crate) struct ReplayCommand {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// UTIAS MRCLAM: commanded velocities, landmarks, motion capture
+    /// UTIAS MRCLAM: velocity commands, landmark observations, motion capture
     Mrclam,
-    /// CARMEN: odometry, laser, poses corrected by SLAM
+    /// CARMEN log: odometry, laser scans, poses corrected by SLAM
     Carmen,
-    /// Wheel ticks and laser, without a map: the walls are made on the way
+    /// Wheel ticks and laser scans; the map is built during the replay
     Ticks,
-    /// CMU Wean Hall: odometry and laser on a given map
+    /// CMU Wean Hall: odometry and laser scans on a given map
     Wean,
-    /// ROS 2 messages in MCAP, as rosbag2 writes them: odometry, and with --map a laser, with --compass a heading
+    /// ROS 2 messages in an MCAP file of rosbag2: odometry, laser scans with --map, heading with --compass
     Mcap,
 }
 
@@ -128,12 +129,12 @@ impl ReplayCommand {
         if let Some(why) = failing {
             warning(why);
         }
-        // Somewhere is no place: what was asked for was not found.
+        // Several remaining hypotheses count as a failed localization.
         let placed = report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some());
         Ok(if placed && failing.is_none() { Exit::Done } else { Exit::Negative })
     }
 
-    /// Follows the robot through Wean Hall, looks for it first where nobody says where it starts, and draws it.
+    /// Replays a Wean Hall log, with global localization if no start pose is given, and draws the result.
     fn wean(&self, output: Output) -> Result<ReplayReport, CliError> {
         let config = self.config.over(cmu_wean::preset())?;
         let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
@@ -152,7 +153,7 @@ impl ReplayCommand {
         Ok(followed.report)
     }
 
-    /// Lets the node's driver hear the recording.
+    /// Feeds the recording to the driver of the ROS 2 node.
     fn mcap(&self) -> Result<ReplayReport, CliError> {
         let names = names_of(&self.remap)?;
         let map = self.map.as_deref().map(walls_to_read).transpose()?;
@@ -175,39 +176,41 @@ impl ReplayCommand {
             .map_err(|error| CliError::Recording { path: self.path.clone(), what: error.to_string() })
     }
 
-    /// Refuses options that the format has no use for, and asks for those that it needs.
+    /// Rejects options that the format does not use, and requires those that it needs.
     fn check(&self) -> Result<(), CliError> {
         let usage =
             |what: &str, help: &str| Err(CliError::Usage { what: what.to_owned(), help: help.to_owned() });
         match self.format {
             Format::Carmen | Format::Ticks | Format::Wean | Format::Mcap if self.robot.is_some() => {
-                usage("only recordings of mrclam have several robots", "leave out --robot")
+                usage("--robot: only mrclam recordings have several robots", "leave out --robot")
             }
             Format::Mrclam if self.map.is_some() => {
-                usage("mrclam has landmarks, and no use for a wall map", "leave out --map")
+                usage("--map: mrclam uses landmarks instead of a wall map", "leave out --map")
             }
             Format::Ticks if self.map.is_some() => {
-                usage("ticks makes its own map, from where the robot starts", "leave out --map")
+                usage("--map: ticks builds its own map, starting at the first pose", "leave out --map")
             }
-            Format::Wean if self.map.is_none() => {
-                usage("wean has no map of its own", "give --map wean.dat.gz, the hall's own grid")
-            }
+            Format::Wean if self.map.is_none() => usage(
+                "--map: required for wean recordings",
+                "add --map wean.dat.gz, the occupancy grid of Wean Hall",
+            ),
             Format::Mrclam | Format::Carmen | Format::Ticks | Format::Mcap if self.out.is_some() => {
-                usage("only wean's scans are drawn on a map", "leave out --out")
+                usage("--out: only wean recordings are drawn on a map", "leave out --out")
             }
             Format::Mrclam | Format::Carmen | Format::Ticks if self.start.is_some() => {
-                usage("only wean and mcap need to be told where the robot starts", "leave out --start")
+                usage("--start: only wean and mcap recordings take a start pose", "leave out --start")
             }
             Format::Mcap => Ok(()),
-            _ if self.compass || !self.remap.is_empty() => {
-                usage("only recordings in mcap have topics", "leave out --compass and --remap")
-            }
+            _ if self.compass || !self.remap.is_empty() => usage(
+                "--compass, --remap: only mcap recordings have topics",
+                "leave out --compass and --remap",
+            ),
             _ => Ok(()),
         }
     }
 }
 
-/// Shows how many of the `scans` are done while `replay` goes on, and ends it where the user asks for that.
+/// Runs `replay` with a progress bar over `scans` scans, and cancels it on Ctrl-C.
 fn watched<T: Send>(
     output: Output,
     scans: usize,
@@ -218,58 +221,58 @@ fn watched<T: Send>(
     progress::attended(&bar, part, || cancel.cancel(), || replay(&cancel))
 }
 
-/// What shows that the estimator was of no use.
+/// Returns why the estimate is useless; `None` if it is useful.
 fn failing(report: &ReplayReport) -> Option<&'static str> {
-    // What no measurement moved is as good as dead reckoning, to the last digits.
+    // Tolerance \[m]: an estimate without corrections equals dead reckoning up to rounding.
     const SAME: f64 = 1e-6;
-    // The quantile of χ² with 3 rows for one estimate of 10⁶ is 31.
+    // NEES threshold: the χ² quantile with 3 degrees of freedom for one estimate in 10⁶ is 31.
     const SURE_OF_ITSELF: f64 = 100.0;
     if report.steps == 0 {
-        return Some("the recording has not one step of odometry: nobody was followed");
+        return Some("recording: no step of odometry, nothing was estimated");
     }
     if report.accepted == 0 {
-        return Some("no measurement was accepted: this is dead reckoning");
+        return Some("no measurement was accepted; the result is dead reckoning");
     }
     if report.nees_median.is_some_and(|nees| nees > SURE_OF_ITSELF) {
         return Some(
-            "the estimate is not where it is sure to be: is the map of this place, and are the settings of this robot?",
+            "the estimate is inconsistent (median NEES above 100); check that the map and the settings match the robot",
         );
     }
     let (estimated, reckoned) = (report.position_rmse_m?, report.dead_reckoning_position_rmse_m?);
-    (estimated > reckoned + SAME).then_some("the estimate is farther off than dead reckoning alone")
+    (estimated > reckoned + SAME).then_some("the estimate is less accurate than dead reckoning")
 }
 
-/// What was left out of a recording, where that is more than a little of it.
+/// Returns a warning if a skipped kind of record makes up more than a tenth of the steps; else `None`.
 fn skipped(report: &ReplayReport) -> Option<String> {
-    // A tenth of the records.
+    // A tenth of the steps.
     let much = report.steps / 10;
     let (why, count) = report.skipped.iter().max_by_key(|(_, count)| **count)?;
     (u64::from(*count) > much)
-        .then(|| format!("{count} records are not used, for {why}: see `skipped` in --json"))
+        .then(|| format!("{count} records were skipped ({why}); see `skipped` in the output of --json"))
 }
 
-/// The report's keys in words.
+/// Table labels of the keys of the report.
 const WORDS: [(&str, &str); 22] = [
-    ("steps", "odometry records"),
+    ("steps", "odometry steps"),
     ("duration_s", "duration [s]"),
-    ("distance_m", "way [m]"),
+    ("distance_m", "path length [m]"),
     ("wall_s", "computing time [s]"),
     ("position_rmse_m", "position error, RMS [m]"),
     ("heading_rmse_deg", "heading error, RMS [°]"),
     ("position_median_m", "position error, median [m]"),
     ("nees_mean", "NEES, mean (3 if consistent)"),
     ("nees_median", "NEES, median (2.37 if consistent)"),
-    ("dead_reckoning_position_rmse_m", "dead reckoning's position error, RMS [m]"),
-    ("dead_reckoning_heading_rmse_deg", "dead reckoning's heading error, RMS [°]"),
-    ("beams_on_walls", "part of the beams on walls"),
-    ("found_s", "found after [s]"),
-    ("found_x_m", "found at x [m]"),
-    ("found_y_m", "found at y [m]"),
-    ("found_heading_deg", "found with heading [°]"),
-    ("hypotheses_left", "places that explain the scans"),
-    ("explained", "part of the surface seen that is on walls"),
-    ("before_walls", "part of it before walls"),
-    ("beyond_walls", "part of it beyond walls"),
-    ("accepted", "measurements used"),
-    ("rejected", "measurements refused"),
+    ("dead_reckoning_position_rmse_m", "dead reckoning, position error, RMS [m]"),
+    ("dead_reckoning_heading_rmse_deg", "dead reckoning, heading error, RMS [°]"),
+    ("beams_on_walls", "fraction of beams on walls"),
+    ("found_s", "localized after [s]"),
+    ("found_x_m", "localized at x [m]"),
+    ("found_y_m", "localized at y [m]"),
+    ("found_heading_deg", "localized heading [°]"),
+    ("hypotheses_left", "remaining pose hypotheses"),
+    ("explained", "observed surface on walls, fraction"),
+    ("before_walls", "observed surface in front of walls, fraction"),
+    ("beyond_walls", "observed surface behind walls, fraction"),
+    ("accepted", "accepted measurements"),
+    ("rejected", "rejected measurements"),
 ];

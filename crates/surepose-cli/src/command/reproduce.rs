@@ -1,4 +1,4 @@
-//! `surepose reproduce`: the paper's figures and their data.
+//! `surepose reproduce`: reproduces the figures of the paper, with their data.
 
 mod figure_result;
 mod localization;
@@ -23,18 +23,19 @@ use crate::settings::{ConfigArgs, whole};
 /// Reproduce the figures of the paper, as SVG and PNG, with their data.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  surepose reproduce --out figures                 every figure
+  surepose reproduce --out figures                 all figures
   surepose reproduce fig4 fig5 --out figures --runs 200
   surepose reproduce fig4 --out figures --set laser.beams=361
 
-After Ctrl-C the figures that are done are kept, and fig4 is that of the runs that were.")]
+Exit codes: 0 done; 1 a goal of fig3 or fig7 was not reached; 2 usage or configuration error; 130 interrupted (finished \
+figures are kept, and fig4 covers the finished runs).")]
 pub(crate) struct ReproduceCommand {
-    /// Which figures; all of them where none is named
+    /// The figures; default all
     figures: Vec<Figure>,
-    /// The folder for pictures and data
+    /// The directory for plots and data
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How many seeds are behind fig4, and a tenth of them behind fig6
+    /// The number of seeds for fig4; fig6 uses a tenth of them
     #[arg(long, default_value_t = 100, value_parser = whole(1..=1_000_000_u64), allow_negative_numbers = true)]
     runs: u64,
     /// The first seed
@@ -46,15 +47,15 @@ pub(crate) struct ReproduceCommand {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 enum Figure {
-    /// The law alone, to three goals under bounded noise
+    /// The law without a robot, to three goals, under bounded noise
     Fig3,
-    /// Where four sets of sensors believe the robot to be
+    /// The trajectories estimated with four sets of sensors
     Fig4,
-    /// How far off they are over time
+    /// The estimation errors of these sets over time
     Fig5,
-    /// Two predefined paths, with the filter and without it
+    /// Two predefined paths, followed with and without the filter
     Fig6,
-    /// The whole robot to three goals
+    /// The full robot, to three goals
     Fig7,
 }
 
@@ -70,11 +71,11 @@ impl ReproduceCommand {
         figures.dedup();
 
         if figures.contains(&Figure::Fig3) && self.config.is_given() {
-            warning("fig3 is of the paper's own gains and of the law alone: it heeds no configuration");
+            warning("fig3: uses the gains of the paper and the law alone; the configuration is ignored");
         }
 
         interrupt::listen();
-        // Fig. 4 and Fig. 5 show the same runs.
+        // Fig. 4 and Fig. 5 show the same runs, which are computed once.
         let mut localized: Option<LocalizationRuns> = None;
         let (mut json, mut good, mut rows) = (Map::new(), true, Vec::new());
         for figure in figures {
@@ -91,7 +92,7 @@ impl ReproduceCommand {
             json.insert(name.to_owned(), outcome.json);
             good &= outcome.good;
             rows.extend(outcome.rows.into_iter().map(|[what, found]| [name.to_owned(), what, found]));
-            // At once, so that who does not wait for the next figure has this one's numbers.
+            // Written after each figure, so that an interrupt keeps the finished ones.
             folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
         }
         interrupt::mark(&mut json);
@@ -99,11 +100,11 @@ impl ReproduceCommand {
             folder.text("figures.json", &format!("{:#}\n", json!(json)))?;
         }
         output.result(&json, || {
-            let mut table = table(&["figure", "what", "found"]);
+            let mut table = table(&["figure", "item", "result"]);
             for row in rows {
                 table.add_row(row);
             }
-            table.add_row(["", "written to", &self.out.display().to_string()]);
+            table.add_row(["", "output", &self.out.display().to_string()]);
             table
         })?;
         Ok(match (interrupt::asked(), good) {
@@ -147,8 +148,10 @@ impl ReproduceCommand {
 
     fn fig6(&self, folder: &OutputDir, config: &Config) -> Result<FigureResult, CliError> {
         let runs = (self.runs / 10).max(1);
-        let following = reproduce::following(config, self.seed, runs)
-            .map_err(|error| CliError::Usage { what: error.to_string(), help: "report this".to_owned() })?;
+        let following = reproduce::following(config, self.seed, runs).map_err(|error| CliError::Usage {
+            what: error.to_string(),
+            help: "report this as a bug".to_owned(),
+        })?;
         folder.picture("fig6", &picture::fig6(&following))?;
         let shapes = [
             ("rounded_rectangle", &following.rounded_rectangle, following.figures.rounded_rectangle),
@@ -163,7 +166,7 @@ impl ReproduceCommand {
                 folder.table(&format!("fig6_{name}_{part}.csv"), points)?;
             }
             let (with, without) = (figures.with_ekf.path_rmse_m, figures.without_ekf.path_rmse_m);
-            let found = format!("{:.1} mm with EKF, {:.1} mm without (rms)", 1e3 * with, 1e3 * without);
+            let found = format!("{:.1} mm with EKF, {:.1} mm without (RMS)", 1e3 * with, 1e3 * without);
             rows.push([name.replace('_', " "), found]);
         }
         Ok(FigureResult { json: json!(following.figures), good: true, rows })

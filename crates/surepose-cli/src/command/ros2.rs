@@ -1,4 +1,4 @@
-//! `surepose ros2`: the node on a robot, or with a simulated robot beside it.
+//! `surepose ros2`: runs the ROS 2 node, on a robot or with a simulated robot.
 
 use std::path::PathBuf;
 use std::thread;
@@ -20,55 +20,55 @@ use crate::output::{Output, say, text, warning};
 use crate::settings::{LawArgs, PoseArg, whole};
 use crate::{certification, interrupt};
 
-/// Run as a ROS 2 node: park a robot where RViz's "2D Goal Pose", or navigate_to_pose, says.
+/// Run the ROS 2 node: parks a robot at the goal pose that RViz ("2D Goal Pose") or the action navigate_to_pose sends
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  surepose ros2 --simulate                              a simulated robot in the paper's arena, to try it
-  surepose ros2 --map building.toml --start 1,2,90      a robot with odometry and laser, at a known place
-  surepose ros2 --map building.toml --compass           the same with a compass, looking for its place by itself
+  surepose ros2 --simulate                              a simulated robot in the arena of the paper
+  surepose ros2 --map building.toml --start 1,2,90      a robot with odometry and laser, from a known pose
+  surepose ros2 --map building.toml --compass           a robot with a compass, with global localization
   surepose ros2 --config robot.toml --remap odom:=/diff_drive/odom --cmd-vel twist
 
-Hears odom (nav_msgs/Odometry), with --map also scan (sensor_msgs/LaserScan) \
-and /tf_static, which says where the laser sits if [laser] does not; with --compass imu (sensor_msgs/Imu, \
-an absolute heading); goal_pose, initialpose (as RViz sends them), the action navigate_to_pose (nav2_msgs) and the \
-service reinitialize_global_localization (std_srvs/Empty). Says cmd_vel, while it has a goal; pose, walls, /tf (map to \
-odometry's frame) and /diagnostics. ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE mean what they mean to ROS. It needs \
-no ROS installation.
+Subscribes to odom (nav_msgs/Odometry), goal_pose and initialpose (as RViz publishes them); with --map to scan \
+(sensor_msgs/LaserScan) and /tf_static, which gives the pose of the laser unless [laser] sets it; with --compass to imu \
+(sensor_msgs/Imu, absolute heading). Serves the action navigate_to_pose (nav2_msgs) and the service \
+reinitialize_global_localization (std_srvs/Empty). Publishes cmd_vel while a goal is active, pose, walls, /tf (map to the \
+odometry frame) and /diagnostics. ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE have their usual meaning. No ROS \
+installation is needed.
 
-Exit codes: 0 stopped by Ctrl-C, after telling the wheels to rest; 2 wrong command line, configuration or environment; \
-3 a map that cannot be read.")]
+Exit codes: 0 stopped by Ctrl-C, after a stop command to the wheels; 2 usage, configuration or environment error; \
+3 map unreadable or malformed.")]
 pub(crate) struct Ros2Command {
-    /// A wall map (TOML), or an occupancy grid (map_server's YAML) to trace the walls of; without one, the map is where odometry starts
+    /// A wall map (.toml), or an occupancy grid of map_server (.yaml) from which walls are extracted; without it, the map frame starts at the first pose of odometry
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Where the robot starts on the map, to 10 cm and 6°: metres, metres, degrees; without it, it looks for itself
+    /// The start pose on the map, accurate to 10 cm and 6°, in meters, meters and degrees; without it, the robot is localized globally
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
-    /// Hear an absolute heading on imu: east or the map's x axis is 0, but for compass.offset_deg
+    /// Use the absolute heading of imu; 0 is east or the x axis of the map, corrected by compass.offset_deg
     #[arg(long)]
     compass: bool,
-    /// Hold a pose that was reached, also after a push, until another goal or a cancel
+    /// Hold the reached pose, also after a disturbance, until a new goal or a cancel request
     #[arg(long)]
     hold: bool,
-    /// Stop before what the laser sees and no map knows, so near to the way of the robot's middle; half the track and 10 cm unless given, 0 for not at all
+    /// The distance from the path of the robot center at which unmapped obstacles seen by the laser stop the robot; default half the wheel separation plus 10 cm, 0 disables
     #[arg(long, value_name = "M", alias = "room", value_parser = safety_radius, allow_negative_numbers = true)]
     safety_radius: Option<f64>,
-    /// The type of cmd_vel, of geometry_msgs
+    /// The message type of cmd_vel, from geometry_msgs
     #[arg(long, value_enum, default_value_t = CommandType::Stamped)]
     cmd_vel: CommandType,
-    /// Simulate a robot with odom, scan and imu in the arena that the configuration names, in real time
+    /// Simulate a robot that publishes odom, scan and imu, in real time, in the configured arena
     #[arg(long)]
     simulate: bool,
-    /// What the simulated robot's noise is drawn from
+    /// The seed of the noise of the simulated robot
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true, requires = "simulate")]
     seed: u64,
     /// The namespace of the node and its topics
     #[arg(long, value_name = "NAME", default_value = "/")]
     namespace: String,
-    /// Another name for one of the node's own: odom:=/base/odom. May be repeated
+    /// Rename a topic, action or service: odom:=/base/odom. May be repeated
     #[arg(long, value_name = "FROM:=TO")]
     remap: Vec<String>,
-    /// The frame of the map
+    /// The name of the map frame
     #[arg(long, value_name = "NAME", default_value = "map", value_parser = frame)]
     map_frame: String,
     #[command(flatten)]
@@ -77,7 +77,7 @@ pub(crate) struct Ros2Command {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum CommandType {
-    /// TwistStamped, as robots take it since Jazzy
+    /// TwistStamped, the default of ROS 2 Jazzy and later
     Stamped,
     /// Twist
     Twist,
@@ -87,9 +87,9 @@ impl Ros2Command {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let config = self.config.over(Config::default())?;
         let names = Names::new(&self.namespace, &self.remap)
-            .map_err(|error| usage(&error, "see --help for the node's names"))?;
+            .map_err(|error| usage(&error, "see --help for the names of the node"))?;
         let network = Network::from_env(|name| std::env::var(name).ok())
-            .map_err(|error| usage(&error, "set the variable, or unset it"))?;
+            .map_err(|error| usage(&error, "correct or unset the environment variable"))?;
         let (simulated, settings) = self.settings(config, names, network)?;
         for said in &settings.warnings {
             warning(said);
@@ -98,17 +98,17 @@ impl Ros2Command {
         let simulation = simulated.map(|robot| {
             thread::spawn(move || {
                 let ran = robot::run(&robot, interrupt::asked);
-                // The node goes on without it, and whoever waits for the robot shall know.
-                ran.inspect_err(|error| warning(&format!("there is no simulated robot: {error}")))
+                // The node keeps running without the simulated robot, so the failure is reported.
+                ran.inspect_err(|error| warning(&format!("simulated robot: not running: {error}")))
             })
         });
-        say(&format_args!("in ROS domain {}; Ctrl-C ends it", network.domain));
+        say(&format_args!("running in ROS domain {}; stop with Ctrl-C", network.domain));
         let ran = node::run(settings, interrupt::asked, |line| say(&line)).map_err(|error| failure(&error));
         if ran.is_err() {
-            // The simulated robot goes with the program.
+            // The thread of the simulated robot ends with the process.
             return ran.map(|()| Exit::Done);
         }
-        // A thread that panicked has said so.
+        // A panic in the thread has already been reported.
         if let Some(Ok(simulated)) = simulation.map(thread::JoinHandle::join) {
             simulated.map_err(|error| failure(&error))?;
         }
@@ -118,7 +118,7 @@ impl Ros2Command {
         Ok(Exit::Done)
     }
 
-    /// The simulated robot, where one is asked for, and the node.
+    /// Returns the settings of the simulated robot (`None` without --simulate) and of the node.
     fn settings(
         &self,
         config: Config,
@@ -133,11 +133,11 @@ impl Ros2Command {
         }
         if map.is_none() && self.start.is_some() && !self.simulate {
             let help = "give --map, or leave out --start: without a map the robot starts at 0,0,0".to_owned();
-            return Err(CliError::Usage { what: "there is no map to start on".to_owned(), help });
+            return Err(CliError::Usage { what: "--start: requires a map".to_owned(), help });
         }
         let scenario = self.simulate.then(|| Scenario::configured(config.clone()));
         let mut driver = match &scenario {
-            // The robot knows its arena, unless it is told otherwise.
+            // Without --map the walls of the arena are the map.
             Some(scenario) if map.is_none() => NodeDriverSettings::in_scenario(scenario),
             _ => {
                 let (map, scan_method) =
@@ -169,22 +169,24 @@ impl Ros2Command {
 
 fn safety_radius(text: &str) -> Result<f64, String> {
     let safety_radius = text.parse::<f64>().ok().filter(|radius| (0.0..=5.0).contains(radius));
-    safety_radius.ok_or_else(|| "write metres, from 0 to 5".to_owned())
+    safety_radius.ok_or_else(|| "expected meters from 0 to 5".to_owned())
 }
 
-/// tf2 knows no frame whose name begins with `/`.
+/// Parses a frame name; tf2 rejects names that begin with `/`.
 fn frame(text: &str) -> Result<String, String> {
     let fits = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
     if text.is_empty() || text.starts_with('/') || !text.chars().all(fits) {
-        return Err("write letters, digits, _, -, . and /, and no / at the beginning: map".to_owned());
+        return Err(
+            "expected letters, digits, _, -, . and /, and no / at the beginning, for example map".to_owned()
+        );
     }
     Ok(text.to_owned())
 }
 
-/// How far beyond the reach of all walls a start is taken for a slip \[m]; a robot may well stand beside the only one.
+/// Distance outside the bounding box of the map beyond which a start pose is reported \[m].
 const FAR: f64 = 5.0;
 
-/// Says so where the robot is to start far beyond all walls of the map: what it sees will fit none of them.
+/// Warns about a start pose far outside the map; `None` if it is within [`FAR`] of the walls' bounding box.
 fn outside(map: &WallMap, start: PoseArg) -> Option<String> {
     let reach = |axis: usize| {
         let ends = map.walls.iter().flat_map(|wall| [wall.from, wall.to]).map(|end| end[axis]);
@@ -196,7 +198,7 @@ fn outside(map: &WallMap, start: PoseArg) -> Option<String> {
         return None;
     }
     Some(format!(
-        "the start ({}, {}) lies far outside the map, whose walls reach from ({left:.2}, {bottom:.2}) to \
+        "--start: ({}, {}) is far outside the map, whose walls extend from ({left:.2}, {bottom:.2}) to \
          ({right:.2}, {top:.2})",
         start.x, start.y
     ))
@@ -207,7 +209,7 @@ fn usage(error: &dyn std::fmt::Display, help: &str) -> CliError {
 }
 
 fn failure(error: &NodeError) -> CliError {
-    usage(error, "is the network up, and is the domain free? See ROS_DOMAIN_ID")
+    usage(error, "check that the network is up and that the ROS domain (ROS_DOMAIN_ID) is free")
 }
 
 #[cfg(test)]
@@ -217,7 +219,7 @@ mod tests {
     use super::{PoseArg, outside};
 
     #[test]
-    fn a_start_far_beyond_all_walls_is_told() {
+    fn start_far_outside_the_map_is_reported() {
         let wall = |from, to| MapWall { name: None, from, to, covariance: None };
         let walls = vec![wall([-1.0, 0.0], [3.0, 0.0]), wall([3.0, 0.0], [3.0, 2.5])];
         let map = WallMap { name: None, walls };
@@ -225,7 +227,7 @@ mod tests {
         assert_eq!((at(0.0, 1.0), at(3.0, -1.0)), (None, None));
         let said = at(100.0, 1.0).expect("outside");
         assert!(
-            said.contains("(100, 1) lies far outside") && said.contains("(-1.00, 0.00) to (3.00, 2.50)"),
+            said.contains("(100, 1) is far outside") && said.contains("(-1.00, 0.00) to (3.00, 2.50)"),
             "{said}"
         );
         assert!(at(0.0, -5.1).is_some());

@@ -1,4 +1,4 @@
-//! `surepose run`: one closed-loop drive of the simulated robot.
+//! `surepose run`: simulates one closed-loop run.
 
 use std::path::{Path, PathBuf};
 
@@ -17,38 +17,38 @@ use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
 use crate::{certification, interrupt, progress};
 
-/// Drive the simulated robot, with motors, sensors and estimate, to a pose.
+/// Simulate one closed-loop run of the robot, with motors, sensors and estimator, to a goal pose
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  surepose run                                          the paper's arena, to 2,2,30
-  surepose run --goal 2,2,90 --seed 7 --out out         another goal; out/drive.html plays it, with pictures and data
-  surepose run --law paper --json                       the paper's own law
+  surepose run                                          the arena of the paper, goal 2,2,30
+  surepose run --goal 2,2,90 --seed 7 --out out         another goal; writes plots, data and out/drive.html
+  surepose run --law paper --json                       the control law of the paper
   surepose run --scenario open --start 0,0,180 --set law.direction=reverse --json
 
-Exit codes: 0 reached, 1 missed (it rests where it believes the goal to be, and is outside the tolerance in
-truth) or time ran out, 2 wrong command line, 4 stopped before a wall or by the supervisor, 130 interrupted
-(with what was done until then).")]
+Exit codes: 0 goal reached; 1 missed (at rest by the estimate, but the true pose is outside the tolerance) or
+timeout; 2 usage or configuration error; 4 stopped before a wall or by the supervisor; 130 interrupted
+(the results up to then are kept).")]
 pub(crate) struct RunCommand {
-    /// Where: paper, open, loop, or a TOML file whose [scenario] says so
+    /// The environment: paper, open, loop, or a TOML file with a [scenario] section
     #[arg(long, value_name = "NAME or FILE")]
     scenario: Option<String>,
-    /// Where the robot starts: metres, metres, degrees
+    /// The start pose, in meters, meters and degrees
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
-    /// Where it shall come to rest
+    /// The goal pose, in meters, meters and degrees
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     goal: Option<PoseArg>,
-    /// What all noise is drawn from: the same seed gives the same drive
+    /// The seed of the random generator; the same seed gives the same result
     #[arg(long, default_value_t = SEED, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     seed: u64,
-    /// A folder for a page that plays the drive, pictures, time series and summary
+    /// A directory for plots, time series, the summary, and an HTML page that plays the run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     config: LawArgs,
 }
 
-/// The seed unless one is given.
+/// The default seed.
 const SEED: u64 = 1;
 
 impl Default for RunCommand {
@@ -67,14 +67,14 @@ impl RunCommand {
         if let Some(wall) = scenario.wall_on_straight_path() {
             let WallSegment { start: a, end: b } = wall;
             warning(&format!(
-                "the wall from ({}, {}) to ({}, {}) stands between start and goal: the law does not go round obstacles",
+                "scenario: the wall from ({}, {}) to ({}, {}) crosses the straight line to the goal; the law does not plan around obstacles",
                 a.x, a.y, b.x, b.y
             ));
         }
         if let Some(said) = cramped(&scenario) {
             warning(&said);
         }
-        // A folder that cannot be written to is found before the drive, not after it.
+        // Checked before the run: an output directory that is not writable must not discard a finished run.
         let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
 
         let bar = progress::bar(output, "driving");
@@ -89,9 +89,7 @@ impl RunCommand {
 
         let summary = simulation.summary();
         if summary.walls == 0 && summary.time_s > 1.0 {
-            warning(
-                "the laser saw no wall that could be used, from the first to the last scan: is it set up as it is meant to be?",
-            );
+            warning("laser: no wall was observed in any scan; check the [laser] parameters");
         }
         let mut json = object(&summary);
         if let Some(folder) = &folder {
@@ -107,8 +105,8 @@ impl RunCommand {
                 table.add_row([name, value]);
             });
             let (name, value) = match &self.out {
-                Some(path) => ("to watch it", path.join("drive.html").display().to_string()),
-                None => ("to watch it", "give --out DIR, and open DIR/drive.html in a browser".to_owned()),
+                Some(path) => ("playback", path.join("drive.html").display().to_string()),
+                None => ("playback", "use --out DIR, then open DIR/drive.html in a browser".to_owned()),
             };
             table.add_row([name.to_owned(), value]);
             table
@@ -131,8 +129,9 @@ impl RunCommand {
                 base = base.with_file(Path::new(file))?;
             }
             Some(other) => {
-                let what = format!("'{}' is neither a scenario nor a file", other.escape_debug());
-                let help = "the scenarios are paper, open and loop".to_owned();
+                let what =
+                    format!("--scenario: neither a scenario nor a file (got '{}')", other.escape_debug());
+                let help = "use paper, open, loop, or the path of a TOML file".to_owned();
                 return Err(CliError::Usage { what, help });
             }
             None => {}
@@ -150,19 +149,19 @@ impl RunCommand {
     }
 }
 
-/// What is to be said of a goal at which a wheel stands in a wall: simulated walls stop the robot's middle only.
+/// Warns about a goal so near to a wall that a wheel would touch it; the simulation checks the robot center only.
 fn cramped(scenario: &Scenario) -> Option<String> {
     let (clearance, half) =
         (scenario.arena.clearance(scenario.goal().origin()), 0.5 * scenario.config.drive().wheel_separation);
     (clearance <= half).then(|| {
         format!(
-            "the goal is {clearance:.2} m from a wall, and the wheels are {half} m beside the robot's middle: whether there is \
-             room to turn is not simulated"
+            "the goal is {clearance:.2} m from a wall, but the wheels are {half} m from the robot center; the simulation does not \
+             check that the robot has room to turn"
         )
     })
 }
 
-/// Which option puts it right, and where else the pose may have come from.
+/// Builds the usage error of a pose without clearance: names the option to change and the origin of the pose.
 fn no_room(problem: &InsufficientClearance, scenario: &Scenario) -> CliError {
     let (key, parameter) = match problem.end {
         "start" => ("start", &param::START_X),
@@ -170,8 +169,8 @@ fn no_room(problem: &InsufficientClearance, scenario: &Scenario) -> CliError {
     };
     let [low, high] = scenario.arena.corners();
     let help = format!(
-        "give --{key} a place at least {:.2} m from every wall and plate; the arena '{}' \
-         reaches from ({}, {}) to ({}, {}); this {key} comes from: {}",
+        "set --{key} at least {:.2} m from every wall and plate; the arena '{}' \
+         extends from ({}, {}) to ({}, {}); this {key} comes from: {}",
         problem.needed,
         scenario.arena.name(),
         low.0,
@@ -183,7 +182,7 @@ fn no_room(problem: &InsufficientClearance, scenario: &Scenario) -> CliError {
     CliError::Usage { what: problem.to_string(), help }
 }
 
-/// Writes all but the summary; a Ctrl-C that comes meanwhile leaves out the pictures that are not drawn yet.
+/// Writes all output files except the summary. Ctrl-C skips the plots that are not yet drawn.
 fn write(folder: &OutputDir, scenario: &Scenario, samples: &[Sample]) -> Result<(), CliError> {
     let stopped = interrupt::asked();
     let drawn = &picture::downsampled(samples);
@@ -210,24 +209,24 @@ fn rows(summary: &SimulationSummary, mut row: impl FnMut(String, String)) {
     let outcome = match (summary.outcome, summary.stop_reason) {
         (SimulationOutcome::Reached, _) => "reached".to_owned(),
         (SimulationOutcome::Missed, _) => {
-            "missed: it believes it is there, and in truth is outside the tolerance".to_owned()
+            "missed: at rest by the estimate, but the true pose is outside the tolerance".to_owned()
         }
-        (SimulationOutcome::Timeout, _) => "time ran out".to_owned(),
+        (SimulationOutcome::Timeout, _) => "timeout".to_owned(),
         (SimulationOutcome::Stopped, None) => "stopped".to_owned(),
         (SimulationOutcome::Stopped, Some(reason)) => format!("stopped: {reason}"),
     };
     row("outcome".to_owned(), outcome);
-    row("time".to_owned(), format!("{:.1} s (at least {:.1} s)", summary.time_s, summary.optimal_time_s));
-    row("way".to_owned(), format!("{:.2} m", summary.path_length_m));
+    row("time".to_owned(), format!("{:.1} s (minimum {:.1} s)", summary.time_s, summary.optimal_time_s));
+    row("path length".to_owned(), format!("{:.2} m", summary.path_length_m));
     let (position, heading) = (summary.final_position_error_m, summary.final_heading_error_deg);
     row("final error".to_owned(), format!("{:.1} mm, {heading:.2}°", 1e3 * position));
     if let (Some(position), Some(heading)) = (summary.position_rmse_m, summary.heading_rmse_deg) {
-        row("estimate's error (rms)".to_owned(), format!("{:.1} mm, {heading:.3}°", 1e3 * position));
+        row("estimation error (RMS)".to_owned(), format!("{:.1} mm, {heading:.3}°", 1e3 * position));
     }
     if let Some(nees) = summary.nees_mean {
-        row("NEES (3 is consistent)".to_owned(), format!("{nees:.2}"));
+        row("NEES (3 if consistent)".to_owned(), format!("{nees:.2}"));
     }
     let SimulationSummary { accepted, walls, rejected, .. } = summary;
-    row("measurements".to_owned(), format!("{accepted} used, of them {walls} walls, {rejected} refused"));
+    row("measurements".to_owned(), format!("{accepted} accepted ({walls} walls), {rejected} rejected"));
     row("seed".to_owned(), summary.seed.to_string());
 }

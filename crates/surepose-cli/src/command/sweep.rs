@@ -1,4 +1,4 @@
-//! `surepose sweep`: many closed-loop trials at once, judged against the least possible time.
+//! `surepose sweep`: runs many closed-loop trials and compares them with the minimum time.
 
 use std::path::PathBuf;
 
@@ -24,33 +24,35 @@ use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
   surepose sweep --runs 100000 --noise bench --json
   surepose sweep --law paper --period 0.1
   surepose sweep --loop ekf --runs 1000000 --json        consistent if nees_mean is 3
-  surepose sweep --starts starts.csv --out out          x_m,y_m,heading_deg on each line
+  surepose sweep --starts starts.csv --out out          start poses x_m,y_m,heading_deg, one per line
 
-The trial: wheels of 0.05 m on a track of 0.60 m, 0.3 m/s at most, exact arcs; success is within 1 cm and 1° for \
-1 s, inside 120 s. The robot is the bench's; of the configuration, [law] counts.
+The bench trial: wheel radius 0.05 m, wheel separation 0.60 m, wheel speed limit 0.3 m/s, exact arcs, no acceleration limit. \
+Success: within 1 cm and 1° of the goal for 1 s, within 120 s. The robot is always the bench robot; of the configuration, \
+only [law] and the period are used.
 
-With --loop ekf the law sees the filter's belief instead of the noisy truth, and [filter] delta and gate_probability \
-count too. The belief begins within 1 cm and 0.5° (1 σ); the encoders read what the wheels were told, which the rims are \
-off by the wheels' noise; each tick a compass (0.1°) and two walls (5 mm, 0.25°) are seen. The result then has \
-nees_mean, position_rmse_m, heading_rmse_deg and refused_part, over all ticks.
+With --loop ekf the law uses the belief of the filter instead of the true pose with noise, and [filter] delta and \
+gate_probability are used as well. The initial belief has a standard deviation of 1 cm and 0.5°. Encoders report the \
+commanded wheel travel, from which the actual rim travel differs by the wheel noise. Each tick has a compass measurement \
+(0.1°) and two wall measurements (5 mm, 0.25°). The result then has nees_mean, position_rmse_m, heading_rmse_deg and \
+refused_part, over all ticks.
 
-Written to --out: trials.csv and trials.parquet, a line for each trial; start_map and spreads, as SVG and PNG; config.toml, with \
-every parameter in effect; summary.json, which is the JSON of the command without wall_s and steps_per_s. The same command line \
-gives the same bytes.
+Files in --out: trials.csv and trials.parquet, one row per trial; start_map and spreads, as SVG and PNG; config.toml, with \
+every effective parameter; summary.json, the JSON result without wall_s and steps_per_s. The same command line gives the \
+same bytes.
 
-Exit codes: 0 done, 1 no trial succeeded, 2 wrong command line, 3 starts that cannot be read, 130 interrupted (the trials up to \
-the first that has not ended are kept).")]
+Exit codes: 0 done; 1 no trial succeeded; 2 usage or configuration error; 3 file of start poses unreadable or malformed; \
+130 interrupted (the trials before the first unfinished one are kept).")]
 pub(crate) struct SweepCommand {
-    /// How many random starts
+    /// The number of random start poses
     #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = whole(1..=u32::MAX), allow_negative_numbers = true)]
     runs: u32,
-    /// Given starts, in metres and degrees, seen from the goal
+    /// A CSV file of start poses relative to the goal, in meters and degrees
     #[arg(long, value_name = "FILE.csv")]
     starts: Option<PathBuf>,
-    /// What the loop is computed with
+    /// The floating-point type of the loop
     #[arg(long, value_enum, default_value_t = PrecisionName::F64)]
     precision: PrecisionName,
-    /// A folder for the summary, the trials, a map of their starts and histograms
+    /// A directory for the summary, the trials, a map of the start poses and histograms
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -59,9 +61,9 @@ pub(crate) struct SweepCommand {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PrecisionName {
-    /// The microcontroller's
+    /// Single precision, as on the microcontroller
     F32,
-    /// The robot's
+    /// Double precision, as on the robot
     F64,
 }
 
@@ -72,8 +74,8 @@ impl SweepCommand {
         let unheeded = trials.unheeded();
         if !unheeded.is_empty() {
             warning(&format!(
-                "the trials are those of the bench's robot and goal, but for gains that are fitted to [robot]: they do not \
-                 heed {}",
+                "the trials use the bench robot and goal; [robot] only affects fitted gains. Ignored parameters: \
+                 {}",
                 unheeded.join(", ")
             ));
         }
@@ -132,8 +134,8 @@ fn shown(report: &SweepReport) -> comfy_table::Table {
     let mut table = table(&["", "p50", "p95", "max"]);
     let rows = [
         ("time [s]", report.time_s, 1.0, 2),
-        ("time / least possible", report.time_ratio, 1.0, 3),
-        ("way / distance", report.path_ratio, 1.0, 3),
+        ("time / minimum time", report.time_ratio, 1.0, 3),
+        ("path length / distance", report.path_ratio, 1.0, 3),
         ("final error [mm]", report.final_position_error_m, 1e3, 2),
         ("final error [°]", report.final_heading_error_deg, 1.0, 3),
     ];
@@ -152,7 +154,7 @@ fn shown(report: &SweepReport) -> comfy_table::Table {
         ("NEES, mean (3 if consistent)", report.nees_mean, 1.0, 3),
         ("estimated position, RMSE [mm]", report.position_rmse_m, 1e3, 2),
         ("estimated heading, RMSE [°]", report.heading_rmse_deg, 1.0, 3),
-        ("measurements kept out [%]", report.refused_part, 1e2, 3),
+        ("measurements rejected [%]", report.refused_part, 1e2, 3),
     ];
     for (name, value, factor, digits) in beliefs {
         if let Some(value) = value {

@@ -1,4 +1,4 @@
-//! What trials of the bench need to be told, in `sweep` and `tune` alike.
+//! Options of the bench trials, shared by `sweep` and `tune`.
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value as Json, json};
@@ -9,29 +9,29 @@ use surepose_montecarlo::sweep::{Filter, PoseSource, Precision, Starts, Sweep, S
 use crate::error::CliError;
 use crate::settings::{LawArgs, whole};
 
-/// The loop, its noise, and what they are drawn from.
+/// The loop, its noise and the seed.
 #[derive(Debug, Args)]
 pub(super) struct TrialArgs {
-    /// Time between two ticks, in seconds; the configuration's, or 0.02, unless given
+    /// The control period, in seconds; default loop.period_s of the configuration, else 0.02
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<String>,
-    /// What tells the law where the robot is
+    /// The source of the pose that the law uses
     #[arg(long = "loop", value_name = "LOOP", value_enum, default_value_t = LoopName::Bench)]
     pub(super) loop_: LoopName,
-    /// What is wrong with the estimate or the sensors, and with the wheels; unless given, bench, and for `sweep` without --loop ekf none
+    /// The noise of the estimate or the sensors, and of the wheels; default bench, but none for `sweep` without --loop ekf
     #[arg(long, value_enum)]
     noise: Option<NoiseName>,
-    /// How many threads; all cores unless given
+    /// The number of threads; default one per core
     #[arg(long, value_name = "N", value_parser = whole(1..=1024_u16), allow_negative_numbers = true)]
     threads: Option<u16>,
-    /// What all noise, all random starts and a search are drawn from
+    /// The seed of noise, random start poses and search
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     pub(super) seed: u64,
     #[command(flatten)]
     config: LawArgs,
 }
 
-/// The same, read: the configuration of the bench's robot with the user's over it, and how it is driven.
+/// The options as read: the bench robot with the user's configuration on top, and the noise.
 pub(super) struct Trials<'a> {
     pub(super) config: Config,
     bench: Config,
@@ -41,28 +41,28 @@ pub(super) struct Trials<'a> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum LoopName {
-    /// The bench trial: the true pose, with white noise
+    /// The true pose, with white noise (the bench trial)
     Bench,
-    /// The full loop: odometry, compass and walls through the filter
+    /// The belief of the filter, from odometry, compass and walls
     Ekf,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum NoiseName {
-    /// None
+    /// No noise
     None,
-    /// 5 mm and 0.3° on the estimate, 5 % on each wheel's speed
+    /// 5 mm and 0.3° on the estimate, 5 % on each wheel speed (standard deviations)
     Bench,
 }
 
-/// What the filter's belief jumps from tick to tick \[m]: of its error of 1.2 mm, the part that is white.
+/// Standard deviation of the tick-to-tick noise of the filter's position \[m]: the white part of its 1.2 mm error.
 const FILTER_JITTER: f64 = 5e-4;
 
 impl TrialArgs {
-    /// Reads the configuration; the noise is this one unless it was given.
+    /// Reads the configuration; `noise_unless_given` is the default of `--noise`.
     pub(super) fn read(&self, noise_unless_given: NoiseName) -> Result<Trials<'_>, CliError> {
         let noise = self.noise.unwrap_or(noise_unless_given);
-        // The bench has no limit of acceleration: the largest that there is a parameter for is none in effect.
+        // The bench robot has no acceleration limit; the largest valid value has the same effect.
         let bench = [
             (&param::POSITION_NOISE, self.loop_.told(noise.sizes())),
             (&param::WHEEL_RADIUS, 0.05),
@@ -81,7 +81,7 @@ impl TrialArgs {
 }
 
 impl Trials<'_> {
-    /// What the trials are, for whoever reads their figures later.
+    /// Returns the settings of the trials, for the JSON result.
     pub(super) fn described(&self) -> [(&'static str, Json); 4] {
         [
             ("loop", json!(name(&self.arguments.loop_))),
@@ -91,7 +91,7 @@ impl Trials<'_> {
         ]
     }
 
-    /// What the user set otherwise than the bench has it, and the trials do not heed: `SECTION.KEY` each.
+    /// Returns the parameters, as `SECTION.KEY`, that the user changed but the trials ignore.
     pub(super) fn unheeded(&self) -> Vec<String> {
         let counts = |setting: &Setting| match setting.parameter.section {
             "law" | "loop" => true,
@@ -102,7 +102,7 @@ impl Trials<'_> {
         };
         let is_set =
             |setting: &Setting| matches!(setting.origin, ValueSource::File { .. } | ValueSource::CommandLine);
-        // Both are in the order of the table.
+        // Both lists are in the order of the parameter table.
         let settings = self.config.settings().iter().zip(self.bench.settings());
         settings
             .filter(|(set, bench)| is_set(set) && set.value != bench.value && !counts(set))
@@ -110,7 +110,7 @@ impl Trials<'_> {
             .collect()
     }
 
-    /// The sweep of these trials.
+    /// Returns the sweep that runs these trials.
     pub(super) fn sweep(&self, starts: Starts, precision: Precision) -> Sweep {
         let TrialArgs { loop_, threads, seed, .. } = self.arguments;
         Sweep {
@@ -135,16 +135,16 @@ impl NoiseName {
     }
 }
 
-/// A choice as it is typed.
+/// Returns the name of a choice on the command line.
 pub(super) fn name(choice: &impl ValueEnum) -> String {
     choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// The name of the bench's robot, as the origin of values.
+/// The origin of the bench robot's values.
 const BENCH: &str = "bench";
 
 impl LoopName {
-    /// How far off its estimate the law is told to be from tick to tick \[m], as a robot's owner would tell it.
+    /// Returns the configured position noise of the law \[m]: the standard deviation from tick to tick.
     fn told(self, noise: SweepNoise) -> f64 {
         match self {
             Self::Bench => noise.position,
@@ -152,7 +152,7 @@ impl LoopName {
         }
     }
 
-    /// What tells the law where the robot is.
+    /// Returns the source of the pose that the law uses.
     fn estimate(self, config: &Config) -> PoseSource {
         match self {
             Self::Bench => PoseSource::Given,

@@ -1,4 +1,4 @@
-//! `surepose tune`: the gains that take least time, among those that always arrive and are certified.
+//! `surepose tune`: searches certified gains that minimize the time to the goal.
 
 mod certificates;
 
@@ -25,28 +25,30 @@ use crate::{interrupt, output_dir, progress};
 use super::certify::NoiseArgs;
 use super::trials::{NoiseName, TrialArgs, Trials};
 
-/// Find the gains and the capture radius that take least time, always arrive, and are certified.
+/// Find the gains and the capture radius with minimum time to the goal, full success and a certificate
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  surepose tune                                           at 0.02 s with the bench's noise
-  surepose tune --out robot.toml                          a configuration, to drive with
+  surepose tune                                           period 0.02 s, noise of the bench
+  surepose tune --out robot.toml                          write the result as a configuration file
   surepose tune --loop ekf --noise-position 0.004 --noise-heading 0.15 --json
-  surepose tune --config robot.toml --rounds 24           on from an earlier result
+  surepose tune --config robot.toml --rounds 24           continue from an earlier result
 
-What is minimised is the median and the 95 % quantile of the time over the least possible, added. The figures before and \
-after are of --runs trials that the search never saw: `surepose sweep --seed N` drives the same ones. Gains that are worse \
-there in success, median, 95 % quantile or the slowest trial are not given, nor gains without a certificate for the noise \
-bounds or with one that leaves unbounded what it bounded before (capture radius, final position, final heading), nor gains \
-that lose more trials than before from starts within 20 cm at 1.3 times the noise.
-The robot is the bench's, without a limit of acceleration: gains that are tuned for it may be too fast for a robot that has \
-one. --out writes the gains, the capture radius, the period and what you gave, but nothing of the bench's robot.
+The objective is the sum of the median and the 95 % quantile of the time ratio (time divided by the minimum time). The \
+figures before and after are from --runs trials that the search does not use; `surepose sweep --seed N` repeats them. A \
+candidate is accepted only if, on those trials, success rate, median, 95 % quantile and slowest trial are no worse. It also \
+needs a certificate for the noise bounds that bounds every quantity bounded before (capture radius, final position, final \
+heading). From starts within 20 cm at 1.3 times the noise it may not lose more trials than before.
 
-Exit codes: 0 certified gains, 1 nothing was certified, 130 interrupted (the best until then is kept).")]
+The trials use the bench robot, which has no acceleration limit: on a robot with a limit, other gains may be faster. --out \
+writes the gains, the capture radius, the period and your own settings, but no parameters of the bench robot.
+
+Exit codes: 0 certified gains found; 1 no candidate was certified; 2 usage or configuration error; 130 interrupted (the best \
+candidate until then is kept).")]
 pub(crate) struct TuneCommand {
-    /// How many fresh trials judge the result
+    /// The number of trials that evaluate the result; the search does not use them
     #[arg(long, default_value_t = 20_000, value_parser = whole(1..=u32::MAX), allow_negative_numbers = true)]
     runs: u32,
-    /// How many rounds the search takes, 17 candidates each; with 0, what there is is judged
+    /// The number of search rounds, with 17 candidates each; 0 evaluates the initial gains
     #[arg(long, default_value_t = 12, value_parser = whole(0..=1000_u16), allow_negative_numbers = true)]
     rounds: u16,
     /// A file for the configuration with the tuned gains
@@ -58,7 +60,7 @@ pub(crate) struct TuneCommand {
     trials: TrialArgs,
 }
 
-/// Gains are looked for within this factor of those to begin from.
+/// Search range: factor below and above the initial gains.
 const REACH: f64 = 20.0;
 
 impl TuneCommand {
@@ -66,7 +68,7 @@ impl TuneCommand {
         let trials = self.trials.read(NoiseName::Bench)?;
         let config = &trials.config;
         if trials.unheeded().iter().any(|name| name.starts_with("robot.")) {
-            warning("[robot] counts for the certificate only: the trials are those of the bench's robot");
+            warning("[robot]: used for the certificate only; the trials use the bench robot");
         }
         if let Some(path) = &self.out {
             output_dir::file_at(path)?;
@@ -74,7 +76,7 @@ impl TuneCommand {
         let tune = self.tune(&trials);
         let noise = self.bounds.bounds();
         let certificates = Certificates::new(config, noise);
-        // Time is no good price for a promise: what the gains to begin with bound, the tuned ones bound as well.
+        // Every quantity that the initial certificate bounds must stay bounded.
         let had = certificates.bounds(&tune.sweep.law);
         let certified = |law: &Law<f64>| {
             let has = certificates.bounds(law);
@@ -97,13 +99,11 @@ impl TuneCommand {
         output.result(&json, || shown(&tuned, [had, has]))?;
         match tuned.best {
             Some(best) if best != tuned.start => warning(
-                "the trials have no limit of acceleration: on a robot that has one, other gains may be faster; compare with \
+                "the trials have no acceleration limit; on a robot with a limit, other gains may be faster: compare with \
                  `surepose run --config`",
             ),
             Some(_) if !interrupt::asked() => {
-                say(
-                    &"nothing better was found than what the search began with; more --rounds or another --seed may",
-                );
+                say(&"no better gains found; try more --rounds or another --seed");
             }
             _ => {}
         }
@@ -112,7 +112,7 @@ impl TuneCommand {
             Some(_) => Exit::Done,
             None => {
                 warning(
-                    "nothing was certified for these noise bounds: try smaller bounds or a shorter period",
+                    "no gains were certified for these noise bounds; try smaller bounds or a shorter period",
                 );
                 Exit::Negative
             }
@@ -143,7 +143,7 @@ impl TuneCommand {
     }
 }
 
-/// What is tuned, by parameter.
+/// Returns the tuned values by parameter.
 fn values(candidate: &GainCandidate) -> [(&'static Parameter, f64); 5] {
     let Gains { k_v, k_alpha, h, k_theta } = candidate.gains;
     [
@@ -155,10 +155,11 @@ fn values(candidate: &GainCandidate) -> [(&'static Parameter, f64); 5] {
     ]
 }
 
-/// Writes what the user gave, what was tuned and the period that it was tuned for. The bench's robot stays out: whoever
-/// drives another one by this file keeps that robot's limits.
+/// Writes the user's settings, the tuned values and the period they were tuned for.
+///
+/// The parameters of the bench robot are left out, so that the file keeps the limits of the robot that uses it.
 fn write(path: &Path, config: &Config, noise: NoiseBounds) -> Result<(), CliError> {
-    // Gains that are set are taken as they are; these are meant for every robot, as its wheels allow.
+    // Explicit gains disable braking within the wheel acceleration limit; the tuned ones need it on every robot.
     let config = match config.origin(&param::BRAKING) {
         ValueSource::Default => &config.clone().with_preset_choice(TUNED, &param::BRAKING, "even"),
         _ => config,
@@ -173,12 +174,12 @@ fn write(path: &Path, config: &Config, noise: NoiseBounds) -> Result<(), CliErro
     let written = Config::default().with_text(path, toml.as_bytes())?;
     if Certificates::new(&written, noise).bounds(&written.law()).is_none() {
         let found = if interrupt::asked() {
-            "it was not seen whether these gains are"
+            "it was not checked whether these gains are"
         } else {
             "these gains are not"
         };
         warning(&format!(
-            "with the robot that {} is for, the bench's being another one, {found} certified for these noise bounds; see \
+            "{}: this robot differs from the bench robot, and for it {found} certified for these noise bounds; check with \
              `surepose certify --config`",
             path.display()
         ));
@@ -186,13 +187,13 @@ fn write(path: &Path, config: &Config, noise: NoiseBounds) -> Result<(), CliErro
     Ok(())
 }
 
-/// The name of what was found, as the origin of values.
+/// The origin of tuned values.
 const TUNED: &str = "tuned";
 
-/// What stands above a configuration that was found.
+/// The comment at the top of a tuned configuration.
 const HEADER: &str = "\
-# Found by `surepose tune`, on the bench's robot: its wheels follow at once. On a robot whose acceleration is limited
-# other gains may be faster: compare with `surepose run --config`. What is not here keeps its default.
+# Written by `surepose tune` for the bench robot, which has no acceleration limit. On a robot with a limit, other gains
+# may be faster: compare with `surepose run --config`. Parameters that are not listed keep their defaults.
 
 ";
 
@@ -231,10 +232,10 @@ fn json_of(
     json
 }
 
-/// A bound of a certificate.
+/// Selects a bound of a certificate.
 type Bound = fn(CertifiedBounds) -> Option<f64>;
 
-/// A figure of a report.
+/// Selects a figure of a report.
 type Figure = fn(&SweepReport) -> Option<Quantiles>;
 
 fn shown(tuned: &TuneResult, bounds: [Option<CertifiedBounds>; 2]) -> comfy_table::Table {
@@ -247,9 +248,9 @@ fn shown(tuned: &TuneResult, bounds: [Option<CertifiedBounds>; 2]) -> comfy_tabl
     let yes = |sure: bool| if sure { "yes" } else { "no" };
     table.add_row(["certified", yes(tuned.start_certified), yes(tuned.best.is_some())]);
     let certified: [(&str, Bound, f64); 3] = [
-        ("comes within [cm]", |bounds| bounds.capture_radius_m, 1e2),
-        ("stays within [cm]", |bounds| bounds.final_position_bound_m, 1e2),
-        ("final heading within [°]", |bounds| bounds.final_heading_bound_deg, 1.0),
+        ("capture radius [cm]", |bounds| bounds.capture_radius_m, 1e2),
+        ("final position bound [cm]", |bounds| bounds.final_position_bound_m, 1e2),
+        ("final heading bound [°]", |bounds| bounds.final_heading_bound_deg, 1.0),
     ];
     for (name, bound, factor) in certified {
         let [before, after] = bounds.map(|bounds| match bounds.map(bound) {
@@ -267,9 +268,9 @@ fn shown(tuned: &TuneResult, bounds: [Option<CertifiedBounds>; 2]) -> comfy_tabl
     table.add_row(["success".to_owned(), before, after]);
     let [before, after] = [tuned.stressed_success.0, tuned.stressed_success.1]
         .map(|rate| rate.map_or_else(|| "–".to_owned(), |rate| format!("{:.3} %", 1e2 * rate)));
-    table.add_row([format!("success near, {STRESS} × the noise"), before, after]);
+    table.add_row([format!("success near the goal, {STRESS} × noise"), before, after]);
     let figures: [(&str, Figure, f64); 3] = [
-        ("time / least possible", |report| report.time_ratio, 1.0),
+        ("time / minimum time", |report| report.time_ratio, 1.0),
         ("final error [mm]", |report| report.final_position_error_m, 1e3),
         ("final error [°]", |report| report.final_heading_error_deg, 1.0),
     ];

@@ -1,4 +1,4 @@
-//! The table itself. The sentence above an entry is its documentation here, in help, in errors and in ROS.
+//! Lists the parameters. The doc comment of an entry is its meaning in help texts, error messages and ROS.
 
 use super::{Kind, Parameter, Range, Unit};
 
@@ -31,140 +31,140 @@ macro_rules! parameters {
             };
         )*
 
-        /// Every parameter, section by section.
+        /// All parameters, grouped by section.
         pub const ALL: &[Parameter] = &[$($name),*];
     };
 }
 
-const SIGMA: &str = "a standard deviation is positive; zero would claim a perfect sensor";
-const LATENCY: &str = "a measurement is taken before it arrives, and the history reaches back 10 s at most";
+const SIGMA: &str = "a standard deviation is positive; 0 would mean a perfect sensor";
+const LATENCY: &str = "a measurement arrives after it was taken, and the history holds at most 10 s";
 const GAIN: &str = "the Lyapunov derivative is negative only for positive gains";
 const TIMEOUT_REASON: &str = "a time-out is positive";
-const PLACE: &str = "a place farther than 10 km away is a mistake of unit";
-const TURN: &str = "an angle beyond one turn is a mistake of unit";
+const PLACE: &str = "a coordinate beyond 10 km indicates a wrong unit";
+const TURN: &str = "an angle beyond one turn indicates a wrong unit";
 
 parameters! {
-    /// Radius of the drive wheels; where they differ, the mean of the two.
+    /// Radius of the drive wheels; the mean of both if they differ.
     WHEEL_RADIUS = "robot" "wheel_radius_m", Meter,
-        in_range(0.001, 1.0, 0.05, "a wheel of less than a millimetre, or of more than a metre, is a mistake of unit");
-    /// Radius of the right drive wheel over that of the left one.
+        in_range(0.001, 1.0, 0.05, "a radius below 1 mm or above 1 m indicates a wrong unit");
+    /// Ratio of the right wheel radius to the left wheel radius.
     WHEEL_RADIUS_RATIO = "robot" "wheel_radius_ratio", One,
-        in_range(0.5, 2.0, 1.0, "wheels that differ by a factor of two are no pair");
-    /// Distance between the contact points of the two drive wheels.
+        in_range(0.5, 2.0, 1.0, "the two wheels of one axle do not differ by a factor of two");
+    /// Wheel separation: distance between the contact points of the two drive wheels.
     WHEEL_SEPARATION = "robot" "track_m", Meter,
-        in_range(0.01, 5.0, 0.6, "wheels less than a centimetre apart, or more than 5 m, are a mistake of unit");
-    /// Largest speed of a wheel's rim. Faster wishes are slowed down along their path.
+        in_range(0.01, 5.0, 0.6, "a wheel separation below 1 cm or above 5 m indicates a wrong unit");
+    /// Maximum rim speed of a wheel. Faster commands are scaled down; the curvature of the path stays the same.
     WHEEL_SPEED_LIMIT = "robot" "wheel_speed_limit_m_s", MeterPerSecond,
-        positive(10.0, 0.3, "a robot whose wheels may not turn goes nowhere, and 10 m/s is beyond this class");
-    /// Largest change of a rim's speed per second.
+        positive(10.0, 0.3, "at 0 the robot cannot move, and 10 m/s is beyond this class of robot");
+    /// Maximum rim acceleration of a wheel.
     WHEEL_ACCELERATION_LIMIT = "robot" "wheel_acceleration_limit_m_s2", MeterPerSecondSquared,
-        positive(1000.0, 0.5, "a wheel that may not accelerate never turns");
+        positive(1000.0, 0.5, "at 0 the wheels cannot start");
 
-    /// The control law: this program's own, or the paper's without its additions.
+    /// Control law: `surepose`, or `paper` for the law of Tran et al. (2012) without the additions of Surepose.
     LAW_NAME = "law" "name", One, one_of(&["surepose", "paper"]);
-    /// Gain of the distance to the goal. Unless set, it fits the law, the period and the wheels' acceleration.
+    /// Gain of the distance to the goal. If unset, it is fitted to the law, the period and the wheel acceleration.
     K_V = "law" "k_v", PerSecond, positive(1000.0, 2.0, GAIN);
-    /// Gain of the goal's bearing; times the period it must stay well under 1. Unless set, it fits like k_v.
+    /// Gain of the bearing to the goal; k_alpha times the period must stay well below 1. If unset, it is fitted like k_v.
     K_ALPHA = "law" "k_alpha", PerSecond, positive(1000.0, 2.4, GAIN);
-    /// Weight of the direction of approach against the bearing in the global Lyapunov function.
+    /// Weight of the direction of approach, relative to the bearing, in the global Lyapunov function.
     H = "law" "h", One, positive(100.0, 0.3, GAIN);
-    /// Gain of the heading error near the goal. Unless set, it fits like k_v.
+    /// Gain of the heading error near the goal. If unset, it is fitted like k_v.
     K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 2.788_866_755_113_585, GAIN);
-    /// How the robot slows down for its goal: `even`, as its wheels' acceleration allows, or by the `gains` alone, the harder
-    /// the faster it runs. `auto` is even unless k_v or k_alpha is set, who sets them means them, or the law is the paper's.
+    /// Braking before the goal. `even` decelerates within the wheel acceleration limit. `gains` uses the unmodified
+    /// gains, so that deceleration grows with speed. `auto` means `even`, unless k_v or k_alpha is set or the law is `paper`.
     BRAKING = "law" "braking", One, one_of(&["auto", "even", "gains"]);
-    /// Distance from the goal at which steering fades; the local law takes over at a quarter of it. The law `paper` switches
-    /// at once, at 0.01 m unless this is set.
+    /// Distance from the goal at which steering fades out. The local law takes over at a quarter of it. The law `paper`
+    /// switches abruptly at this distance, by default 0.01 m.
     CAPTURE_RADIUS = "law" "capture_radius_m", Meter,
-        positive(1.0, 0.033, "the bearing of a goal at distance 0 is noise, and beyond 1 m turning in place parks nothing");
-    /// Standard deviation of the estimated position, white from tick to tick, that the law is told of: near the goal the
-    /// robot rests rather than follow it. 0 for an estimate whose error changes slowly, as a filter's does.
+        positive(1.0, 0.033, "at distance 0 the bearing is pure noise, and beyond 1 m turning in place does not park the robot");
+    /// Standard deviation of the white, tick-to-tick noise of the estimated position. It sets a deadband near the goal,
+    /// within which the robot stays at rest. 0 disables the deadband; use 0 if the error changes slowly, as a filter's does.
     POSITION_NOISE = "law" "position_noise_m", Meter,
-        in_range(0.0, 0.1, 0.0, "a standard deviation is not negative, and with more than 0.1 m no robot parks");
-    /// Which end of the robot goes first; `auto` takes the way with less turning.
+        in_range(0.0, 0.1, 0.0, "a standard deviation is not negative, and no robot parks with more than 0.1 m");
+    /// Travel direction. `auto` selects the direction that needs less turning.
     DIRECTION = "law" "direction", One, one_of(&["auto", "forward", "reverse"]);
 
-    /// Largest distance from the goal that counts as being there.
+    /// Maximum distance from the goal at which the position counts as reached.
     POSITION_TOLERANCE = "goal" "position_tolerance_m", Meter,
         positive(1.0, 0.01, "no robot reaches a point exactly");
-    /// Largest heading error that counts as being there.
+    /// Maximum heading error at which the heading counts as reached.
     HEADING_TOLERANCE = "goal" "heading_tolerance_deg", Degree,
         positive(180.0, 1.0, "no robot reaches a heading exactly");
-    /// How long the robot must be there without a break.
-    HOLD = "goal" "hold_s", Second, in_range(0.0, 60.0, 1.0, "a hold time is not negative, and a minute is long");
-    /// How much wider the tolerance is once inside, so that noise does not break the hold.
+    /// Dwell time: how long the robot must stay within the tolerances without interruption.
+    HOLD = "goal" "hold_s", Second, in_range(0.0, 60.0, 1.0, "a dwell time is not negative and is at most one minute");
+    /// Hysteresis: factor on both tolerances once the robot is inside, so that noise does not restart the dwell time.
     TOLERANCE_RELEASE = "goal" "tolerance_release", One,
-        in_range(1.0, 10.0, 1.5, "below 1 arriving would undo itself");
+        in_range(1.0, 10.0, 1.5, "below 1 the robot would leave the tolerance by entering it");
 
-    /// Variance of a wheel's speed over the speed squared: δ of the paper's Eq. (15), so 5 % is 0.0025.
+    /// Wheel-speed variance divided by the squared wheel speed: δ in [Tran2012] Eq. (15). A noise of 5 % is 0.0025.
     DELTA = "filter" "delta", One,
-        positive(1.0, 0.0025, "a variance is positive; above 1 odometry says nothing");
-    /// Probability that a measurement the model explains passes the χ² gate.
+        positive(1.0, 0.0025, "a variance is positive, and above 1 odometry carries no information");
+    /// Probability that a measurement consistent with the model passes the χ² gate.
     GATE_PROBABILITY = "filter" "gate_probability", One,
-        in_range(0.5, 0.999_999_999, 0.999_999, "below 0.5 good measurements are lost, and a gate of 1 refuses nothing");
-    /// How far back a late measurement is still put in its place.
+        in_range(0.5, 0.999_999_999, 0.999_999, "below 0.5 most valid measurements are rejected, and a gate of 1 rejects none");
+    /// Length of the history in which the filter inserts delayed measurements at their stamps.
     HISTORY = "filter" "history_s", Second,
-        in_range(0.0, 10.0, 1.0, "a history is not negative, and beyond 10 s the memory would not hold it");
-    /// How odometry moves the pose: along the exact arc, or by the paper's midpoint rule.
+        in_range(0.0, 10.0, 1.0, "a duration is not negative, and the filter stores at most 10 s");
+    /// Integration of odometry: along the exact circular arc (`arc`), or by the midpoint rule of the paper (`midpoint`).
     INTEGRATION = "filter" "integration", One, one_of(&["arc", "midpoint"]);
 
-    /// Standard deviation of the compass.
+    /// Standard deviation of the compass heading.
     COMPASS_STD = "compass" "std_deg", Degree, positive(180.0, 0.1, SIGMA);
-    /// What the compass reads when the robot faces along the map's x axis.
+    /// Compass reading when the robot faces along the x axis of the map.
     COMPASS_OFFSET = "compass" "offset_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
-    /// How long a compass reading is under way.
+    /// Delay between a compass measurement and its arrival.
     COMPASS_LATENCY = "compass" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
 
     /// Standard deviation of a laser range.
     LASER_RANGE_STD = "laser" "range_std_m", Meter, positive(10.0, 0.03, SIGMA);
-    /// Standard deviation of a beam's direction.
+    /// Standard deviation of the direction of a laser beam.
     LASER_BEARING_STD = "laser" "bearing_std_deg", Degree, positive(90.0, 0.25, SIGMA);
-    /// Where the laser sits, ahead of the wheels' axle.
-    LASER_X = "laser" "x_m", Meter, in_range(-10.0, 10.0, 0.0, "a sensor sits on the robot");
-    /// Where the laser sits, to the left of the robot's middle.
-    LASER_Y = "laser" "y_m", Meter, in_range(-10.0, 10.0, 0.0, "a sensor sits on the robot");
-    /// Which way the laser's zero bearing points, counter-clockwise from straight ahead.
+    /// Position of the laser along the x axis of the robot, forward of the wheel axle.
+    LASER_X = "laser" "x_m", Meter, in_range(-10.0, 10.0, 0.0, "the laser is mounted on the robot");
+    /// Position of the laser along the y axis of the robot, to the left of its center line.
+    LASER_Y = "laser" "y_m", Meter, in_range(-10.0, 10.0, 0.0, "the laser is mounted on the robot");
+    /// Yaw of the laser relative to the robot, counter-clockwise: the direction of beam angle 0.
     LASER_HEADING = "laser" "heading_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
-    /// How long a scan is under way.
+    /// Delay between a scan and its arrival.
     LASER_LATENCY = "laser" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
-    /// How many beams the simulated laser has over its 180°.
+    /// Number of beams of the simulated laser over its 180° field of view.
     LASER_BEAMS = "laser" "beams", One,
         integer(2.0, 4096.0, 181, "a line needs two beams, and a scan holds at most 4096");
 
-    /// How old a camera's sighting of a landmark is at its stamp.
+    /// Delay between the true time of a landmark observation and its stamp.
     CAMERA_LATENCY = "camera" "latency_s", Second, in_range(0.0, 10.0, 0.03, LATENCY);
-    /// Recorded depth of a landmark over its true depth.
+    /// Ratio of the measured depth of a landmark to its true depth.
     CAMERA_SCALE = "camera" "scale", One,
-        in_range(0.5, 2.0, 1.04, "a camera that is off by a factor of two is not calibrated");
-    /// Standard deviation of a depth, near the camera.
+        in_range(0.5, 2.0, 1.04, "a scale error by a factor of two means that the camera is not calibrated");
+    /// Standard deviation of a landmark depth at zero depth.
     CAMERA_DEPTH_STD = "camera" "depth_std_m", Meter, positive(10.0, 0.02, SIGMA);
-    /// Growth of that standard deviation with depth.
+    /// Increase of the standard deviation of the depth per meter of depth.
     CAMERA_DEPTH_STD_PER_METER = "camera" "depth_std_per_metre", One,
-        in_range(0.0, 1.0, 0.012, "a growth is not negative, and above 1 a depth says nothing");
+        in_range(0.0, 1.0, 0.012, "the standard deviation does not shrink with depth, and above 1 a depth carries no information");
     /// Standard deviation of a landmark's bearing.
     CAMERA_BEARING_STD = "camera" "bearing_std_deg", Degree, positive(90.0, 0.6, SIGMA);
-    /// How long the error of a sighting lasts: repeated sightings within that time are not independent.
+    /// Correlation time of observation errors: repeated observations within this time are not independent.
     CAMERA_CORRELATION_TIME = "camera" "correlation_time_s", Second,
-        in_range(0.0, 1000.0, 4.0, "a time is not negative");
-    /// Time between two images.
+        in_range(0.0, 1000.0, 4.0, "a duration is not negative");
+    /// Time between two camera images.
     CAMERA_FRAME_PERIOD = "camera" "frame_period_s", Second,
-        positive(10.0, 0.23, "a camera takes time between two images");
+        positive(10.0, 0.23, "a camera needs time between two images");
 
-    /// How long a commanded velocity shows no effect, where a recording has commands instead of wheel ticks.
+    /// Dead time between a velocity command and its effect. It applies to recordings that hold commands instead of wheel ticks.
     COMMAND_DEAD_TIME = "commands" "dead_time_s", Second, in_range(0.0, 10.0, 0.18, "a delay is not negative");
-    /// Speed over commanded speed.
+    /// Ratio of the actual speed to the commanded speed.
     COMMAND_SPEED_GAIN = "commands" "speed_gain", One,
-        in_range(0.1, 10.0, 1.05, "a base that is off by a factor of ten does not follow commands");
-    /// Turn rate over commanded turn rate.
+        in_range(0.1, 10.0, 1.05, "a base with a factor of ten does not follow its commands");
+    /// Ratio of the actual turn rate to the commanded turn rate.
     COMMAND_TURN_GAIN = "commands" "turn_gain", One,
-        in_range(0.1, 10.0, 0.955, "a base that is off by a factor of ten does not follow commands");
-    /// Way lost for each radian turned while driving.
+        in_range(0.1, 10.0, 0.955, "a base with a factor of ten does not follow its commands");
+    /// Distance lost per radian of rotation while driving.
     COMMAND_WAY_LOST = "commands" "way_lost_per_radian_m", Meter,
-        in_range(0.0, 1.0, 0.096, "a turn does not push the robot");
-    /// Variance of a rim's travel for each metre driven by command, in m².
+        in_range(0.0, 1.0, 0.096, "rotation does not add distance");
+    /// Variance of the rim travel per meter driven by command, in m².
     RIM_VARIANCE_PER_METER = "commands" "rim_variance_per_metre", One,
         positive(1.0, 1.5e-4, "a variance is positive");
-    /// Variance of a rim's travel for each radian turned by command, in m².
+    /// Variance of the rim travel per radian turned by command, in m².
     RIM_VARIANCE_PER_RADIAN = "commands" "rim_variance_per_radian", One,
         positive(1.0, 7e-4, "a variance is positive");
 
@@ -210,23 +210,23 @@ parameters! {
 
     /// Time between two ticks of the loop.
     PERIOD = "loop" "period_s", Second,
-        in_range(0.001, 1.0, 0.1, "below 1 ms no wheel follows; above 1 s the robot drives blind");
+        in_range(0.001, 1.0, 0.1, "wheels do not follow commands faster than 1 ms, and above 1 s the loop is too slow to control");
 
-    /// Where the simulated robot drives: the paper's arena, the same without its plates, or the loop world.
+    /// Simulated environment: the arena of the paper, the same arena without its plates (`open`), or the `loop` world.
     ARENA = "scenario" "arena", One, one_of(&["paper", "open", "loop"]);
-    /// Where the simulated robot starts, x.
+    /// Start position of the simulated robot, x.
     START_X = "scenario" "start_x_m", Meter, in_range(-10_000.0, 10_000.0, 0.0, PLACE);
-    /// Where the simulated robot starts, y.
+    /// Start position of the simulated robot, y.
     START_Y = "scenario" "start_y_m", Meter, in_range(-10_000.0, 10_000.0, 0.0, PLACE);
-    /// Which way the simulated robot faces at the start.
+    /// Start heading of the simulated robot.
     START_HEADING = "scenario" "start_heading_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
-    /// Where the robot shall come to rest, x.
+    /// Goal position, x.
     GOAL_X = "scenario" "goal_x_m", Meter, in_range(-10_000.0, 10_000.0, 2.0, PLACE);
-    /// Where the robot shall come to rest, y.
+    /// Goal position, y.
     GOAL_Y = "scenario" "goal_y_m", Meter, in_range(-10_000.0, 10_000.0, 2.0, PLACE);
-    /// Which way the robot shall face in the end.
+    /// Goal heading.
     GOAL_HEADING = "scenario" "goal_heading_deg", Degree, in_range(-360.0, 360.0, 30.0, TURN);
-    /// When to give up, in simulated time.
+    /// Simulated time after which the run ends with the outcome `timeout`.
     TIMEOUT = "scenario" "timeout_s", Second,
-        positive(3600.0, 120.0, "a drive takes time, and one that takes an hour is stuck");
+        positive(3600.0, 120.0, "a run takes time, and one of more than an hour is stuck");
 }

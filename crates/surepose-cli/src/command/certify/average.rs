@@ -1,4 +1,4 @@
-//! `surepose certify --gaussian`: what holds on average, under noise that no bound holds for.
+//! `surepose certify --gaussian`: expected decrease under unbounded Gaussian noise.
 
 use std::time::Instant;
 
@@ -11,25 +11,25 @@ use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::{Output, table, worded};
 
-/// What the figures are not about.
+/// The cases that the statement does not cover.
 const LEFT_OUT: [&str; 4] = [
-    "inside of the radius nothing is claimed: neither that the robot stays there, nor its heading, nor rest",
-    "the expected time ends within the radius, or farther out than the certificate goes",
-    "noise is white: an estimate that stays off for many ticks, by a bias or a slow drift, is not covered",
-    "the wheels are taken to follow their commands at once",
+    "within the radius nothing is proven: not that the robot stays there, nor its heading, nor that it comes to rest",
+    "the expected time ends within the radius, or beyond the distance that the certificate covers",
+    "the noise is white: a bias or a slow drift of the estimate is not covered",
+    "wheels are assumed to follow their commands without delay",
 ];
 
-/// The keys in words.
+/// Table labels of the keys.
 const WORDS: [(&str, &str); 6] = [
-    ("drift_radius_m", "W falls on average outside of [m]"),
-    ("drift_rate_per_s", "at least by [1/s]"),
-    ("expected_time_bound_s", "expected time to come there, at most [s]"),
-    ("deviations", "noise looked at, in standard deviations"),
-    ("exceeded_probability", "chance of more in a tick"),
+    ("drift_radius_m", "W decreases in expectation beyond [m]"),
+    ("drift_rate_per_s", "expected decrease rate, minimum [1/s]"),
+    ("expected_time_bound_s", "expected time to that radius, bound [s]"),
+    ("deviations", "noise range evaluated [standard deviations]"),
+    ("exceeded_probability", "probability of more noise, per tick"),
     ("wall_s", "computing time [s]"),
 ];
 
-const REASON: &str = "with these standard deviations W was not shown to fall on average at any distance";
+const REASON: &str = "no expected decrease of W was proven at any distance for these standard deviations";
 
 pub(super) fn run(config: &Config, noise: NoiseBounds, output: Output) -> Result<Exit, CliError> {
     let clock = Instant::now();
@@ -43,7 +43,7 @@ pub(super) fn run(config: &Config, noise: NoiseBounds, output: Output) -> Result
             table.add_row(row);
         }
         for (k, words) in LEFT_OUT.iter().filter(|_| found.is_some()).enumerate() {
-            table.add_row([if k == 0 { "left out" } else { "" }, words]);
+            table.add_row([if k == 0 { "not covered" } else { "" }, words]);
         }
         table
     })?;

@@ -1,4 +1,4 @@
-//! `surepose reproduce fig4 fig5`: one experiment, two figures.
+//! `surepose reproduce fig4 fig5`: one experiment, shown in two figures.
 
 use std::ops::Range;
 
@@ -26,11 +26,13 @@ pub(super) struct LocalizationRuns {
 }
 
 impl LocalizationRuns {
-    /// Drives `count` runs from `seed` on with each set of sensors, or those until Ctrl-C.
+    /// Runs `count` simulations per set of sensors, with seeds from `seed` on; Ctrl-C ends the series early.
     pub(super) fn run(config: &Config, count: u64, seed: u64, output: Output) -> Result<Self, CliError> {
-        let world = LoopWorld::new(config, Clutter::default())
-            .map_err(|error| CliError::Usage { what: error.to_string(), help: "report this".to_owned() })?;
-        let (cancel, bar) = (CancelToken::default(), progress::bar(output, "localising"));
+        let world = LoopWorld::new(config, Clutter::default()).map_err(|error| CliError::Usage {
+            what: error.to_string(),
+            help: "report this as a bug".to_owned(),
+        })?;
+        let (cancel, bar) = (CancelToken::default(), progress::bar(output, "localizing"));
         let part = || cancel.completed() as f64 / count as f64;
         let work = || Self::drive(&world, seed..seed.saturating_add(count), &cancel);
         progress::attended(&bar, part, || cancel.cancel(), work)
@@ -78,7 +80,7 @@ impl LocalizationRuns {
     }
 }
 
-/// The figures under the contract's keys.
+/// The statistics under the documented JSON keys.
 #[derive(Serialize)]
 struct Figures {
     runs: usize,
@@ -108,7 +110,7 @@ impl Figures {
     }
 }
 
-/// How well the walls were seen on the way, judged by the truth.
+/// Statistics of line extraction and association, compared with the true walls.
 #[derive(Serialize)]
 struct LineFigures {
     walls_visible: u64,
@@ -138,7 +140,7 @@ impl LineFigures {
             value.map_or_else(|| "–".to_owned(), |value| format!("{:.digits$}", scale * value))
         };
         format!(
-            "{} % of the visible walls, NEES {}, {} % matched wrongly",
+            "{} % of the visible walls found, NEES {}, {} % wrong matches",
             number(self.walls_found_share, 100.0, 2),
             number(self.line_nees_mean, 1.0, 2),
             number(self.wrong_match_share, 100.0, 3)
@@ -146,7 +148,7 @@ impl LineFigures {
     }
 }
 
-/// One moment of the run that is drawn.
+/// One sample of the plotted run.
 #[derive(Serialize)]
 struct Row {
     time_s: f64,
@@ -186,7 +188,7 @@ fn shown(accuracy: &Accuracy) -> String {
         error.map_or_else(String::new, |error| format!(" ± {:.digits$}", scale * error))
     };
     format!(
-        "{position:.2}{} mm, {heading:.4}{}° (rms), NEES {:.2}",
+        "{position:.2}{} mm, {heading:.4}{}° (RMS), NEES {:.2}",
         give_or_take(accuracy.position_rmse_std_error, 1e3, 2),
         give_or_take(accuracy.heading_rmse_std_error, 1f64.to_degrees(), 4),
         accuracy.nees_mean

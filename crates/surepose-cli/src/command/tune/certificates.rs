@@ -1,4 +1,4 @@
-//! Certificates for a search: one for each law, and none that the user does not wait for.
+//! Caches certificates during a search, and abandons them on Ctrl-C.
 
 use std::sync::{Mutex, PoisonError};
 use std::thread;
@@ -11,10 +11,10 @@ use surepose_config::Config;
 use crate::certification::{self, CertifiedBounds};
 use crate::interrupt;
 
-/// How often is looked whether a certificate is there.
+/// Interval at which the completion of a certificate is checked.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// What is certified of the configured loop, with one law or another.
+/// Certificates of the configured loop, by control law.
 pub(super) struct Certificates<'a> {
     config: &'a Config,
     noise: NoiseBounds,
@@ -22,12 +22,12 @@ pub(super) struct Certificates<'a> {
 }
 
 impl<'a> Certificates<'a> {
-    /// Those for these noise bounds.
+    /// Creates an empty cache for these noise bounds.
     pub(super) fn new(config: &'a Config, noise: NoiseBounds) -> Self {
         Self { config, noise, known: Mutex::default() }
     }
 
-    /// What is bounded with this law; nothing where its certificate is refused, or the user asks to stop before it is there.
+    /// Returns the certified bounds for this law; `None` if the certificate is refused or the user interrupts.
     pub(super) fn bounds(&self, law: &Law<f64>) -> Option<CertifiedBounds> {
         let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known().iter().find(|(it, _)| it == law).map(|(_, bounds)| *bounds);
@@ -35,7 +35,7 @@ impl<'a> Certificates<'a> {
             return bounds;
         }
         let (config, noise, law) = (self.config.clone(), self.noise, *law);
-        // A certificate takes a second or more, and cannot be stopped: one that nobody waits for ends with the program.
+        // A certificate takes a second or more and cannot be canceled. An abandoned thread ends with the process.
         let asked = thread::spawn(move || certification::bounds(&config, &law, noise));
         while !asked.is_finished() {
             if interrupt::asked() {
@@ -43,7 +43,7 @@ impl<'a> Certificates<'a> {
             }
             thread::sleep(LOOK);
         }
-        // A thread that panicked has said so.
+        // A panic in the thread has already been reported.
         let bounds = asked.join().ok()?;
         known().push((law, bounds));
         bounds
