@@ -59,6 +59,9 @@ parameters! {
     /// Maximum rim acceleration of a wheel.
     WHEEL_ACCELERATION_LIMIT = "robot" "wheel_acceleration_limit_m_s2", MeterPerSecondSquared,
         positive(1000.0, 0.5, "at 0 the wheels cannot start");
+    /// Radius of the robot's outline around the middle of its axle. 0 checks the middle alone.
+    FOOTPRINT_RADIUS = "robot" "footprint_radius_m", Meter,
+        in_range(0.0, 5.0, 0.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
 
     /// Control law: `surepose`, or `paper` for the law of Tran et al. (2012) without the additions of Surepose.
     LAW_NAME = "law" "name", One, one_of(&["surepose", "paper"]);
@@ -168,9 +171,6 @@ parameters! {
     RIM_VARIANCE_PER_RADIAN = "commands" "rim_variance_per_radian", One,
         positive(1.0, 7e-4, "a variance is positive");
 
-    /// Radius of the robot's outline around the middle of its axle. 0 checks the middle alone.
-    FOOTPRINT_RADIUS = "robot" "footprint_radius_m", Meter,
-        in_range(0.0, 5.0, 0.0, "a radius is not negative, and a robot of more than 5 m is a mistake of unit");
     /// Distance between the robot's outline and the walls of the map that stays free.
     WALL_CLEARANCE = "safety" "wall_clearance_m", Meter,
         in_range(0.0, 2.0, 0.05, "a distance is not negative, and 2 m close every door");
