@@ -228,7 +228,12 @@ fn errors_name_the_option_and_its_bounds() {
 #[test]
 fn each_problem_is_printed_once() {
     let run = surepose(&["run", "--set", "law.k_v=-1"]);
-    assert_eq!(run.stderr.matches("--set").count(), 2, "in the message and above the source line: {}", run.stderr);
+    assert_eq!(
+        run.stderr.matches("--set").count(),
+        2,
+        "in the message and above the source line: {}",
+        run.stderr
+    );
     assert!(!run.stderr.contains("Error:"), "{}", run.stderr);
 }
 
@@ -245,7 +250,7 @@ fn config_check_warns_about_an_invalid_goal() {
 fn explain_suggests_names() {
     for (name, said) in [
         ("capture_radius", "did you mean law.capture_radius_m?"),
-        ("goal", "[goal] has position_tolerance_m"),
+        ("goal", "the keys of [goal] are position_tolerance_m"),
         ("murphy", "lists every parameter"),
     ] {
         let run = surepose(&["config", "explain", name]);

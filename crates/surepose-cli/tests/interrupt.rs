@@ -181,6 +181,11 @@ fn interrupted_calibration_prints_json() {
         let arguments = [&["calibrate", "ticks", &log], json].concat();
         let run = interrupted(&arguments, after(700)).0;
         assert_eq!(run.stdout, result, "{}", run.stderr);
-        assert_eq!(run.stderr.matches("warning: interrupted: nothing was completed").count(), 1, "{}", run.stderr);
+        assert_eq!(
+            run.stderr.matches("warning: interrupted: nothing was completed").count(),
+            1,
+            "{}",
+            run.stderr
+        );
     }
 }
