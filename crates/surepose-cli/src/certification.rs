@@ -1,4 +1,4 @@
-//! What the certificate says of the loop in use: for `certify`, and for the commands that warn without it.
+//! Certifies the configured loop: for `certify`, and for warnings of other commands.
 
 use serde::Serialize;
 use surepose::control::Law;
@@ -8,39 +8,39 @@ use surepose_cert::{
 };
 use surepose_config::Config;
 
-/// Largest distance from which the robot starts \[m].
+/// Radius of the certified workspace around the goal \[m].
 const WORKSPACE: f64 = 5.0;
-/// A larger capture radius is no use \[m].
+/// Maximum useful capture radius \[m].
 const MAX_CAPTURE_RADIUS: f64 = 0.15;
-/// Longest period that is looked for \[s].
+/// Maximum period of the search for the longest period \[s].
 const MAX_PERIOD: f64 = 1.0;
 
-/// Noise bounds for which the default loop is certified: those of a localisation with laser and compass.
+/// Default bound of the position error, for localization with laser and compass \[m].
 pub(crate) const POSITION_NOISE: f64 = 0.007;
-/// The same of the heading \[°].
+/// Default bound of the heading error \[°].
 pub(crate) const HEADING_NOISE_DEG: f64 = 0.25;
 
-/// The certificate of the configured loop, with the longest period that it would allow.
+/// Certifies the configured loop and searches the longest certified period.
 pub(crate) fn certificate(config: &Config, noise: NoiseBounds) -> Certificate {
     asked(loop_of(config), noise, MAX_PERIOD, certify)
 }
 
-/// What the certificate bounds, under the keys of the command line's JSON; what was not shown is absent.
+/// The bounds of a certificate, under their JSON keys; `None` for a quantity without a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct CertifiedBounds {
-    /// The true distance from the goal below which the robot comes.
+    /// Distance to the goal that the true pose reaches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) capture_radius_m: Option<f64>,
-    /// The heading error above which the local law brings the robot nearer at every tick.
+    /// Heading error above which the local law decreases it at every tick.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) final_heading_bound_deg: Option<f64>,
-    /// The largest true distance at any time after that.
+    /// Maximum true distance to the goal afterwards.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) final_position_bound_m: Option<f64>,
 }
 
 impl CertifiedBounds {
-    /// Those of a certificate.
+    /// Returns the bounds of a certificate.
     pub(crate) fn from_certificate(certificate: &Certificate) -> Self {
         let heading = certificate.terminal_phase.and_then(|terminal_phase| terminal_phase.heading_bound);
         Self {
@@ -50,7 +50,7 @@ impl CertifiedBounds {
         }
     }
 
-    /// Whether all is bounded that the others bound.
+    /// Returns whether every quantity that `others` bounds is bounded here as well.
     pub(crate) fn keep(&self, others: &Self) -> bool {
         let listed = |bounds: &Self| {
             [bounds.capture_radius_m, bounds.final_heading_bound_deg, bounds.final_position_bound_m]
@@ -59,7 +59,7 @@ impl CertifiedBounds {
     }
 }
 
-/// What the certificate of the configured loop bounds, with this law instead of its own; nothing where it is refused.
+/// Returns the certified bounds of the loop with another law; `None` if the certificate is refused.
 pub(crate) fn bounds(config: &Config, law: &Law<f64>, noise: NoiseBounds) -> Option<CertifiedBounds> {
     let (controller, period, rests_within) = loop_of(config);
     let certificate =
@@ -67,9 +67,9 @@ pub(crate) fn bounds(config: &Config, law: &Law<f64>, noise: NoiseBounds) -> Opt
     certificate.certified.then(|| CertifiedBounds::from_certificate(&certificate))
 }
 
-/// What is to be said of this configuration before it drives anything.
+/// Returns the warnings for a configuration, as sentences.
 ///
-/// The default loop is certified by a test; any other is judged here, which takes about a second.
+/// A test certifies the default loop; any other loop is certified here, which takes about 1 s.
 pub(crate) fn warnings(config: &Config) -> Vec<String> {
     let mut warnings = config.warnings();
     if loop_of(config) != loop_of(&Config::default().fitted()) {
@@ -80,7 +80,7 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
         };
         if let Some(reason) = asked(loop_of(config), noise, 0.0, certify).reason {
             warnings.push(format!(
-                "this loop is not certified for {POSITION_NOISE} m and {HEADING_NOISE_DEG}° of noise: {reason}; see \
+                "loop: not certified for noise bounds of {POSITION_NOISE} m and {HEADING_NOISE_DEG}°: {reason}; see \
                  `surepose certify`"
             ));
         }
@@ -88,18 +88,21 @@ pub(crate) fn warnings(config: &Config) -> Vec<String> {
     warnings
 }
 
-/// What holds of the configured loop where the bounds of `noise` are standard deviations of white Gaussian noise.
+/// Returns the expected decrease for white Gaussian noise, with the bounds of `noise` as standard deviations.
+///
+/// Returns `None` if no decrease is proven at any distance.
 pub(crate) fn average(config: &Config, noise: NoiseBounds) -> Option<Drift> {
     asked(loop_of(config), noise, 0.0, drift)
 }
 
-/// Cells of a quadrant of the margin's pictures, and boxes that each is cut into: cells of 5°, and of 10° where the fall
-/// is not shown everywhere, because all work is spent on each gap.
+/// Resolution of the margin plots: cells per quadrant and boxes per cell. Cells are 5°, or 10° if the certificate is
+/// refused, because gaps take the full effort in each cell.
 const MARGIN: (usize, usize) = (18, 8);
 const MARGIN_WITH_GAPS: (usize, usize) = (9, 8);
 
-/// The margin of a certificate of the same loop and noise; `watch` is told the part that is done, and says whether to go
-/// on.
+/// Computes the decrease margins of a certificate; `watch` receives the progress in \[0, 1] and returns whether to continue.
+///
+/// Returns `None` if `watch` cancels the computation.
 pub(crate) fn margin(
     config: &Config,
     noise: NoiseBounds,
@@ -110,7 +113,7 @@ pub(crate) fn margin(
     asked(loop_of(config), noise, 0.0, |request| margins(request, certificate, fineness, watch))
 }
 
-/// What `answer` says to the request about a loop.
+/// Builds the request for a loop and passes it to `answer`.
 fn asked<T>(
     (controller, period, rests_within): (DeployedController, f64, f64),
     noise: NoiseBounds,
@@ -131,8 +134,7 @@ fn asked<T>(
     })
 }
 
-/// All that the certificate is about: law and limits, the period, and the seen distance within which the robot may have
-/// arrived and rest.
+/// Returns the controller, the period \[s] and the estimated distance within which the robot may rest \[m].
 fn loop_of(config: &Config) -> (DeployedController, f64, f64) {
     let (law, drive, braking, limits) = (config.law(), config.drive(), config.braking(), config.limits());
     let controller = DeployedController { law, drive, braking, limits };

@@ -1,4 +1,4 @@
-//! What stops a command, and the exit code it stops with.
+//! The errors of the commands, with their exit codes.
 
 use std::path::PathBuf;
 
@@ -12,84 +12,84 @@ use crate::exit::Exit;
 /// Columns of a message.
 pub(crate) const WIDTH: u16 = 110;
 
-/// Why a command could not do its work.
+/// The reason why a command failed.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub(crate) enum CliError {
-    /// The configuration is wrong.
+    /// Invalid configuration.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Config(#[from] ConfigError),
-    /// A recording, map or list cannot be used.
+    /// Unusable recording, map or list of start poses.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// A recording can be read, but not used.
+    /// A recording that is readable but not usable.
     #[error("{}: {what}", .path.display())]
     Recording {
-        /// Which.
+        /// The file or directory.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         what: String,
     },
-    /// The options do not make sense together.
+    /// An invalid option or combination of options.
     #[error("{what}")]
     Usage {
-        /// What is wrong.
+        /// The problem.
         what: String,
-        /// What would be right.
+        /// The remedy.
         #[help]
         help: String,
     },
-    /// The result cannot be printed.
-    #[error("standard output cannot be written to: {problem}")]
-    #[diagnostic(help("free space where it goes to, or send it elsewhere"))]
+    /// Standard output is not writable.
+    #[error("standard output: cannot be written: {problem}")]
+    #[diagnostic(help("free space at its destination, or redirect it"))]
     Print {
-        /// Why.
+        /// The reason.
         problem: std::io::Error,
     },
-    /// The results cannot be written.
+    /// An output file or directory is not writable.
     #[error("{}: cannot be written: {problem}", .path.display())]
     #[diagnostic(help("{}", .wanted.help()))]
     Output {
-        /// Where to.
+        /// The file or directory.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         problem: PlotError,
-        /// What it was to be.
+        /// The kind of output.
         wanted: OutputKind,
     },
 }
 
-/// What results are written to.
+/// The kind of output, for the remedy in the error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OutputKind {
-    /// Several of them.
+    /// A directory for several files.
     Folder,
-    /// One.
+    /// A single file.
     File,
 }
 
 impl OutputKind {
     fn help(self) -> &'static str {
         match self {
-            Self::Folder => "give a folder that can be written to",
-            Self::File => "give --out the name of a file, in a folder that can be written to",
+            Self::Folder => "give --out a writable directory",
+            Self::File => "give --out the name of a file in a writable directory",
         }
     }
 }
 
 impl CliError {
-    /// The exit code that says so.
+    /// Returns the exit code of the error.
     pub(crate) fn exit(&self) -> Exit {
         match self {
             Self::Config(_) | Self::Usage { .. } | Self::Output { .. } | Self::Print { .. } => Exit::Usage,
-            // The recording is in order: it is the option that asks for what is not there.
+            // The recording is valid; the option names a robot that it does not contain.
             Self::Data(error) if matches!(error.problem, Problem::UnknownRobot { .. }) => Exit::Usage,
             Self::Data(_) | Self::Recording { .. } => Exit::Data,
         }
     }
 }
 
-/// Makes messages as wide as the project's lines, without links, and with colours on a terminal only.
+/// Installs the style of error messages: width [`WIDTH`], no links, color on terminals only.
 pub(crate) fn style_messages() {
     let install = miette::set_hook(Box::new(|_| {
         let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && !no_color() {
@@ -97,7 +97,7 @@ pub(crate) fn style_messages() {
         } else {
             miette::GraphicalTheme::unicode_nocolor()
         };
-        // A path must stay in one piece, to be found and clicked.
+        // Paths are not broken, so that they can be searched and clicked.
         let handler = GraphicalReportHandler::new_themed(theme)
             .with_width(usize::from(WIDTH))
             .with_links(false)
@@ -106,7 +106,7 @@ pub(crate) fn style_messages() {
             .with_word_splitter(textwrap::WordSplitter::NoHyphenation);
         Box::new(handler)
     }));
-    // A hook that is set already prints as well.
+    // If a hook is already installed, it prints the messages.
     drop(install);
 }
 

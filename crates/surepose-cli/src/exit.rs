@@ -1,21 +1,21 @@
-//! Exit codes: part of the contract with scripts.
+//! Exit codes, on which scripts rely.
 
 use std::process::ExitCode;
 
-/// How a command ended.
+/// The exit code of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Exit {
     /// Goal reached, certificate holds, files written.
     Done = 0,
-    /// It ran, but the outcome is negative.
+    /// Completed with a negative outcome.
     Negative = 1,
-    /// The command line or the configuration is wrong.
+    /// Invalid command line or configuration.
     Usage = 2,
-    /// Input data cannot be read, or is malformed.
+    /// Input data unreadable or malformed.
     Data = 3,
-    /// The robot was stopped before it did harm.
+    /// The supervisor stopped the robot.
     Stopped = 4,
-    /// The user interrupted; what was finished is kept.
+    /// Interrupted by the user; completed results are kept.
     Interrupted = 130,
 }
 

@@ -1,4 +1,6 @@
-//! Ctrl-C, and a request to terminate: a command that keeps what was done is asked to stop, and a second Ctrl-C ends it at once; any other ends.
+//! Handles Ctrl-C and SIGTERM.
+//!
+//! A command that keeps partial results is asked to stop; a second Ctrl-C ends it at once. Other commands end at once.
 
 use std::io::Write;
 use std::time::Duration;
@@ -12,26 +14,27 @@ use crate::output::{Output, text, warning};
 
 pub(crate) use crate::interrupt_flags::{asked, listen};
 
-/// The key that says so in a result.
+/// The JSON key of an interrupted result.
 const INTERRUPTED: &str = "interrupted";
 
-/// What is said where nothing else is.
-const NOTHING: &str = "interrupted: nothing was done that could be kept";
+/// The message of a command without a partial result.
+const NOTHING: &str = "interrupted: nothing was completed";
 
-/// What comes sooner after the first is the same Ctrl-C: programs that start others send it to the program *and* to its group.
+/// Signals within this time count as one Ctrl-C: parent programs signal the process and its process group.
 const SAME: Duration = Duration::from_millis(300);
 
-/// From now on Ctrl-C ends the program with the exit code that says so, and with a result in which nothing else is, until a command
-/// listens.
+/// Installs the signal handler.
+///
+/// Until a command calls [`listen`], Ctrl-C ends the program with exit code 130 and, with `--json`, an empty result.
 pub(crate) fn install(output: Output) {
     let installed = ctrlc::set_handler(move || {
         let asks_again = interrupt_flags::ask() > SAME;
         if !listens() {
             warning(NOTHING);
-            // Held until the end: there is one result.
+            // The lock is held until exit, so that only one result is printed.
             let mut out = std::io::stdout().lock();
             if output.json && !listens() {
-                // Whoever cannot be told so has the exit code.
+                // If standard output fails, the exit code still reports the interrupt.
                 drop(out.write_all(empty().as_bytes()));
             }
             std::process::exit(Exit::Interrupted as i32);
@@ -44,10 +47,10 @@ pub(crate) fn install(output: Output) {
     drop(installed);
 }
 
-/// Ends a command that stopped when it was asked to, with nothing to keep.
+/// Reports an interrupted command without a partial result.
 ///
 /// # Errors
-/// Those of standard output.
+/// [`CliError::Print`] if standard output is not writable.
 pub(crate) fn nothing(output: Output) -> Result<Exit, CliError> {
     warning(NOTHING);
     if output.json {
@@ -56,15 +59,15 @@ pub(crate) fn nothing(output: Output) -> Result<Exit, CliError> {
     Ok(Exit::Interrupted)
 }
 
-/// The result in which nothing else is.
+/// The JSON result without any other key.
 fn empty() -> String {
     format!("{}\n", json!({ INTERRUPTED: true }))
 }
 
-/// Says in a result that it is only of what was done when the user asked to stop.
+/// Marks a result as partial if the user interrupted the command.
 pub(crate) fn mark(json: &mut Map<String, Value>) {
     if asked() {
         json.insert(INTERRUPTED.to_owned(), Value::Bool(true));
-        warning("interrupted: the result is only of what was done until then");
+        warning("interrupted: the result covers only the work completed until then");
     }
 }

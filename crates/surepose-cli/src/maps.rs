@@ -1,4 +1,4 @@
-//! Maps that the user names: wall maps, and occupancy grids to trace the walls of.
+//! Reads map files: wall maps, and occupancy grids from which walls are extracted.
 
 use std::path::Path;
 
@@ -10,13 +10,15 @@ use surepose_mapping::from_grid;
 
 use crate::output::warning;
 
-/// What a map file holds.
+/// The content of a map file.
 pub(crate) enum MapFile {
     Walls(WallMap),
     Grid(Grid),
 }
 
-/// A map file, which its name tells the kind of, compressed or not: `.toml`, `.yaml`, or Wean Hall's own.
+/// Reads a map file; its extension selects the format: `.toml`, `.yaml`, or any other for the grid of Wean Hall.
+///
+/// A final `.gz` is ignored for this choice.
 pub(crate) fn read_map_file(path: &Path) -> Result<MapFile, DataError> {
     let ends_in = |path: &Path, extension: &str| {
         path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
@@ -32,7 +34,7 @@ pub(crate) fn read_map_file(path: &Path) -> Result<MapFile, DataError> {
     })
 }
 
-/// The grid that a YAML file describes; says so where its image is not the one that the file names.
+/// Reads the grid of a map_server YAML file; warns if its image was renamed.
 pub(crate) fn grid_in(path: &Path) -> Result<Grid, DataError> {
     let (grid, renamed) = map_server::read(path)?;
     if let Some(renamed) = renamed {
@@ -41,12 +43,12 @@ pub(crate) fn grid_in(path: &Path) -> Result<Grid, DataError> {
     Ok(grid)
 }
 
-/// The walls of a map file: a wall map as it is, an occupancy grid turned into walls.
+/// Reads the walls of a map file; walls are extracted from an occupancy grid.
 pub(crate) fn walls_in(path: &Path) -> Result<WallMap, DataError> {
     walls_to_read(path).map(|(map, _)| map)
 }
 
-/// The same, and how scans are laid on them: walls that a grid was traced for are short.
+/// Like [`walls_in`], with the scan method: the short walls of an occupancy grid need beam matching.
 pub(crate) fn walls_to_read(path: &Path) -> Result<(WallMap, ScanMethod), DataError> {
     Ok(match read_map_file(path)? {
         MapFile::Walls(map) => (map, ScanMethod::Lines),

@@ -1,4 +1,4 @@
-//! What a command says: one JSON object on standard output, or a table on standard error.
+//! Prints results: one JSON object on standard output, or a table on standard error.
 
 use std::io::{ErrorKind, Write};
 
@@ -9,18 +9,18 @@ use serde_json::{Map, Value};
 use crate::error::{CliError, WIDTH};
 use crate::interrupt_flags;
 
-/// How results are printed.
+/// The output format of results.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Output {
-    /// One JSON object instead of tables.
+    /// Whether to print one JSON object instead of a table.
     pub(crate) json: bool,
 }
 
 impl Output {
-    /// Prints the result: `json` on standard output if asked for, else `table` on standard error.
+    /// Prints the result: `json` on standard output with `--json`, else `table` on standard error.
     ///
     /// # Errors
-    /// Those of [`text`]; a table is a message, and its failing is none.
+    /// Those of [`text`]. A failure to print a table is ignored.
     pub(crate) fn result(
         self,
         json: &Map<String, Value>,
@@ -34,19 +34,19 @@ impl Output {
     }
 }
 
-/// A report under the names of its fields.
+/// Serializes a report to a JSON object with the names of its fields.
 pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
     match serde_json::to_value(report) {
         Ok(Value::Object(map)) => map,
-        // Reports are structures of numbers and names: they always become objects.
+        // Reports are structs, which serialize to objects.
         _ => Map::new(),
     }
 }
 
-/// Prints text on standard output; a reader that left early is no failure.
+/// Prints text on standard output; a closed pipe is not an error.
 ///
 /// # Errors
-/// What else can be wrong with standard output: a full disk takes a result away, and a script must not go on without it.
+/// [`CliError::Print`] for any other failure, for example a full disk.
 pub(crate) fn text(text: &str) -> Result<(), CliError> {
     // A result that is being printed is the one that there is.
     interrupt_flags::listen();
@@ -54,7 +54,7 @@ pub(crate) fn text(text: &str) -> Result<(), CliError> {
     printed(out.write_all(text.as_bytes()))
 }
 
-/// What came of printing on standard output, with what is still held back.
+/// Flushes standard output and converts a failure to an error; a closed pipe is not an error.
 pub(crate) fn printed(so_far: std::io::Result<()>) -> Result<(), CliError> {
     match so_far.and_then(|()| std::io::stdout().flush()) {
         Err(problem) if problem.kind() != ErrorKind::BrokenPipe => Err(CliError::Print { problem }),
@@ -62,17 +62,17 @@ pub(crate) fn printed(so_far: std::io::Result<()>) -> Result<(), CliError> {
     }
 }
 
-/// Prints a line on standard error; a reader that left early is no failure, as `eprintln!` would have it.
+/// Prints a line on standard error; unlike `eprintln!`, a closed pipe is ignored.
 pub(crate) fn say(line: &dyn std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// A warning, on standard error.
+/// Prints a warning on standard error.
 pub(crate) fn warning(text: &str) {
     say(&format_args!("warning: {text}"));
 }
 
-/// A table in the program's style.
+/// Creates a table in the style of the program.
 pub(crate) fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
@@ -82,20 +82,20 @@ pub(crate) fn table(header: &[&str]) -> Table {
     table
 }
 
-/// Aligns every column but the first to the right, as numbers are read.
+/// Right-aligns every column except the first.
 pub(crate) fn align_numbers(table: &mut Table) {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
 }
 
-/// Wraps sentences in the table's cells, so that it is no wider than messages are.
+/// Wraps the cells of a table to the width of messages.
 pub(crate) fn wrapped(mut table: Table) -> Table {
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table
 }
 
-/// Rows of a report: each key in `words`, where there are any for it, and its value as a person reads it.
+/// Formats a report as rows of label and value; a key without a label in `words` is printed as it is.
 pub(crate) fn worded(json: &Map<String, Value>, words: &[(&str, &str)]) -> Vec<[String; 2]> {
     let name = |key: &String| {
         let found = words.iter().find(|(it, _)| it == key);
@@ -104,7 +104,7 @@ pub(crate) fn worded(json: &Map<String, Value>, words: &[(&str, &str)]) -> Vec<[
     json.iter().map(|(key, value)| [name(key), shown(value)]).collect()
 }
 
-/// A value as a person reads it: four digits, and counts by name.
+/// Formats a value: numbers with four significant digits, counts by name.
 fn shown(value: &Value) -> String {
     match value {
         Value::Number(number) if !number.is_u64() => {

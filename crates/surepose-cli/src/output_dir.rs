@@ -1,4 +1,4 @@
-//! The folder that results are written to.
+//! Writes output files, each complete or not at all.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -10,17 +10,19 @@ use surepose_figures::{Picture, PlotError};
 use crate::error::{CliError, OutputKind};
 use crate::parquet;
 
-/// Keys of what is of this machine and this moment.
+/// Keys that depend on the machine and the load.
 const TIMING: [&str; 2] = ["wall_s", "steps_per_s"];
 
-/// A folder that exists, and that can be written to.
+/// An existing, writable directory.
 #[derive(Clone, Debug)]
 pub(crate) struct OutputDir(PathBuf);
 
 impl OutputDir {
-    /// The folder at `path`, made where it is absent. One that cannot be written to is better found before the work than after it.
+    /// Creates the directory at `path` if it is absent, and checks that it is writable.
+    ///
+    /// Commands call this before the computation, so that no result is lost.
     pub(crate) fn at(path: &Path) -> Result<Self, CliError> {
-        // The parent of a bare file name is the empty path: the folder that one is in.
+        // The parent of a bare file name is the empty path: the current directory.
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         let ready = std::fs::create_dir_all(path).and_then(|()| try_out(&path.join(trial_name())));
         ready.map_err(|problem| failed(path, problem.into()))?;
@@ -33,7 +35,7 @@ impl OutputDir {
         self.whole(&format!("{name}.png"), |path| Ok(std::fs::write(path, picture.png()?)?))
     }
 
-    /// Writes a table, one line for each row, under the names of its fields.
+    /// Writes a CSV table with one line per row and the names of the fields as header.
     pub(crate) fn table<T: Serialize>(
         &self,
         name: &str,
@@ -49,7 +51,7 @@ impl OutputDir {
         self.whole(name, |path| Ok(write(path).map_err(std::io::Error::from)?))
     }
 
-    /// Writes the same table in columns, as Apache Parquet.
+    /// Writes a table as Apache Parquet; writes no file if there are no rows.
     pub(crate) fn parquet<T: Serialize>(
         &self,
         name: &str,
@@ -57,57 +59,57 @@ impl OutputDir {
     ) -> Result<(), CliError> {
         let mut rows = rows.into_iter().peekable();
         if rows.peek().is_none() {
-            // Without a row there are no columns, and no file.
+            // The columns are those of the first row.
             return Ok(());
         }
         self.whole(name, |path| Ok(parquet::write(path, rows).map_err(std::io::Error::other)?))
     }
 
-    /// Writes `summary.json`: what the command found, without what is of this machine and this moment, so that the same
-    /// command line gives the same bytes.
+    /// Writes `summary.json`, without the keys in [`TIMING`], so that the same command line gives the same bytes.
     pub(crate) fn summary(&self, found: &Map<String, Value>) -> Result<(), CliError> {
         let lasting = found.iter().filter(|(key, _)| !TIMING.contains(&key.as_str()));
         let lasting = lasting.map(|(key, value)| (key.clone(), value.clone())).collect();
         self.text("summary.json", &format!("{:#}\n", Value::Object(lasting)))
     }
 
-    /// Writes a text.
+    /// Writes a text file.
     pub(crate) fn text(&self, name: &str, text: &str) -> Result<(), CliError> {
         self.text_of(name, Ok(text.to_owned()))
     }
 
-    /// Writes a text that something may have been wrong with.
+    /// Writes a text file, or returns the error of its creation.
     pub(crate) fn text_of(&self, name: &str, text: std::io::Result<String>) -> Result<(), CliError> {
         self.whole(name, |path| Ok(std::fs::write(path, text?)?))
     }
 
-    /// Lets `write` write the file of this name.
+    /// Writes a file of this name with `write`, complete or not at all.
     fn whole(&self, name: &str, write: impl FnOnce(&Path) -> Result<(), PlotError>) -> Result<(), CliError> {
         let path = self.0.join(name);
         whole(&path, write).map_err(|problem| failed(&path, problem))
     }
 }
 
-/// Fails where a file could not be written: better before the work than after it. Its folder has to be there.
+/// Checks that a file can be created at `path`; its directory must exist.
 pub(crate) fn file_at(path: &Path) -> Result<(), CliError> {
     begin(path).map_err(|problem| no_file(path, problem))
 }
 
-/// The same, and makes its folder where that is absent.
+/// Like [`file_at`], but creates the directory if it is absent.
 pub(crate) fn file_in_folder_at(path: &Path) -> Result<(), CliError> {
     let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
     folder.map_err(|problem| no_file(path, problem))?;
     file_at(path)
 }
 
-/// Writes a file that the user named.
+/// Writes a text file at a path from the command line.
 pub(crate) fn write_file(path: &Path, text: &str) -> Result<(), CliError> {
     let write = |path: &Path| std::fs::write(path, text);
     whole(path, write).map_err(|problem| no_file(path, problem))
 }
 
-/// Lets `write` write a file, which has its name once it is whole: a full disk leaves no half of it, and what was there before
-/// stays.
+/// Writes a file under a temporary name and renames it when it is complete.
+///
+/// After a failure, for example a full disk, the previous file remains unchanged.
 fn whole<E: From<std::io::Error>>(path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
     match way(path) {
         Way::Straight(path) => write(&path),
@@ -119,15 +121,15 @@ fn whole<E: From<std::io::Error>>(path: &Path, write: impl FnOnce(&Path) -> Resu
     }
 }
 
-/// A name that no other run of the program, and nobody else, gives a file.
+/// Returns a file name that is unique to this process.
 fn trial_name() -> String {
     format!("surepose-{}.part", std::process::id())
 }
 
-/// Begins a file as [`whole`] does, and leaves nothing of it.
+/// Checks that [`whole`] could write this file, and leaves nothing behind.
 fn begin(path: &Path) -> std::io::Result<()> {
     match way(path) {
-        // Whoever opens a pipe waits for its other end.
+        // Opening a pipe would block until its other end is opened.
         Way::Straight(path) if path.is_file() => open(&path),
         Way::Straight(path) if path.is_dir() => Err(std::io::ErrorKind::IsADirectory.into()),
         Way::Straight(_) => Ok(()),
@@ -135,7 +137,7 @@ fn begin(path: &Path) -> std::io::Result<()> {
     }
 }
 
-/// Makes a file and takes it away again; what another run left of it stays.
+/// Creates and removes a file; a leftover of another run is only opened.
 fn try_out(part: &Path) -> std::io::Result<()> {
     match File::create_new(part) {
         Err(problem) if problem.kind() == std::io::ErrorKind::AlreadyExists => open(part),
@@ -143,23 +145,23 @@ fn try_out(part: &Path) -> std::io::Result<()> {
     }
 }
 
-/// Opens a file that is there for writing, and writes nothing.
+/// Opens an existing file for writing, without changing it.
 fn open(path: &Path) -> std::io::Result<()> {
     File::options().append(true).open(path).map(drop)
 }
 
-/// How a file is written.
+/// The way a file is written.
 enum Way {
-    /// To where it is.
+    /// Directly to its path.
     Straight(PathBuf),
-    /// Beside its name, which it is given once it is whole.
+    /// To a temporary file beside its path, renamed when it is complete.
     Renamed { part: PathBuf, path: PathBuf },
 }
 
 fn way(path: &Path) -> Way {
-    // Where the name is a link, the file that it leads to is replaced, and not the link.
+    // A link is resolved: the file that it points to is replaced, not the link.
     let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    // A pipe or a device is not replaced, nor a file that is not to be written to.
+    // Pipes, devices and read-only files are not replaced.
     if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() || there.permissions().readonly()) {
         return Way::Straight(path);
     }

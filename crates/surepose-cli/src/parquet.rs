@@ -1,7 +1,7 @@
-//! Tables in columns: Apache Parquet, which pandas, polars, DuckDB and R read without being told any types.
+//! Writes tables as Apache Parquet files.
 //!
-//! Of the format (<https://parquet.apache.org/docs/file-format>) one form is written: optional columns of truths, counts and
-//! numbers, plain, a page for each column and group of rows, compressed by gzip.
+//! The format (<https://parquet.apache.org/docs/file-format>) is written in one form: optional columns of Booleans, integers
+//! and numbers, plain encoding, one gzip-compressed page per column and row group.
 
 mod thrift;
 
@@ -15,25 +15,25 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use thrift::{Struct, varint};
 
-/// Rows that are held in memory, and written together.
+/// Maximum number of rows in a row group, which is held in memory.
 const GROUP: usize = 1 << 16;
 
-/// First and last bytes of a file.
+/// First and last bytes of a Parquet file.
 const MAGIC: &[u8] = b"PAR1";
 
-/// Numbers of the format: the codec gzip, the encodings of values and of presence, a data page, and a column that may have gaps.
+/// Constants of the format: gzip codec, encodings of values and of definition levels, data page, optional column.
 const GZIP: usize = 2;
 const PLAIN: usize = 0;
 const RLE: usize = 3;
 const DATA_PAGE: usize = 0;
 const OPTIONAL: usize = 1;
 
-/// Writes a table, one row for each of `rows`, under the names of its fields: the columns of the CSV of the same rows.
+/// Writes a table with one row per element of `rows` and one column per field.
 ///
-/// Fields are numbers, counts and truths; what is absent is null. The same rows give the same bytes.
+/// Fields are numbers, integers and Booleans; an absent value is null. The same rows give the same bytes.
 ///
 /// # Errors
-/// What cannot be written, and rows whose fields differ in name or kind.
+/// I/O errors, and rows whose fields differ in name or type.
 pub(crate) fn write<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<()> {
     let mut rows = rows.into_iter().map(|row| fields(&row)).peekable();
     let Some(first) = rows.peek() else { return Ok(()) };
@@ -49,7 +49,7 @@ pub(crate) fn write<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>
         let fits = row.len() == columns.len()
             && row.iter().zip(&mut columns).all(|((name, value), column)| column.push(name, value));
         if !fits {
-            return Err(Error::other("rows differ in their fields"));
+            return Err(Error::other("Parquet: rows have different fields"));
         }
         (count, held) = (count + 1, held + 1);
         if held == GROUP {
@@ -79,11 +79,11 @@ pub(crate) fn write<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>
 fn fields(row: &impl Serialize) -> Result<Map<String, Value>> {
     match serde_json::to_value(row) {
         Ok(Value::Object(fields)) => Ok(fields),
-        _ => Err(Error::other("a row is no structure of fields")),
+        _ => Err(Error::other("Parquet: a row is not a struct")),
     }
 }
 
-/// Writes the rows that the columns hold, empties them, and returns where they are.
+/// Writes the buffered rows as a row group, clears the columns, and returns the metadata of the group.
 fn group(file: &mut Output, columns: &mut [Column], rows: usize) -> Result<Struct> {
     let begin = file.offset;
     let mut size = 0;
@@ -95,7 +95,7 @@ fn group(file: &mut Output, columns: &mut [Column], rows: usize) -> Result<Struc
     Ok(Struct::default().structures(1, chunks.into_iter()).i64(2, size).i64(3, rows).i64(6, written))
 }
 
-/// A file, and how much of it is written.
+/// A file and the number of bytes written.
 struct Output {
     file: BufWriter<File>,
     offset: usize,
@@ -108,14 +108,14 @@ impl Output {
     }
 }
 
-/// One column: its values, and for each row whether it has one.
+/// A column: its values, and for each row whether it has one.
 struct Column {
     name: String,
     values: Values,
     present: Vec<bool>,
 }
 
-/// Values of one kind.
+/// Values of one type.
 enum Values {
     Truth(Vec<bool>),
     Count(Vec<i64>),
@@ -123,7 +123,7 @@ enum Values {
 }
 
 impl Column {
-    /// An empty column for values of the kind of `first`; a number where there is none, as what may be absent is one.
+    /// Creates an empty column for the type of `first`; null gives a column of numbers, the only type with gaps.
     fn like(name: &str, first: &Value) -> Self {
         let values = match first {
             Value::Bool(_) => Values::Truth(Vec::new()),
@@ -133,7 +133,7 @@ impl Column {
         Self { name: name.to_owned(), values, present: Vec::new() }
     }
 
-    /// The number of its type in the format.
+    /// Returns the physical type in the format.
     fn kind(&self) -> usize {
         match self.values {
             Values::Truth(_) => 0,
@@ -146,7 +146,7 @@ impl Column {
         Struct::default().i32(1, self.kind()).i32(3, OPTIONAL).text(4, &self.name)
     }
 
-    /// Takes a value, if it belongs here.
+    /// Appends a value; returns `false` if its name or type does not match the column.
     fn push(&mut self, name: &str, value: &Value) -> bool {
         self.present.push(!value.is_null());
         let taken = match (&mut self.values, value) {
@@ -162,7 +162,7 @@ impl Column {
         taken && self.name == name
     }
 
-    /// Writes its values as one page, empties it, and returns where they are. Adds to `size` what they are uncompressed.
+    /// Writes the values as one page, clears them, and returns the metadata. Adds the uncompressed length to `size`.
     fn flush(&mut self, file: &mut Output, size: &mut usize) -> Result<Struct> {
         let (page, rows) = (self.page(), self.present.len());
         let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
@@ -193,7 +193,7 @@ impl Column {
         Ok(Struct::default().i64(2, offset).structure(3, place))
     }
 
-    /// Which rows have a value, as one run of bits; then the values.
+    /// Encodes the definition levels as one bit-packed run, followed by the values.
     fn page(&self) -> Vec<u8> {
         let mut levels = Vec::new();
         varint(&mut levels, (self.present.len().div_ceil(8) as u64) << 1 | 1);
@@ -219,7 +219,7 @@ impl Values {
     }
 }
 
-/// Eight truths a byte, the first lowest.
+/// Packs Booleans into bytes, the first into the lowest bit.
 fn bits(truths: &[bool]) -> impl Iterator<Item = u8> {
     truths.chunks(8).map(|eight| eight.iter().rev().fold(0, |byte, &truth| byte << 1 | u8::from(truth)))
 }

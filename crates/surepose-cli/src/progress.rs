@@ -1,4 +1,4 @@
-//! Progress on a terminal; nothing where standard error is a file or JSON was asked for.
+//! Shows progress on a terminal; hidden if standard error is not a terminal or `--json` is set.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -9,27 +9,28 @@ use crate::error::CliError;
 use crate::interrupt;
 use crate::output::Output;
 
-/// Steps of a bar.
+/// Resolution of a progress bar \[steps].
 const STEPS: u64 = 1000;
 
-/// How often work is looked at; short work sooner, so that nobody waits for the look.
+/// Maximum polling interval of [`attended`].
 const LOOK: Duration = Duration::from_millis(20);
+/// Initial polling interval; it doubles up to [`LOOK`], so that short work is not delayed.
 const FIRST_LOOK: Duration = Duration::from_millis(1);
 
-/// A bar for work called `name`.
+/// Creates a progress bar with the label `name`.
 pub(crate) fn bar(output: Output, name: &'static str) -> ProgressBar {
     if output.json || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(STEPS).with_message(name);
-    // The template is a constant; were it wrong, the library's own would do.
+    // The template is constant and valid; otherwise the default style remains.
     if let Ok(style) = ProgressStyle::with_template("{msg:>12} {wide_bar} {percent:>3} %") {
         bar.set_style(style);
     }
     bar
 }
 
-/// Looks at `work` while a thread of its own does it: shows the `part` that is done, and calls `stop` when the user asks for that.
+/// Runs `work` on a thread, shows its progress `part` in \[0, 1], and calls `stop` after Ctrl-C.
 pub(crate) fn attended<T: Send>(
     bar: &ProgressBar,
     part: impl Fn() -> f64,
@@ -51,14 +52,14 @@ pub(crate) fn attended<T: Send>(
         running.join()
     });
     bar.finish_and_clear();
-    // A thread ends early only where the library is at fault; there is then nothing to report.
+    // The thread panics only through a bug in a library; then there is no result.
     done.map_err(|_| CliError::Usage {
-        what: "the work ended early".to_owned(),
-        help: "this is a mistake of the program".to_owned(),
+        what: "internal error: the computation ended early".to_owned(),
+        help: "report this as a bug".to_owned(),
     })
 }
 
-/// Shows the part of the work that is done, in [0, 1].
+/// Shows the progress `part`, in \[0, 1].
 pub(crate) fn show(bar: &ProgressBar, part: f64) {
     bar.set_position((part * STEPS as f64) as u64);
 }

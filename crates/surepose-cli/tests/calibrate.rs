@@ -1,11 +1,11 @@
-//! `surepose calibrate`: exit codes of what cannot be calibrated from.
+//! `surepose calibrate`: exit codes for recordings that do not allow a calibration.
 
 mod common;
 
 use common::{file, folder, rover, surepose};
 
 #[test]
-fn what_is_no_recording_is_named_with_exit_code_3() {
+fn malformed_recording_exits_with_3() {
     let file = std::env::temp_dir().join("surepose-calibrate-broken.dat");
     std::fs::write(&file, "0 0 nan 3\n").unwrap();
     let path = file.to_string_lossy().into_owned();
@@ -18,9 +18,9 @@ fn what_is_no_recording_is_named_with_exit_code_3() {
     assert!(mcap.code == 3 && mcap.stderr.contains("this is no MCAP recording"), "{}", mcap.stderr);
 }
 
-/// Who is told that there are too few records counts them, and there are many.
+/// The error names the cause, not a lack of records, of which there are many.
 #[test]
-fn a_clock_that_stands_still_is_named() {
+fn constant_stamps_are_named() {
     let log = file(&folder("calibrate-clock"), "still.dat", &rover(20, 0));
     let run = surepose(&["calibrate", "ticks", &log]);
     assert_eq!(run.code, 3, "{}", run.stderr);
@@ -29,7 +29,7 @@ fn a_clock_that_stands_still_is_named() {
 }
 
 #[test]
-fn options_that_a_format_has_no_use_for_are_refused() {
+fn options_of_other_formats_are_rejected() {
     for option in ["--compass", "--set=robot.track_m=0.5", "--remap=odom:=/base/odom"] {
         let run = surepose(&["calibrate", "ticks", "recording.dat", option]);
         assert!(run.code == 2 && run.stderr.contains("leave out"), "{option}: {}", run.stderr);

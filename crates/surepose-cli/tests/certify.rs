@@ -1,13 +1,13 @@
-//! `surepose certify`: keys and exit codes of what is certified and of what is refused.
+//! `surepose certify`: JSON keys and exit codes of certified and refused loops.
 
-#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+#![allow(clippy::expect_used, reason = "a failed precondition fails the test")]
 
 mod common;
 
 use common::{folder, surepose};
 
 #[test]
-fn the_default_gains_are_certified() {
+fn default_gains_are_certified() {
     let run = surepose(&["certify", "--noise-position", "0.007", "--noise-heading", "0.25", "--json"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let json = run.json();
@@ -28,9 +28,9 @@ fn the_default_gains_are_certified() {
     assert!(json["reason"].is_null() && json["counterexample"].is_null(), "{json}");
 }
 
-/// A row that is missing is overlooked: what is not bounded is said not to be.
+/// A quantity without a bound has a row that says so, because a missing row is overlooked.
 #[test]
-fn the_table_speaks_in_words_and_names_what_is_not_bounded() {
+fn table_lists_quantities_without_a_bound() {
     let table = |noise: [&str; 2]| {
         surepose(&["certify", "--noise-position", noise[0], "--noise-heading", noise[1]]).stderr
     };
@@ -45,7 +45,7 @@ fn the_table_speaks_in_words_and_names_what_is_not_bounded() {
 }
 
 #[test]
-fn the_paper_s_gains_are_refused_with_a_situation() {
+fn gains_of_the_paper_are_refused_with_a_counterexample() {
     let gains = ["--set", "law.k_v=10", "--set", "law.k_alpha=100", "--set", "law.h=1", "--period", "0.1"];
     let run = surepose(&[&["certify", "--json"][..], &gains[..]].concat());
     assert_eq!(run.code, 1, "{}", run.stderr);
@@ -62,9 +62,9 @@ fn the_paper_s_gains_are_refused_with_a_situation() {
     assert!(unknown.code == 2 && unknown.stderr.contains("--law"), "{}", unknown.stderr);
 }
 
-/// The margin that is drawn is at least what the certificate says, and a refusal is drawn with its gaps.
+/// The plotted margin is at least the certified decrease rate; a refusal is plotted with its gaps.
 #[test]
-fn the_margin_is_drawn_and_agrees_with_the_certificate() {
+fn margin_plots_agree_with_the_certificate() {
     let drawn = |name: &str, arguments: &[&str], code: i32| {
         let out = folder(name);
         let path = out.to_str().expect("UTF-8");
@@ -110,7 +110,7 @@ fn drift_certificate_covers_gaussian_noise() {
     assert!(number("drift_radius_m") < 0.1 && number("drift_rate_per_s") > 0.1, "{json}");
     assert!(number("exceeded_probability") < 1e-3 && number("expected_time_bound_s") > 0.0, "{json}");
     assert!(json["left_out"].as_array().is_some_and(|words| words.len() >= 4), "{json}");
-    // Noise of the wheels costs radius; noise that is larger than the workspace is refused.
+    // Wheel noise increases the radius; noise larger than the workspace is refused.
     assert!(asked("0.05").json()["drift_radius_m"].as_f64().is_some_and(|radius| radius > 0.1));
     let loud = surepose(&["certify", "--gaussian", "--noise-position", "2", "--json"]);
     assert_eq!(loud.code, 1, "{}", loud.stderr);
@@ -118,7 +118,7 @@ fn drift_certificate_covers_gaussian_noise() {
 }
 
 #[test]
-fn a_wrong_command_line_exits_with_2() {
+fn invalid_command_line_exits_with_2() {
     for arguments in [
         &["certify", "--noise-position", "-1"][..],
         &["certify", "--noise-heading", "nan"],
@@ -134,7 +134,7 @@ fn a_wrong_command_line_exits_with_2() {
 }
 
 #[test]
-fn a_loop_without_certificate_is_warned_of_before_it_drives() {
+fn uncertified_loop_gives_a_warning() {
     let said = |arguments: &[&str]| surepose(arguments).stderr;
     let hasty = ["--set", "law.k_v=10", "--set", "law.k_alpha=100"];
     for command in [&["run", "--json"][..], &["config", "check"]] {

@@ -1,11 +1,11 @@
-//! `surepose config`, and what any command makes of a wrong configuration or a wrong command line.
+//! `surepose config`, and errors in configurations and command lines.
 
 mod common;
 
 use common::{file, folder, surepose, surepose_into};
 
 #[test]
-fn the_defaults_are_valid_and_shown_as_what_can_be_read_again() {
+fn default_configuration_is_valid_and_round_trips() {
     let check = surepose(&["config", "check", "--json"]);
     assert_eq!(check.code, 0);
     assert_eq!(check.json()["valid"], true);
@@ -21,9 +21,9 @@ fn the_defaults_are_valid_and_shown_as_what_can_be_read_again() {
     assert!(again.stdout.contains("robot.toml:2"), "{}", again.stdout);
 }
 
-/// A shown configuration has the same effect, and gains that nobody set are still fitted to what is changed in it.
+/// A shown configuration has the same effect, and gains that are not set are fitted again after a change.
 #[test]
-fn fitted_gains_of_a_shown_configuration_go_on_being_fitted() {
+fn shown_configuration_keeps_gains_fitted() {
     let folder = folder("show-fitted");
     let effect = |arguments: &[&str]| -> Vec<(String, serde_json::Value)> {
         let json = surepose(&[&["config", "show", "--json"], arguments].concat()).json();
@@ -46,16 +46,16 @@ fn fitted_gains_of_a_shown_configuration_go_on_being_fitted() {
             effect(&[given, &slower[..]].concat()),
             "{name}"
         );
-        // Whoever wants to keep one takes the mark away.
+        // Without the comment mark a gain is fixed.
         let kept = shown.stdout.replace("# k_alpha", "k_alpha");
         let path = file(&folder, name, kept.as_bytes());
         assert_eq!(effect(&[&path]), effect(given), "{name}");
     }
 }
 
-/// What nobody can count is not written out.
+/// A huge number is not printed with all its digits.
 #[test]
-fn a_huge_number_keeps_its_exponent() {
+fn huge_number_is_printed_with_exponent() {
     let run = surepose(&["run", "--set", "law.k_v=1e300"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
     assert!(run.stderr.contains("law.k_v = 1e300"), "{}", run.stderr);
@@ -63,7 +63,7 @@ fn a_huge_number_keeps_its_exponent() {
 }
 
 #[test]
-fn each_value_says_where_it_came_from() {
+fn each_value_has_its_origin() {
     let path = file(&folder("origin"), "robot.toml", b"[law]\nk_v = 3\n");
     let json = surepose(&["config", "show", &path, "--set", "law.h=0.25", "--json"]).json();
     assert!(json["law.k_v"]["from"].as_str().is_some_and(|from| from.ends_with("robot.toml:2")), "{json}");
@@ -75,7 +75,7 @@ fn each_value_says_where_it_came_from() {
 }
 
 #[test]
-fn explaining_names_unit_range_and_reason() {
+fn explain_prints_unit_range_and_reason() {
     let json = surepose(&["config", "explain", "robot.track_m", "--json"]).json();
     for key in ["name", "unit", "default", "range", "reason", "meaning"] {
         assert!(!json[key].is_null(), "{key} in {json}");
@@ -99,7 +99,7 @@ fn problems_point_into_the_file() {
 }
 
 #[test]
-fn programs_are_told_the_same_problems_as_json() {
+fn json_lists_the_same_problems() {
     let path =
         file(&folder("problems-json"), "robot.toml", b"[robot]\ntrack_m = -0.6\n\n[law]\nk_alfa = 3\n");
     let run = surepose(&["config", "check", &path, "--json"]);
@@ -110,14 +110,14 @@ fn programs_are_told_the_same_problems_as_json() {
     assert_eq!((&problems[0]["file"], &problems[0]["line"]), (&path.as_str().into(), &2.into()), "{json}");
     assert_eq!(problems[1]["help"], "did you mean `k_alpha`?");
     assert!(problems[0]["message"].as_str().is_some_and(|it| it.contains("negative")), "{json}");
-    // An option has no lines.
+    // An option has no line number.
     let option = surepose(&["config", "check", "--set", "law.k_v=-1", "--json"]).json();
     assert_eq!(option["problems"][0]["file"], "--set");
     assert!(option["problems"][0]["line"].is_null(), "{option}");
 }
 
 #[test]
-fn every_damage_to_a_configuration_exits_with_2() {
+fn malformed_configuration_exits_with_2() {
     let folder = folder("damage");
     let cases: [(&str, &[u8]); 9] = [
         ("truncated", b"[robot]\ntrack_m ="),
@@ -150,7 +150,7 @@ fn every_damage_to_a_configuration_exits_with_2() {
 }
 
 #[test]
-fn a_wrong_command_line_exits_with_2() {
+fn invalid_command_line_exits_with_2() {
     for arguments in [
         &["parc"][..],
         &["config", "explain"],
@@ -170,14 +170,14 @@ fn a_wrong_command_line_exits_with_2() {
 }
 
 #[test]
-fn the_version_is_that_of_what_was_typed() {
+fn version_names_the_binary() {
     assert!(surepose(&["--version"]).stdout.starts_with("surepose 0."));
 }
 
-/// A script must not take half a file for a result. A reader that leaves early is another matter.
+/// A script must not mistake truncated output for a result; a closed pipe is not an error.
 #[cfg(target_os = "linux")]
 #[test]
-fn what_cannot_be_printed_exits_with_2() {
+fn unwritable_standard_output_exits_with_2() {
     for arguments in [
         &["config", "show"][..],
         &["config", "show", "--json"],
@@ -194,26 +194,26 @@ fn what_cannot_be_printed_exits_with_2() {
     }
 }
 
-/// Messages speak of what was typed, and of the bound that it misses.
+/// Errors name the option as typed and the bound that the value violates.
 #[test]
-fn what_was_typed_is_what_is_blamed() {
+fn errors_name_the_option_and_its_bounds() {
     for (arguments, said) in [
-        (&["sweep", "--period", "-1"][..], "--period: `period_s` is negative"),
+        (&["sweep", "--period", "-1"][..], "--period: `period_s`: negative value"),
         (&["tune", "--period", "0"], "--period: `period_s`"),
         (&["certify", "--period", "nan"], "--period: `period_s`"),
         (&["sweep", "--law", "murphy"], "--law: `name`"),
-        (&["sweep", "--law", "paper", "--set", "law.name=surepose"], "are two laws"),
-        (&["sweep", "--period", "soon"], "--period: `period_s` is a number, and this is text"),
-        (&["run", "--seed", "x"], "write a whole number from 0"),
-        (&["certify", "--period", "99"], "--period: `period_s` is out of range"),
-        (&["sweep", "--set", "law.k_v=-1"], "--set: `k_v` is negative"),
+        (&["sweep", "--law", "paper", "--set", "law.name=surepose"], "conflicting control laws"),
+        (&["sweep", "--period", "soon"], "--period: `period_s`: expected a number, got text"),
+        (&["run", "--seed", "x"], "expected an integer from 0"),
+        (&["certify", "--period", "99"], "--period: `period_s`: out of range"),
+        (&["sweep", "--set", "law.k_v=-1"], "--set: `k_v`: negative value"),
         (&["sweep", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
         (&["run", "--seed", "-1"], "invalid value '-1' for '--seed <SEED>'"),
-        (&["sweep", "--runs", "-1"], "whole number from 1 to"),
-        (&["sweep", "--runs", "0"], "whole number from 1 to"),
-        (&["tune", "--runs", "-1"], "whole number from 1 to"),
-        (&["tune", "--rounds", "-1"], "whole number from 0 to 1000"),
-        (&["sweep", "--threads", "-1"], "whole number from 1 to"),
+        (&["sweep", "--runs", "-1"], "expected an integer from  1 to"),
+        (&["sweep", "--runs", "0"], "expected an integer from  1 to"),
+        (&["tune", "--runs", "-1"], "expected an integer from  1 to"),
+        (&["tune", "--rounds", "-1"], "expected an integer from  0 to 1000"),
+        (&["sweep", "--threads", "-1"], "expected an integer from  1 to"),
         (&["reproduce", "--out", "x", "--runs", "-1"], "invalid value '-1'"),
         (&["certify", "--noise-heading=-1"], "less than 180°"),
         (&["certify", "--noise-heading", "north"], "less than 180°"),
@@ -226,14 +226,19 @@ fn what_was_typed_is_what_is_blamed() {
 }
 
 #[test]
-fn one_problem_is_said_once() {
+fn each_problem_is_printed_once() {
     let run = surepose(&["run", "--set", "law.k_v=-1"]);
-    assert_eq!(run.stderr.matches("--set").count(), 2, "in the message and above the line: {}", run.stderr);
+    assert_eq!(
+        run.stderr.matches("--set").count(),
+        2,
+        "in the message and above the source line: {}",
+        run.stderr
+    );
     assert!(!run.stderr.contains("Error:"), "{}", run.stderr);
 }
 
 #[test]
-fn a_goal_that_no_drive_can_have_is_doubted() {
+fn config_check_warns_about_an_invalid_goal() {
     let path = file(&folder("far-goal"), "far.toml", b"[scenario]\ngoal_x_m = 50\n");
     let run = surepose(&["config", "check", &path]);
     assert_eq!(run.code, 0, "{}", run.stderr);
@@ -242,10 +247,10 @@ fn a_goal_that_no_drive_can_have_is_doubted() {
 }
 
 #[test]
-fn what_may_be_meant_is_said_where_a_parameter_is_not() {
+fn explain_suggests_names() {
     for (name, said) in [
         ("capture_radius", "did you mean law.capture_radius_m?"),
-        ("goal", "[goal] has position_tolerance_m"),
+        ("goal", "the keys of [goal] are position_tolerance_m"),
         ("murphy", "lists every parameter"),
     ] {
         let run = surepose(&["config", "explain", name]);

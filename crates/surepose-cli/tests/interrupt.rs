@@ -1,7 +1,7 @@
-//! Ctrl-C: exit code 130, what was done is kept, and the result says so.
+//! Ctrl-C: exit code 130, completed work is kept, and the result is marked.
 
 #![cfg(unix)]
-#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+#![allow(clippy::expect_used, reason = "a failed precondition fails the test")]
 
 mod common;
 
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use common::{Run, file, folder, rover, surepose};
 
-/// Runs the program, and interrupts it once `when` returns; with how long it took to end then.
+/// Runs the program, interrupts it once `when` returns, and returns the time until it ended.
 fn interrupted(arguments: &[&str], when: impl FnOnce()) -> (Run, Duration) {
     let child = Command::new(env!("CARGO_BIN_EXE_surepose"))
         .args(arguments)
@@ -20,7 +20,7 @@ fn interrupted(arguments: &[&str], when: impl FnOnce()) -> (Run, Duration) {
         .spawn()
         .expect("the program starts");
     when();
-    // Twice, as programs that start others do: to the program, and to its group.
+    // Two signals, as parent programs send them: to the process and to its group.
     let id = child.id().to_string();
     let asked = Command::new("kill").args(["-INT", &id, &id]).status().expect("kill is there");
     assert!(asked.success(), "{arguments:?} has ended before");
@@ -37,7 +37,7 @@ fn after(milliseconds: u64) -> impl FnOnce() {
     move || sleep(Duration::from_millis(milliseconds))
 }
 
-/// Once a file is there.
+/// Waits until a file exists.
 fn written(path: &std::path::Path) -> impl FnOnce() {
     move || {
         let there = (0..12_000).any(|_| {
@@ -49,9 +49,9 @@ fn written(path: &std::path::Path) -> impl FnOnce() {
 }
 
 #[test]
-fn a_drive_keeps_what_was_done() {
+fn interrupted_run_keeps_its_results() {
     let out = folder("interrupted");
-    // An hour of trying to stand still to a nanometre, 500 times a second: there is time to interrupt it.
+    // An unreachable tolerance and 500 ticks per second leave time for the interrupt.
     let set = ["goal.position_tolerance_m=0.000000001", "scenario.timeout_s=3600", "loop.period_s=0.002"];
     let set: Vec<&str> = set.into_iter().flat_map(|it| ["--set", it]).collect();
     let arguments = [&["run", "--json", "--out", out.to_str().expect("UTF-8")], &set[..]].concat();
@@ -61,9 +61,9 @@ fn a_drive_keeps_what_was_done() {
     assert!(out.join("time_series.csv").exists() && out.join("lyapunov.png").exists());
 }
 
-/// The drive is whole, and says that pictures are not there.
+/// The run is complete, but marked because plots are missing.
 #[test]
-fn a_drive_without_all_its_pictures_says_so() {
+fn run_without_all_plots_is_marked() {
     let out = folder("interrupted-drawing");
     let (config, arguments) =
         (out.join("config.toml"), ["run", "--json", "--out", out.to_str().expect("UTF-8")]);
@@ -73,9 +73,9 @@ fn a_drive_without_all_its_pictures_says_so() {
     assert!(!out.join("lyapunov.png").exists());
 }
 
-/// What was done is kept, and is not taken for all that was asked for.
+/// Partial results are kept and marked.
 #[test]
-fn an_interrupted_result_says_so() {
+fn interrupted_result_is_marked() {
     let out = folder("interrupted-figures");
     let figures = ["reproduce", "fig4", "--runs", "1000000", "--json", "--out", out.to_str().expect("UTF-8")];
     for arguments in [
@@ -86,10 +86,10 @@ fn an_interrupted_result_says_so() {
         let (run, took) = interrupted(arguments, after(5000));
         assert_eq!(run.json()["interrupted"], true, "{}", run.stdout);
         assert_eq!(run.stderr.matches("warning: interrupted").count(), 1, "{}", run.stderr);
-        // None of the certificates is waited for: each takes about a second, and several beside these tests.
+        // Running certificates are abandoned: each takes about 1 s, and several may run besides these tests.
         assert!(arguments[0] != "tune" || took < Duration::from_secs(3), "{took:?}");
         if arguments[0] == "reproduce" {
-            // Every set of sensors saw the same runs.
+            // Every set of sensors has the same runs.
             let json = run.json();
             let runs = |set: &str| json["fig4"][set]["runs"].as_u64();
             assert!(runs("odometry").is_some_and(|runs| (1..1_000_000).contains(&runs)), "{json}");
@@ -109,9 +109,9 @@ fn an_interrupted_result_says_so() {
     );
 }
 
-/// Nothing has ended, and nothing failed: there is a folder of no trials.
+/// Without a finished trial the output directory is still written.
 #[test]
-fn a_sweep_of_which_no_trial_has_ended_is_kept_too() {
+fn interrupted_sweep_without_trials_is_written() {
     let out = folder("interrupted-sweep");
     let hard = ["--loop", "ekf", "--period", "0.001", "--threads", "1", "--set", "law.k_v=0.01"];
     let arguments = [&["sweep", "--json", "--out", out.to_str().expect("UTF-8")], &hard[..]].concat();
@@ -120,13 +120,13 @@ fn a_sweep_of_which_no_trial_has_ended_is_kept_too() {
     assert!(out.join("summary.json").exists() && !out.join("trials.parquet").exists());
 }
 
-/// The certificate is whole, and says that its pictures are not there.
+/// The certificate is complete, but marked because plots are missing.
 #[test]
-fn a_certificate_without_its_pictures_says_so() {
+fn certificate_without_plots_is_marked() {
     let out = folder("interrupted-margin");
     let summary = out.join("summary.json");
     let arguments = ["certify", "--json", "--out", out.to_str().expect("UTF-8")];
-    // The summary is written before the pictures are begun, which take half a minute.
+    // The summary is written before the plots, which take about half a minute.
     let begun = || {
         written(&summary)();
         sleep(Duration::from_millis(500));
@@ -137,11 +137,11 @@ fn a_certificate_without_its_pictures_says_so() {
     assert!(!out.join("margin.png").exists());
 }
 
-/// A map comes with its picture, however impatient the user is.
+/// A map is always written together with its plot.
 #[test]
-fn a_map_is_not_left_without_its_picture() {
+fn interrupt_does_not_separate_map_and_plot() {
     let folder = folder("interrupted-map");
-    // So many walls, one in every eighth row of a 900 × 900 grid, that drawing them takes seconds.
+    // One wall in every eighth row of a 900 × 900 grid: drawing them takes seconds.
     let cell = |k: usize| if k / 900 % 8 == 4 && k % 45 > 3 { 0 } else { 254 };
     let image = [b"P5\n900 900\n255\n".to_vec(), (0..900 * 900).map(cell).collect()].concat();
     file(&folder, "hall.pgm", &image);
@@ -157,11 +157,11 @@ fn a_map_is_not_left_without_its_picture() {
     assert!(folder.join("walls.png").exists());
 }
 
-/// Scripts get the one object that they read all the same.
+/// Commands without partial results still print one JSON object.
 #[test]
-fn a_command_with_nothing_to_keep_has_a_result_too() {
+fn interrupted_command_without_results_prints_json() {
     let nothing = "{\"interrupted\":true}\n";
-    // A certificate for so much noise takes a second.
+    // A certificate for this noise takes about 1 s.
     let noise = ["--noise-position", "0.02", "--noise-heading", "1.2"];
     for (command, result) in
         [(&["certify"][..], ""), (&["certify", "--json"], nothing), (&["tune", "--json"], nothing)]
@@ -169,18 +169,23 @@ fn a_command_with_nothing_to_keep_has_a_result_too() {
         let arguments = [command, &noise[..]].concat();
         let run = interrupted(&arguments, after(300)).0;
         assert_eq!(run.stdout, result, "{arguments:?}");
-        assert!(run.stderr.contains("nothing was done"), "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.contains("nothing was completed"), "{arguments:?}: {}", run.stderr);
     }
 }
 
-/// The same where the work is stopped, and does not just end.
+/// The same for work that is canceled instead of abandoned.
 #[test]
-fn a_calibration_that_is_interrupted_has_a_result_too() {
+fn interrupted_calibration_prints_json() {
     let log = file(&folder("interrupted-calibration"), "rover.dat", &rover(2000, 100_000));
     for (json, result) in [(&["--json"][..], "{\"interrupted\":true}\n"), (&[], "")] {
         let arguments = [&["calibrate", "ticks", &log], json].concat();
         let run = interrupted(&arguments, after(700)).0;
         assert_eq!(run.stdout, result, "{}", run.stderr);
-        assert_eq!(run.stderr.matches("warning: interrupted: nothing was done").count(), 1, "{}", run.stderr);
+        assert_eq!(
+            run.stderr.matches("warning: interrupted: nothing was completed").count(),
+            1,
+            "{}",
+            run.stderr
+        );
     }
 }

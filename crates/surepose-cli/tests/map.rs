@@ -1,12 +1,12 @@
-//! `surepose map` and `surepose replay carmen`: keys, files, damage.
+//! `surepose map` and `surepose replay carmen`: JSON keys, files and malformed input.
 
-#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+#![allow(clippy::expect_used, reason = "a failed precondition fails the test")]
 
 mod common;
 
 use common::{file, folder, surepose};
 
-/// A room of 4 × 3 m as an occupancy grid of 5 cm.
+/// Writes an occupancy grid of a 4 × 3 m room with 5 cm cells.
 fn room(folder: &std::path::Path) -> String {
     let (width, height) = (100, 80);
     let wall = |x: usize, y: usize| {
@@ -22,7 +22,7 @@ fn room(folder: &std::path::Path) -> String {
 }
 
 #[test]
-fn the_walls_of_a_room_are_found_written_and_read_again() {
+fn walls_of_a_room_round_trip() {
     let folder = folder("map-room");
     let grid = room(&folder);
     let out = folder.join("walls.toml");
@@ -37,12 +37,12 @@ fn the_walls_of_a_room_are_found_written_and_read_again() {
 
     let shown = surepose(&["map", "show", out, "--json"]).json();
     assert_eq!(shown["walls"], json["walls"]);
-    assert!(shown["residual_rms_m"].is_null(), "a map alone has no residual: {shown}");
+    assert!(shown["residual_rms_m"].is_null(), "a wall map has no residual: {shown}");
 }
 
-/// Two files that were renamed together: the name inside is stale, and whoever did not rename them has the wrong image.
+/// If the YAML file names an absent image, the image with the name of the YAML file is read, with a warning.
 #[test]
-fn an_image_of_another_name_is_read_and_named() {
+fn renamed_image_is_read_with_a_warning() {
     let folder = folder("map-renamed");
     let grid = room(&folder);
     let out = folder.join("walls.toml");
@@ -53,22 +53,22 @@ fn an_image_of_another_name_is_read_and_named() {
     file(&folder, "room.yaml", text.replace("room.pgm", "hall.pgm").as_bytes());
     let renamed = made();
     assert_eq!(renamed.json(), whole.json());
-    for name in ["hall.pgm: ", "room.pgm is read instead"] {
+    for name in ["hall.pgm: ", "room.pgm instead"] {
         assert!(renamed.stderr.contains(name), "{name} in {}", renamed.stderr);
     }
 }
 
-/// A file that the user names is whole or as before, and a link to it stays one.
+/// The map is written completely or not at all, and a link remains a link.
 #[cfg(unix)]
 #[test]
-fn a_map_is_written_whole_and_where_its_name_leads_to() {
+fn map_is_written_completely_through_a_link() {
     let folder = folder("map-whole");
     let grid = room(&folder);
     let [walls, link, part] = ["walls.toml", "link.toml", "walls.toml.part"].map(|name| folder.join(name));
     std::fs::write(&walls, "before").expect("written");
     std::os::unix::fs::symlink("walls.toml", &link).expect("made");
     let made = || surepose(&["map", "from-grid", &grid, "--out", link.to_str().expect("UTF-8")]).code;
-    // Its beginning cannot be written where a folder has that name.
+    // A directory blocks the temporary name.
     std::fs::create_dir(&part).expect("made");
     assert_eq!(made(), 2);
     assert_eq!(std::fs::read_to_string(&walls).expect("kept"), "before");
@@ -77,15 +77,15 @@ fn a_map_is_written_whole_and_where_its_name_leads_to() {
     assert!(link.is_symlink() && std::fs::read_to_string(&walls).expect("written").contains("[[wall]]"));
 }
 
-/// A recording of hours is not lost to a slip of the hand, whatever name it goes by.
+/// An input file is never overwritten, under whatever path.
 #[test]
-fn what_is_read_is_not_written_over() {
+fn inputs_are_not_overwritten() {
     let folder = folder("map-over-input");
     let grid = room(&folder);
     let log = file(&folder, "drive.log", b"FLASER 2 1.0 1.0 0 0 0 0 0 0 1 host 1\n");
     let other = folder.join(".").join("..").join("map-over-input");
     let at = |name: &str| other.join(name).to_str().expect("UTF-8").to_owned();
-    // A grid that a picture would take the name of.
+    // A grid whose image has the name of the plot.
     let image = std::fs::read(folder.join("room.pgm")).expect("there");
     file(&folder, "hall.png", &image);
     let text = std::fs::read_to_string(&grid).expect("there").replace("room.pgm", "hall.png");
@@ -103,14 +103,14 @@ fn what_is_read_is_not_written_over() {
         assert!(said.contains("would be overwritten") && said.contains("give --out another name"), "{said}");
         assert_eq!(std::fs::read(folder.join(input)).expect("there"), before, "{arguments:?}");
     }
-    // With the picture elsewhere there is nothing in the way.
+    // With the plot in another directory there is no conflict.
     let run = surepose(&["map", "from-grid", &hall, "--out", &at("hall.toml"), "--picture", &at("pictures")]);
     assert_eq!(run.code, 0, "{}", run.stderr);
 }
 
-/// Its picture would take the name away from it.
+/// The plot would overwrite a map with its file extension.
 #[test]
-fn a_map_is_not_called_as_its_picture() {
+fn map_must_not_have_the_extension_of_its_plot() {
     let folder = folder("map-as-picture");
     let grid = room(&folder);
     for name in ["walls.png", "walls.SVG"] {
@@ -122,9 +122,9 @@ fn a_map_is_not_called_as_its_picture() {
     }
 }
 
-/// A map of nothing helps nobody: it is an answer, and a negative one.
+/// A map without walls is a negative outcome.
 #[test]
-fn a_grid_without_walls_exits_with_1_and_says_so() {
+fn grid_without_walls_exits_with_1() {
     let folder = folder("map-empty");
     let image = [b"P5\n20 20\n255\n".to_vec(), vec![254; 400]].concat();
     let grid = room(&folder);
@@ -135,9 +135,9 @@ fn a_grid_without_walls_exits_with_1_and_says_so() {
     assert!(run.stderr.contains("no wall was found") && !run.stderr.contains("-0.0"), "{}", run.stderr);
 }
 
-/// The help fits what was asked for: here a file.
+/// The remedy names a file, not a directory.
 #[test]
-fn a_map_is_not_written_over_a_folder() {
+fn map_is_not_written_to_a_directory() {
     let folder = folder("map-over-folder");
     let grid = room(&folder);
     let run = surepose(&["map", "from-grid", &grid, "--out", folder.to_str().expect("UTF-8")]);
@@ -146,14 +146,14 @@ fn a_map_is_not_written_over_a_folder() {
 }
 
 #[test]
-fn the_picture_has_the_grid_below_the_walls() {
+fn plot_shows_the_grid_beneath_the_walls() {
     let folder = folder("map-picture");
     let grid = room(&folder);
     let at = |name: &str| folder.join(name).to_str().expect("UTF-8").to_owned();
     let (map, pictures, plain) = (at("walls.toml"), at("pictures"), at("plain"));
     let made = surepose(&["map", "from-grid", &grid, "--out", &map, "--picture", &pictures]);
     assert_eq!(made.code, 0, "{}", made.stderr);
-    assert!(!folder.join("walls.svg").exists(), "the picture has a folder of its own");
+    assert!(!folder.join("walls.svg").exists(), "the plot goes to --picture");
     let svg = |folder: &str| {
         std::fs::read_to_string(std::path::Path::new(folder).join("walls.svg")).expect("written")
     };
@@ -161,7 +161,7 @@ fn the_picture_has_the_grid_below_the_walls() {
     for label in ["walls", "occupied", "unknown", "x [m]", "y [m]"] {
         assert!(made.contains(label), "no {label}");
     }
-    // The room's 276 solid cells are drawn as the four walls that they are.
+    // The 276 occupied cells are drawn as four walls.
     assert!(made.len() < 20_000, "{} bytes", made.len());
 
     let shown = surepose(&["map", "show", &map, "--grid", &grid, "--out", &pictures]);
@@ -169,12 +169,12 @@ fn the_picture_has_the_grid_below_the_walls() {
     assert_eq!(svg(&pictures), made, "the same map on the same grid");
     surepose(&["map", "show", &map, "--out", &plain]);
     assert!(!svg(&plain).contains("occupied"));
-    assert_eq!(surepose(&["map", "show", &map, "--grid", &grid]).code, 2, "a picture needs a place to go");
+    assert_eq!(surepose(&["map", "show", &map, "--grid", &grid]).code, 2, "--grid requires --out");
     assert_eq!(surepose(&["map", "show", &map, "--grid", "no.yaml", "--out", &plain]).code, 3);
 }
 
 #[test]
-fn damaged_maps_and_logs_exit_with_3() {
+fn malformed_maps_and_logs_exit_with_3() {
     let folder = folder("map-damage");
     let grid = room(&folder);
     let cut = file(&folder, "cut.yaml", b"image: room.pgm\nresolution: -1\n");
@@ -196,5 +196,5 @@ fn damaged_maps_and_logs_exit_with_3() {
     }
     assert!(surepose(&["replay", "carmen", &log]).stderr.contains(&format!("{log}:1")));
     assert_eq!(surepose(&["replay", "mrclam", ".", "--map", &walls]).code, 2);
-    assert_eq!(surepose(&["map", "from-grid", &grid]).code, 2, "a map needs a place to go");
+    assert_eq!(surepose(&["map", "from-grid", &grid]).code, 2, "--out is required");
 }

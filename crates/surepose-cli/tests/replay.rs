@@ -1,4 +1,4 @@
-//! `surepose replay`: keys, exit codes, and damage to recordings.
+//! `surepose replay`: JSON keys, exit codes and malformed recordings.
 
 mod common;
 
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::{file, folder, recordings, surepose};
 
-/// A data set of one robot that stands before a landmark.
+/// Writes an MRCLAM data set of one robot at rest in front of a landmark.
 fn data_set(folder: &Path) {
     file(folder, "Barcodes.dat", b"# subject barcode\n1 5\n6 72\n");
     file(folder, "Landmark_Groundtruth.dat", b"# s x y sx sy\n6 4.0 0.0 0.0001 0.0001\n");
@@ -18,7 +18,7 @@ fn data_set(folder: &Path) {
 }
 
 #[test]
-fn the_json_has_the_contracts_keys() {
+fn json_has_the_documented_keys() {
     let folder = folder("replay-keys");
     data_set(&folder);
     let run = surepose(&["replay", "mrclam", folder.to_str().expect("UTF-8"), "--robot", "1", "--json"]);
@@ -45,7 +45,7 @@ fn the_json_has_the_contracts_keys() {
 }
 
 #[test]
-fn a_parameter_reaches_the_filter() {
+fn parameters_reach_the_filter() {
     let folder = folder("replay-set");
     data_set(&folder);
     let path = folder.to_str().expect("UTF-8");
@@ -53,15 +53,14 @@ fn a_parameter_reaches_the_filter() {
         let run = surepose(&["replay", "mrclam", path, "--set", scale, "--json"]);
         run.json()["position_rmse_m"].as_f64().expect("a number")
     };
-    // The landmark is 3 m away and was seen at 1.04 times that; told another scale, the filter steps towards it.
+    // The landmark is at 3 m and measured at 1.04 times that; another scale makes the filter move the estimate.
     assert!(rmse("camera.scale=1.04") < 1e-9);
     assert!(rmse("camera.scale=0.8") > 1e-4);
 }
 
-/// The robot stands, so that dead reckoning is right; a landmark that pulls the estimate away does harm, and one that the filter
-/// does not believe does nothing.
+/// For a robot at rest dead reckoning is exact: a biased landmark makes the estimate worse, a rejected one changes nothing.
 #[test]
-fn an_estimator_that_was_of_no_use_exits_with_1() {
+fn useless_estimate_exits_with_1() {
     let folder = folder("replay-useless");
     data_set(&folder);
     let path = folder.to_str().expect("UTF-8");
@@ -72,14 +71,14 @@ fn an_estimator_that_was_of_no_use_exits_with_1() {
     let unmoved = surepose(&["replay", "mrclam", path, "--json"]);
     assert_eq!((unmoved.code, &unmoved.json()["accepted"]), (1, &0.into()), "{}", unmoved.stdout);
     assert!(unmoved.stderr.contains("no measurement was accepted"), "{}", unmoved.stderr);
-    // For people in words.
+    // The table has labels instead of keys.
     let table = surepose(&["replay", "mrclam", path]).stderr;
     assert!(table.contains("accepted measurements") && !table.contains("_m "), "{table}");
 }
 
-/// One scan in a room of 4 × 4 m is accepted, and is no way that could be followed.
+/// A single scan is accepted, but without odometry there is no step to evaluate.
 #[test]
-fn a_recording_without_a_step_exits_with_1() {
+fn recording_without_a_step_exits_with_1() {
     let folder = folder("replay-still");
     let range = |degrees: i32| {
         let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
@@ -100,9 +99,9 @@ fn a_recording_without_a_step_exits_with_1() {
     assert_eq!((two.code, &two.json()["steps"]), (0, &1.into()), "{}{}", two.stdout, two.stderr);
 }
 
-/// Also of a compressed map the name tells the kind; what is not compressed is read all the same.
+/// The extension before `.gz` selects the map format; plain content is accepted under a `.gz` name.
 #[test]
-fn a_compressed_wall_map_is_no_grid() {
+fn compressed_map_keeps_its_format() {
     let folder = folder("replay-compressed-map");
     let log = file(&folder, "damaged.log", b"damaged\n");
     for (name, map, blamed) in [
@@ -117,7 +116,7 @@ fn a_compressed_wall_map_is_no_grid() {
 }
 
 #[test]
-fn a_robot_s_number_is_refused_where_there_is_one_robot() {
+fn robot_option_is_rejected_for_single_robot_formats() {
     for format in ["carmen", "ticks"] {
         let run = surepose(&["replay", format, "no/such/file", "--robot", "3"]);
         assert_eq!(run.code, 2, "{}", run.stderr);
@@ -126,7 +125,7 @@ fn a_robot_s_number_is_refused_where_there_is_one_robot() {
 }
 
 #[test]
-fn every_damage_to_a_recording_exits_with_3_and_names_file_and_line() {
+fn malformed_recording_exits_with_3_and_names_file_and_line() {
     let damages: [(&str, &[u8], Option<u32>); 8] = [
         ("Robot1_Odometry.dat", b"0.0 0.1 0.0\n0.1 0.1\n", Some(2)),
         ("Robot1_Odometry.dat", b"0.0 0.1 0.0\n0.1 nan 0.0\n", Some(2)),
@@ -150,24 +149,24 @@ fn every_damage_to_a_recording_exits_with_3_and_names_file_and_line() {
 }
 
 #[test]
-fn a_missing_recording_exits_with_3() {
+fn missing_recording_exits_with_3() {
     let run = surepose(&["replay", "mrclam", "no/such/folder"]);
     assert_eq!(run.code, 3);
     assert!(run.stderr.contains("no/such/folder"), "{}", run.stderr);
 }
 
-/// The recording is in order, the command line is not.
+/// The recording is valid; the option is not.
 #[test]
-fn a_robot_that_a_data_set_does_not_have_exits_with_2() {
+fn unknown_robot_exits_with_2() {
     let folder = folder("replay-robot");
     data_set(&folder);
     let run = surepose(&["replay", "mrclam", folder.to_str().expect("UTF-8"), "--robot", "9"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
-    assert!(run.stderr.contains("robot 9") && run.stderr.contains("it has robots 1"), "{}", run.stderr);
+    assert!(run.stderr.contains("got 9") && run.stderr.contains("expected one of 1"), "{}", run.stderr);
 }
 
 #[test]
-fn a_real_recording_is_replayed_far_faster_than_it_was_made() {
+fn real_recording_is_replayed() {
     let Some(data) = recordings() else { return };
     let path = data.join("mrclam7");
     let run = surepose(&["replay", "mrclam", path.to_str().expect("UTF-8"), "--robot", "2", "--json"]);
@@ -178,7 +177,7 @@ fn a_real_recording_is_replayed_far_faster_than_it_was_made() {
 }
 
 #[test]
-fn a_run_through_the_hall_is_placed_and_drawn() {
+fn wean_hall_run_is_localized_and_plotted() {
     let Some(data) = recordings() else { return };
     let (log, grid) = (data.join("cmu_wean/robotdata3.log.gz"), data.join("cmu_wean/wean.dat.gz"));
     if !(log.exists() && grid.exists()) {
@@ -201,7 +200,7 @@ fn a_run_through_the_hall_is_placed_and_drawn() {
 }
 
 #[test]
-fn a_recording_in_mcap_that_is_none_is_named() {
+fn malformed_mcap_exits_with_3() {
     let path = file(&folder("replay-mcap"), "drive.mcap", b"\x89MCAP0\r\n and nothing more");
     let run = surepose(&["replay", "mcap", &path]);
     assert_eq!(run.code, 3, "{}", run.stderr);

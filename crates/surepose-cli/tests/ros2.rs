@@ -1,4 +1,4 @@
-//! `surepose ros2`: what it refuses before it joins a network. How it drives is tested in `surepose-ros2`.
+//! `surepose ros2`: errors before the node joins a network. Driving is tested in `surepose-ros2`.
 
 mod common;
 
@@ -7,7 +7,7 @@ use std::process::Command;
 use common::{file, folder, surepose};
 
 #[test]
-fn what_cannot_be_meant_is_a_usage_error_with_its_cure() {
+fn invalid_options_are_usage_errors_with_a_remedy() {
     let cases: [(&[&str], &str); 9] = [
         (&["ros2", "--start", "0,0,0"], "give --map"),
         (&["ros2", "--remap", "odom"], "write odom:=/base/odom"),
@@ -27,7 +27,7 @@ fn what_cannot_be_meant_is_a_usage_error_with_its_cure() {
 }
 
 #[test]
-fn a_map_that_cannot_be_read_is_named_with_its_line() {
+fn unreadable_map_exits_with_3_and_its_line() {
     let map = file(&folder("ros2-map"), "walls.toml", b"[[wall]]\nfrom_m = [0, 0]\n");
     for (path, said) in [("nowhere.toml", "nowhere.toml"), (&map, "walls.toml:1")] {
         let run = surepose(&["ros2", "--map", path]);
@@ -37,7 +37,7 @@ fn a_map_that_cannot_be_read_is_named_with_its_line() {
 }
 
 #[test]
-fn an_environment_that_means_nothing_is_named() {
+fn invalid_environment_variable_is_named() {
     for (variable, value) in [("ROS_DOMAIN_ID", "1000"), ("ROS_AUTOMATIC_DISCOVERY_RANGE", "MARS")] {
         let output = Command::new(env!("CARGO_BIN_EXE_surepose"))
             .args(["ros2", "--simulate"])

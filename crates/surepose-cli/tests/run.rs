@@ -1,6 +1,6 @@
-//! `surepose run`: keys, exit codes, files, and the same bytes for the same seed.
+//! `surepose run` and `reproduce`: JSON keys, exit codes, files, and reproducibility for a given seed.
 
-#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+#![allow(clippy::expect_used, reason = "a failed precondition fails the test")]
 
 mod common;
 
@@ -9,7 +9,7 @@ use std::path::Path;
 
 use common::{file, folder, surepose};
 
-/// Every file of a folder, by name.
+/// Reads every file of a directory, by name.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries =
         std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("readable"));
@@ -22,7 +22,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn without_any_option_the_robot_parks() {
+fn default_run_reaches_the_goal() {
     let run = surepose(&["--json"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let json = run.json();
@@ -48,7 +48,7 @@ fn without_any_option_the_robot_parks() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bytes_in_every_file() {
+fn same_seed_gives_the_same_bytes_in_every_file() {
     let [first, second, other] = ["run-first", "run-second", "run-other"].map(folder);
     for (out, seed) in [(&first, "5"), (&second, "5"), (&other, "6")] {
         let run = surepose(&["run", "--seed", seed, "--out", out.to_str().expect("UTF-8")]);
@@ -69,7 +69,7 @@ fn the_same_seed_gives_the_same_bytes_in_every_file() {
 }
 
 #[test]
-fn what_was_written_can_be_driven_again() {
+fn written_configuration_repeats_the_run() {
     let out = folder("run-again");
     let goal = ["--goal", "1,-0.5,-90", "--seed", "3", "--json"];
     let out_text = out.to_str().expect("UTF-8");
@@ -80,9 +80,9 @@ fn what_was_written_can_be_driven_again() {
     assert_eq!(first.json(), again.json());
 }
 
-/// Where a file cannot be written to its end, here because a folder has the name of its beginning, the one before stays.
+/// If a file cannot be written completely, here because its temporary name is a directory, the previous file remains.
 #[test]
-fn what_cannot_be_written_whole_is_not_written() {
+fn files_are_written_completely_or_not_at_all() {
     let out = folder("run-part");
     std::fs::write(out.join("summary.json"), "before").expect("written");
     std::fs::create_dir(out.join("summary.json.part")).expect("made");
@@ -94,14 +94,14 @@ fn what_cannot_be_written_whole_is_not_written() {
 }
 
 #[test]
-fn time_that_runs_out_exits_with_1() {
+fn timeout_exits_with_1() {
     let run = surepose(&["run", "--set", "scenario.timeout_s=1", "--json"]);
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert_eq!(run.json()["outcome"], "timeout");
 }
 
 #[test]
-fn a_goal_that_is_only_believed_in_is_missed_and_exits_with_1() {
+fn goal_reached_only_by_the_estimate_exits_with_1() {
     let blind = ["run", "--seed", "1", "--set", "laser.beams=2", "--set", "compass.std_deg=180"];
     let run = surepose(&[&blind[..], &["--json"]].concat());
     assert_eq!(run.code, 1, "{}", run.stderr);
@@ -111,9 +111,9 @@ fn a_goal_that_is_only_believed_in_is_missed_and_exits_with_1() {
     assert!(surepose(&blind).stderr.contains("outside the tolerance"));
 }
 
-/// Standing in a plate, in a wall or outside of them is a mistake of the command line; behind a plate it is only far.
+/// A start or goal in a wall or outside the arena is a usage error; a goal behind a plate is only out of reach.
 #[test]
-fn walls_and_plates_are_in_the_way() {
+fn walls_and_plates_restrict_start_and_goal() {
     for (option, named) in [
         ("--goal=3.6,1,0", "(3.6, 0.4) to (3.6, 1.6)"),
         ("--goal=-3,0,0", "outside the arena"),
@@ -136,7 +136,7 @@ fn walls_and_plates_are_in_the_way() {
 }
 
 #[test]
-fn a_wrong_command_line_exits_with_2() {
+fn invalid_command_line_exits_with_2() {
     let folder = folder("run-wrong");
     let not_a_folder = file(&folder, "file", b"");
     let damaged = file(&folder, "damaged.toml", b"[scenario]\narena = \"mars\"\n");
@@ -161,7 +161,7 @@ fn a_wrong_command_line_exits_with_2() {
 }
 
 #[test]
-fn the_figures_have_the_contracts_keys() {
+fn figures_have_the_documented_keys() {
     let out = folder("figures");
     let run = surepose(&["reproduce", "fig3", "fig7", "--out", out.to_str().expect("UTF-8"), "--json"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
@@ -182,7 +182,7 @@ fn the_figures_have_the_contracts_keys() {
 }
 
 #[test]
-fn the_path_experiment_compares_with_and_without_the_filter() {
+fn fig6_compares_runs_with_and_without_the_filter() {
     let out = folder("figure6");
     let run =
         surepose(&["reproduce", "fig6", "--out", out.to_str().expect("UTF-8"), "--runs", "10", "--json"]);
@@ -195,7 +195,7 @@ fn the_path_experiment_compares_with_and_without_the_filter() {
 }
 
 #[test]
-fn a_reader_that_leaves_early_changes_no_exit_code() {
+fn closed_pipe_keeps_the_exit_code() {
     use std::process::{Command, Stdio};
     for (arguments, code) in [(&["run"][..], 0), (&["run", "--scenario", "nowhere"], 2)] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_surepose"))
@@ -209,7 +209,7 @@ fn a_reader_that_leaves_early_changes_no_exit_code() {
 }
 
 #[test]
-fn the_four_sets_of_sensors_are_compared_under_the_contracts_keys() {
+fn fig4_compares_four_sensor_sets() {
     let out = folder("figure4");
     let path = out.to_str().expect("UTF-8");
     let run = surepose(&["reproduce", "fig4", "fig5", "--out", path, "--runs", "3", "--json"]);
@@ -237,9 +237,9 @@ fn the_four_sets_of_sensors_are_compared_under_the_contracts_keys() {
     assert!(finer < 0.9 * rmse("odometry+laser+compass"), "twice the beams: {finer} in {json}");
 }
 
-/// The page and the pictures show what can be seen, the table holds all.
+/// Plots and the HTML page are downsampled; the table holds every sample.
 #[test]
-fn a_long_drive_is_thinned_where_it_is_drawn() {
+fn plots_of_a_long_run_are_downsampled() {
     let out = folder("run-long");
     let set = ["loop.period_s=0.001", "law.k_v=0.000001", "scenario.timeout_s=10"];
     let set: Vec<&str> = set.into_iter().flat_map(|it| ["--set", it]).collect();
@@ -251,10 +251,9 @@ fn a_long_drive_is_thinned_where_it_is_drawn() {
     assert!((1000..=4000).contains(&shown), "{shown} samples");
 }
 
-/// Two beams make no line: the robot parks by compass and wheels alone, and that is said. So is a goal that is too near to a
-/// wall for the wheels.
+/// Warnings: two beams form no line, so that compass and odometry alone remain; a goal next to a wall leaves no room.
 #[test]
-fn what_the_robot_does_without_is_said() {
+fn missing_walls_and_narrow_goals_are_reported() {
     let saw_none = "laser: no wall was observed";
     let usual = surepose(&["run", "--json"]);
     assert!(usual.json()["walls"].as_u64().is_some_and(|walls| walls > 100), "{}", usual.stdout);
@@ -267,7 +266,7 @@ fn what_the_robot_does_without_is_said() {
 }
 
 #[test]
-fn a_figure_that_heeds_no_configuration_says_so() {
+fn fig3_warns_that_it_ignores_the_configuration() {
     let out = folder("figure3");
     let path = out.to_str().expect("UTF-8");
     let run = surepose(&["reproduce", "fig3", "--out", path, "--json", "--set", "law.k_v=1"]);

@@ -1,13 +1,13 @@
-//! `surepose sweep`: keys, exit codes, given starts, the same trials whatever the threads.
+//! `surepose sweep`: JSON keys, exit codes, given start poses, and results that do not depend on the thread count.
 
-#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+#![allow(clippy::expect_used, reason = "a failed precondition fails the test")]
 
 mod common;
 
 use common::{file, folder, surepose};
 
 #[test]
-fn the_json_has_the_contracts_keys() {
+fn json_has_the_documented_keys() {
     let run = surepose(&["sweep", "--runs", "50", "--noise", "bench", "--threads", "1", "--json"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let json = run.json();
@@ -23,7 +23,7 @@ fn the_json_has_the_contracts_keys() {
 }
 
 #[test]
-fn a_sweep_in_which_nothing_arrives_is_a_negative_outcome() {
+fn sweep_without_success_exits_with_1() {
     let run = surepose(&["sweep", "--runs", "10", "--set", "law.k_v=0.001", "--json"]);
     assert_eq!((run.code, &run.json()["success_rate"]), (1, &0.0.into()), "{}", run.stderr);
 }
@@ -43,9 +43,9 @@ fn json_describes_the_trials_and_a_warning_lists_ignored_parameters() {
     assert_eq!(run.json()["noise"], "bench");
 }
 
-/// What a sweep wrote says all that it was, which is no news to the next one.
+/// The written configuration repeats the sweep without a warning.
 #[test]
-fn the_configuration_of_a_sweep_is_read_again_without_a_word() {
+fn written_configuration_gives_no_warning() {
     let out = folder("sweep-again-by-its-own");
     let config = out.join("config.toml");
     let sweep = |more: &[&str]| {
@@ -61,7 +61,7 @@ fn the_configuration_of_a_sweep_is_read_again_without_a_word() {
 }
 
 #[test]
-fn threads_change_nothing_but_the_time() {
+fn thread_count_does_not_change_the_trials() {
     let trials = |name: &str, threads: &str| {
         let out = folder(name);
         let path = out.to_str().expect("UTF-8");
@@ -75,7 +75,7 @@ fn threads_change_nothing_but_the_time() {
     assert_eq!(alone, trials("sweep-2", "2"));
 }
 
-/// Everything that `--out` writes, by name.
+/// Runs a sweep and returns every file of `--out`, by name.
 fn written(name: &str, arguments: &[&str]) -> Vec<(String, Vec<u8>)> {
     let out = folder(name);
     let path = out.to_str().expect("UTF-8");
@@ -92,7 +92,7 @@ fn written(name: &str, arguments: &[&str]) -> Vec<(String, Vec<u8>)> {
 }
 
 #[test]
-fn the_same_seed_writes_the_same_bytes_in_every_file() {
+fn same_seed_writes_the_same_bytes_in_every_file() {
     let arguments = ["--runs", "500", "--noise", "bench", "--threads"];
     let once = written("sweep-once", &[&arguments[..], &["1"]].concat());
     let names: Vec<&str> = once.iter().map(|(name, _)| name.as_str()).collect();
@@ -116,13 +116,13 @@ fn the_same_seed_writes_the_same_bytes_in_every_file() {
     assert!(summary["wall_s"].is_null() && summary["steps_per_s"].is_null(), "{summary}");
 }
 
-/// Read by the same crate, but by its reader: the file's own metadata say where what is.
+/// The reader of the `parquet` crate finds the numbers of the CSV file.
 #[test]
-fn the_parquet_file_holds_the_numbers_of_the_csv() {
+fn parquet_file_equals_the_csv() {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    // So far from the goal the paper's local law fails in half of the trials, so that some times are absent.
+    // With this capture radius the law of the paper fails in half of the trials, so that some times are absent.
     let far = "law.capture_radius_m=0.033";
     let arguments = ["--runs", "60", "--law", "paper", "--noise", "bench", "--period", "0.1", "--set", far];
     let files = written("sweep-parquet", &arguments);
@@ -152,7 +152,7 @@ fn the_parquet_file_holds_the_numbers_of_the_csv() {
 }
 
 #[test]
-fn pictures_stay_small_and_few_starts_or_failures_draw_too() {
+fn plots_stay_small_and_handle_few_or_failed_trials() {
     let sizes = |files: &[(String, Vec<u8>)], end: &str| -> Vec<usize> {
         files.iter().filter(|(name, _)| name.ends_with(end)).map(|(_, bytes)| bytes.len()).collect()
     };
@@ -174,7 +174,7 @@ fn pictures_stay_small_and_few_starts_or_failures_draw_too() {
     }
 }
 
-/// Only the full loop has a filter to judge.
+/// Only the full loop has filter statistics.
 #[test]
 fn full_loop_reports_filter_consistency() {
     let keys = ["nees_mean", "position_rmse_m", "heading_rmse_deg", "refused_part"];
@@ -188,19 +188,19 @@ fn full_loop_reports_filter_consistency() {
     );
     let bench = surepose(&["sweep", "--noise", "bench", "--runs", "50", "--json"]);
     assert!(keys.iter().all(|key| bench.json()[*key].is_null()), "{}", bench.stdout);
-    // A filter that takes the wheels for ten times as exact as they are contradicts itself.
+    // A filter that underestimates the wheel noise by a factor of ten is inconsistent.
     let proud =
         surepose(&["sweep", "--loop", "ekf", "--runs", "50", "--json", "--set", "filter.delta=0.000025"]);
     assert!(proud.json()["nees_mean"].as_f64() > Some(6.0), "{}", proud.stdout);
 }
 
 #[test]
-fn given_starts_are_driven_and_damaged_ones_exit_with_3() {
+fn malformed_start_poses_exit_with_3() {
     let folder = folder("sweep-starts");
     let good = file(&folder, "starts.csv", b"x_m,y_m,heading_deg\n-1,0.3,20\n2,2,180\n");
     let run = surepose(&["sweep", "--starts", &good, "--period", "0.1", "--json"]);
     assert_eq!(run.json()["runs"], 2, "{}", run.stderr);
-    // As Excel saves it.
+    // With a byte-order mark, as Excel writes it.
     let marked =
         file(&folder, "bom.csv", "\u{feff}x_m,y_m,heading_deg\r\n-1,0.3,20\r\n2,2,180\r\n".as_bytes());
     let run = surepose(&["sweep", "--starts", &marked, "--period", "0.1", "--json"]);
@@ -219,7 +219,7 @@ fn given_starts_are_driven_and_damaged_ones_exit_with_3() {
 }
 
 #[test]
-fn a_wrong_command_line_exits_with_2() {
+fn invalid_command_line_exits_with_2() {
     for arguments in [
         &["sweep", "--noise", "loud"][..],
         &["sweep", "--law", "murphy"],

@@ -1,6 +1,6 @@
-//! `surepose tune`: keys, exit codes, a configuration that can be used.
+//! `surepose tune`: JSON keys, exit codes and the written configuration.
 
-#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+#![allow(clippy::expect_used, reason = "a failed precondition fails the test")]
 
 mod common;
 
@@ -9,7 +9,7 @@ use common::{folder, surepose};
 const GAINS: [&str; 5] = ["k_v", "k_alpha", "h", "k_theta", "capture_radius_m"];
 
 #[test]
-fn the_result_is_certified_no_slower_and_a_configuration() {
+fn result_is_certified_and_no_slower() {
     let folder = folder("tune");
     let out = folder.join("tuned.toml");
     let path = out.to_str().expect("UTF-8");
@@ -34,7 +34,7 @@ fn the_result_is_certified_no_slower_and_a_configuration() {
     }
     assert!(run.stderr.contains("other gains may be faster"), "{}", run.stderr);
 
-    // The file is a configuration, with these gains, that `sweep` gives the same figures for.
+    // The file is a valid configuration, for which `sweep` gives the same figures.
     assert_eq!(surepose(&["config", "check", path]).code, 0);
     let sweep = ["sweep", "--config", path, "--noise", "bench", "--runs", "2000", "--json"];
     assert_eq!(surepose(&sweep).json()["time_ratio"], json["after"]["time_ratio"]);
@@ -42,10 +42,10 @@ fn the_result_is_certified_no_slower_and_a_configuration() {
     assert_eq!(certify.code, 0, "{}", certify.stdout);
 }
 
-/// The bench's robot has no limit of acceleration, and its law is told of the bench's noise. Another robot's has neither from
-/// a file that is made to drive it.
+/// The bench robot has no acceleration limit, and its law knows the noise of the bench. The written configuration
+/// contains neither, because it is for another robot.
 #[test]
-fn the_configuration_holds_what_was_tuned_and_given_and_nothing_of_the_bench() {
+fn configuration_excludes_parameters_of_the_bench() {
     let folder = folder("tune-out");
     let out = folder.join("tuned.toml");
     let path = out.to_str().expect("UTF-8");
@@ -76,7 +76,7 @@ fn the_configuration_holds_what_was_tuned_and_given_and_nothing_of_the_bench() {
 }
 
 #[test]
-fn without_a_certificate_the_exit_code_is_1_and_nothing_is_written() {
+fn missing_certificate_exits_with_1_and_writes_nothing() {
     let folder = folder("tune-refused");
     let out = folder.join("tuned.toml");
     let path = out.to_str().expect("UTF-8");
@@ -100,7 +100,7 @@ fn without_a_certificate_the_exit_code_is_1_and_nothing_is_written() {
 }
 
 #[test]
-fn a_wrong_command_line_exits_with_2() {
+fn invalid_command_line_exits_with_2() {
     for arguments in [
         &["tune", "--runs", "0"][..],
         &["tune", "--noise-position", "-1"],

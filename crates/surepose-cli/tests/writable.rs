@@ -1,4 +1,4 @@
-//! A place that cannot be written to is found before the work, and not after it.
+//! Output paths are checked before the computation.
 
 mod common;
 
@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use common::{folder, surepose};
 
-/// A folder in which nobody can make a file, not even its owner.
+/// A directory in which no file can be created, not even by its owner.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_that_cannot_be_written_to_is_refused_before_anything_is_read() {
+fn unwritable_directory_is_rejected_before_input_is_read() {
     let map = folder("writable-map").join("walls.toml");
     let map = map.to_str().expect("UTF-8");
     for arguments in [
@@ -26,11 +26,11 @@ fn a_folder_that_cannot_be_written_to_is_refused_before_anything_is_read() {
     }
 }
 
-/// Its gains are looked for in minutes.
+/// The search itself would take minutes.
 #[test]
-fn a_file_that_cannot_be_begun_is_refused_at_once() {
+fn unwritable_file_is_rejected_at_once() {
     let folder = folder("writable-file");
-    // Its beginning cannot be written where a folder has that name.
+    // A directory blocks the temporary name.
     std::fs::create_dir(folder.join("tuned.toml.part")).expect("made");
     let begun = Instant::now();
     let out = folder.join("tuned.toml");
@@ -40,9 +40,9 @@ fn a_file_that_cannot_be_begun_is_refused_at_once() {
     assert!(begun.elapsed() < Duration::from_secs(30), "{:?}", begun.elapsed());
 }
 
-/// What was there before stays, and nothing else is left.
+/// The check keeps the existing file and leaves no other.
 #[test]
-fn trying_leaves_nothing() {
+fn write_check_leaves_no_files() {
     let folder = folder("writable-traces");
     let out = folder.join("walls.toml");
     std::fs::write(&out, "before").expect("written");
@@ -52,7 +52,7 @@ fn trying_leaves_nothing() {
     assert_eq!(std::fs::read_to_string(out).expect("kept"), "before");
     let names = || std::fs::read_dir(&folder).expect("readable").count();
     assert_eq!(names(), 1);
-    // What stands in a folder is not in the way of what it is tried with.
+    // Existing entries do not interfere with the check.
     std::fs::create_dir(folder.join("surepose")).expect("made");
     let run = surepose(&["calibrate", "ticks", "no/such/log", "--out", folder.to_str().expect("UTF-8")]);
     assert_eq!((run.code, names()), (3, 2), "{}", run.stderr);

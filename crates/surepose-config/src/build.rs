@@ -1,4 +1,4 @@
-//! The core's constants from a configuration: the one place, so that every command runs the same loop.
+//! Builds the constants of the core from a configuration, in one place for all commands.
 
 use std::f64::consts::PI;
 
@@ -14,53 +14,55 @@ use surepose::time::Stamp;
 
 use super::{Config, ValueSource};
 
-/// ε_P of the paper's law \[m]. Its local law takes over on all of ρ < ε_P and turns no wheel for the sideways error, so
-/// that ε_P may be no larger than the tolerance. [Tran2012] does not print it.
+/// ε_P of the law of the paper \[m]. Its local law is active for all ρ < ε_P and does not correct the lateral error, so
+/// ε_P may not exceed the position tolerance. [Tran2012] does not give a value.
 const PAPER_CAPTURE_RADIUS: f64 = 0.01;
 
-/// How the compass is mounted, and what it is worth.
+/// Parameters of the compass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompassParameters {
-    /// Standard deviation \[rad].
+    /// Standard deviation of the heading \[rad].
     pub std: f64,
-    /// What it reads when the robot faces along the map's x axis.
+    /// Reading when the robot faces along the x axis of the map.
     pub offset: Angle<f64>,
-    /// How long a reading is under way \[s].
+    /// Delay between measurement and arrival \[s].
     pub latency: f64,
 }
 
-/// How the laser is mounted, and what it is worth.
+/// Parameters of the laser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaserParameters {
     /// Standard deviation of a range \[m].
     pub range_std: f64,
-    /// Standard deviation of a beam's direction \[rad].
+    /// Standard deviation of a beam direction \[rad].
     pub bearing_std: f64,
-    /// Where it sits.
+    /// Pose of the laser in the robot frame.
     pub body_from_laser: Pose<Body, Laser, f64>,
-    /// How long a scan is under way \[s].
+    /// Delay between scan and arrival \[s].
     pub latency: f64,
-    /// How many beams it has.
+    /// Number of beams.
     pub beams: usize,
 }
 
-/// The names by which [`Config::fitted`] puts gains that nobody set.
+/// Preset names for gains set by [`Config::fitted`].
 const FITTED: &str = "fitted";
 const PAPER: &str = "paper";
 
 impl ValueSource {
-    /// What a value follows that nobody set and that has no default of its own; written down as set, it would no longer.
+    /// Returns what a fitted value is derived from; `None` for other values.
+    ///
+    /// A fitted value that is written to a file as set would no longer be fitted.
     pub fn follows(&self) -> Option<&'static str> {
         match self {
             Self::Preset(FITTED) => Some("fitted to the period and the wheels"),
-            Self::Preset(PAPER) => Some("the paper's"),
+            Self::Preset(PAPER) => Some("value of the paper"),
             _ => None,
         }
     }
 }
 
 impl Config {
-    /// The wheels' geometry: the mean of their radii and the ratio of the right one to the left one make the two.
+    /// Returns the kinematics; both wheel radii follow from their mean and their ratio.
     pub fn drive(&self) -> DiffDrive<f64> {
         let ratio = self.number(&param::WHEEL_RADIUS_RATIO);
         let left = 2.0 * self.number(&param::WHEEL_RADIUS) / (1.0 + ratio);
@@ -70,8 +72,8 @@ impl Config {
         }
     }
 
-    /// These values, with the gains that nobody set fitted to the law, the period and the wheels, and the capture radius
-    /// to the law.
+    /// Returns these values with unset gains fitted to the law, the period and the wheels, and the capture radius fitted to
+    /// the law.
     #[must_use]
     pub fn fitted(&self) -> Self {
         let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
@@ -89,7 +91,7 @@ impl Config {
         self.clone().with_preset(name, &free.collect::<Vec<_>>())
     }
 
-    /// The gains of the control law.
+    /// Returns the gains of the control law.
     pub fn gains(&self) -> Gains<f64> {
         let fitted = self.fitted();
         Gains {
@@ -100,7 +102,7 @@ impl Config {
         }
     }
 
-    /// Which end of the robot goes first.
+    /// Returns the travel direction.
     pub fn direction(&self) -> Direction {
         match self.choice(&param::DIRECTION) {
             "forward" => Direction::Forward,
@@ -109,7 +111,7 @@ impl Config {
         }
     }
 
-    /// The control law.
+    /// Returns the control law.
     pub fn law(&self) -> Law<f64> {
         let (gains, capture_radius) = (self.gains(), self.fitted().number(&param::CAPTURE_RADIUS));
         let (noise, period) = (self.number(&param::POSITION_NOISE), self.number(&param::PERIOD));
@@ -125,7 +127,7 @@ impl Config {
         }
     }
 
-    /// How these gains shrink for the wheels to follow, unless they are meant as they are.
+    /// Returns the braking profile that limits the gains; `None` if the gains are used unchanged.
     pub fn braking(&self) -> Option<BrakingProfile<f64>> {
         let is_set = |gain| matches!(self.origin(gain), ValueSource::File { .. } | ValueSource::CommandLine);
         let evenly = match self.choice(&param::BRAKING) {
@@ -140,7 +142,7 @@ impl Config {
         }
     }
 
-    /// What the wheels can do.
+    /// Returns the wheel limits.
     pub fn limits(&self) -> Limits<f64> {
         Limits {
             wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
@@ -148,7 +150,7 @@ impl Config {
         }
     }
 
-    /// The whole controller.
+    /// Returns the controller.
     pub fn controller(&self) -> Controller<f64> {
         Controller {
             drive: self.drive(),
@@ -165,7 +167,7 @@ impl Config {
         }
     }
 
-    /// The filter's constants.
+    /// Returns the constants of the filter.
     pub fn ekf(&self) -> Ekf<f64> {
         Ekf {
             drive: self.drive(),
@@ -177,17 +179,17 @@ impl Config {
         }
     }
 
-    /// The χ² gate.
+    /// Returns the χ² gate.
     pub fn gate(&self) -> Gate<f64> {
         Gate::new(self.number(&param::GATE_PROBABILITY))
     }
 
-    /// The filter with its memory, starting at `stamp` with `belief`.
+    /// Returns the filter with its history, initialized with `belief` at `stamp`.
     pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> DelayedEkf<f64, N> {
         DelayedEkf::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
     }
 
-    /// The compass.
+    /// Returns the parameters of the compass.
     pub fn compass(&self) -> CompassParameters {
         CompassParameters {
             std: self.number(&param::COMPASS_STD),
@@ -196,7 +198,7 @@ impl Config {
         }
     }
 
-    /// The laser.
+    /// Returns the parameters of the laser.
     pub fn laser(&self) -> LaserParameters {
         let heading = Angle::from_radians(self.number(&param::LASER_HEADING));
         LaserParameters {
@@ -208,13 +210,13 @@ impl Config {
         }
     }
 
-    /// Where the robot starts.
+    /// Returns the start pose.
     pub fn start(&self) -> Pose<Map, Body, f64> {
         let heading = Angle::from_radians(self.number(&param::START_HEADING));
         Pose::new(self.number(&param::START_X), self.number(&param::START_Y), heading)
     }
 
-    /// Where it shall come to rest.
+    /// Returns the goal pose.
     pub fn goal(&self) -> Pose<Map, Goal, f64> {
         let heading = Angle::from_radians(self.number(&param::GOAL_HEADING));
         Pose::new(self.number(&param::GOAL_X), self.number(&param::GOAL_Y), heading)

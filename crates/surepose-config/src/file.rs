@@ -1,4 +1,4 @@
-//! A TOML file as settings: every value checked against the table of parameters, every problem noted.
+//! Parses a TOML file into settings; checks every value against the parameter table and reports every problem.
 
 use std::path::Path;
 
@@ -10,12 +10,12 @@ use super::key::{self, UnknownKey};
 use super::problem::{ConfigError, Problems, line_of};
 use super::setting::{Setting, Value, ValueSource, plain};
 
-/// Longest file that is read \[bytes]: a configuration of every parameter, with comments, is a hundredth of it.
+/// Maximum length of a file \[bytes], a hundred times that of a commented configuration with every parameter.
 pub(super) const MAX_BYTES: usize = 1 << 20;
 
 type Span = core::ops::Range<usize>;
 
-/// The settings of the file at `path`.
+/// Reads the settings of the file at `path`.
 pub(super) fn read(path: &Path) -> Result<Vec<Setting>, ConfigError> {
     let bytes = std::fs::read(path).map_err(|error| {
         let help = "give the path of a TOML file; `surepose config show` prints one with every parameter";
@@ -24,21 +24,16 @@ pub(super) fn read(path: &Path) -> Result<Vec<Setting>, ConfigError> {
     parse(path, &bytes)
 }
 
-/// The settings of a TOML text.
+/// Parses the settings of a TOML text.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigError> {
     if bytes.len() > MAX_BYTES {
-        let what = format!("is longer than {MAX_BYTES} bytes");
-        return Err(ConfigError::unreadable(path, None, what, "this is not a configuration"));
+        let what = format!("file too long (expected at most {MAX_BYTES} bytes)");
+        return Err(ConfigError::unreadable(path, None, what, "check that this is a configuration file"));
     }
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let line = line_of(bytes, error.valid_up_to());
-        let what = "is not text in UTF-8".to_owned();
-        ConfigError::unreadable(
-            path,
-            Some(line),
-            what,
-            "save the file as UTF-8; a binary file is no configuration",
-        )
+        let what = "not UTF-8 text".to_owned();
+        ConfigError::unreadable(path, Some(line), what, "save the file as UTF-8 text")
     })?;
 
     let mut problems = Problems::new(path, text);
@@ -48,14 +43,14 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigErr
         let span = error.span().unwrap_or(0..0);
         broken.push(span.start);
         let line = line_of(bytes, span.start);
-        // The parser recovers as well as it can; what it says next of the same line is its guess, not the file's fault.
+        // After an error the parser recovers by guessing, so further errors on the same line are dropped.
         if std::mem::replace(&mut broken_line, line) == line {
             continue;
         }
         let help = bare_point(text, span.start).unwrap_or_else(|| {
-            "write `key = value` lines under a `[section]`, as `surepose config show` does".to_owned()
+            "write `key = value` lines under a `[section]`, as `surepose config show` prints them".to_owned()
         });
-        problems.add(span, format!("not TOML: {}", error.message().trim_end()), "here", Some(help));
+        problems.add(span, format!("invalid TOML: {}", error.message().trim_end()), "here", Some(help));
     }
 
     let mut reader = Reader { path, text, broken, problems, settings: Vec::new() };
@@ -69,7 +64,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigErr
 struct Reader<'t> {
     path: &'t Path,
     text: &'t str,
-    /// Where the text is not TOML.
+    /// Offsets of invalid TOML.
     broken: Vec<usize>,
     problems: Problems<'t>,
     settings: Vec<Setting>,
@@ -79,15 +74,10 @@ impl Reader<'_> {
     fn section(&mut self, name: &str, span: Span, value: &Spanned<DeValue<'_>>) {
         let Some(table) = value.get_ref().as_table() else {
             let help = match key::sections_of(name).as_slice() {
-                [] => format!("a value stands under a section, one of {}", key::sections()),
-                found => format!("`{name}` belongs under [{}]", found.join("] or [")),
+                [] => format!("put it under one of the sections {}", key::sections()),
+                found => format!("`{name}` belongs to [{}]", found.join("] or [")),
             };
-            return self.problems.add(
-                span,
-                format!("`{name}` stands outside any section"),
-                "here",
-                Some(help),
-            );
+            return self.problems.add(span, format!("`{name}`: outside of any section"), "here", Some(help));
         };
         if !param::is_section(name) {
             let help = match key::nearest(name, param::ALL.iter().map(|p| p.section)) {
@@ -121,13 +111,15 @@ impl Reader<'_> {
             }
             UnknownKey::NoUnit(parameter) => {
                 let unit = parameter.unit.symbol();
-                ("no unit", format!("the key is `{}`, its value in {unit}", parameter.key))
+                ("no unit", format!("the key is `{}`, with the value in {unit}", parameter.key))
             }
             UnknownKey::OtherSection(sections) => {
-                ("another section's", format!("`{key}` belongs under [{}]", sections.join("] or [")))
+                ("wrong section", format!("`{key}` belongs to [{}]", sections.join("] or [")))
             }
             UnknownKey::Typo(near) => ("no such key", format!("did you mean `{near}`?")),
-            UnknownKey::Unknown => ("no such key", format!("[{section}] has {}", key::keys(section))),
+            UnknownKey::Unknown => {
+                ("no such key", format!("the keys of [{section}] are {}", key::keys(section)))
+            }
         };
         self.problems.add(span, format!("unknown key `{key}` in [{section}]"), label, Some(help));
     }
@@ -135,7 +127,7 @@ impl Reader<'_> {
     fn value(&mut self, parameter: &'static Parameter, found: &Spanned<DeValue<'_>>) {
         let span = found.span();
         if span.is_empty() || self.broken.iter().any(|at| (span.start..=span.end).contains(at)) {
-            return; // What stands in for a value that is not TOML, or a part of one; that problem is noted already.
+            return; // A placeholder for invalid TOML, which is already reported.
         }
         let checked = match parameter.kind {
             Kind::Number { range, .. } => checked_number(parameter, found.get_ref(), &range),
@@ -164,7 +156,7 @@ struct Refused {
 fn checked_number(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> Result<Value, Refused> {
     let (key, unit) = (parameter.key, spaced(parameter.unit.symbol()));
     let Some(number) = number(value) else {
-        let what = format!("`{key}` is a number, and this is {}", described(value));
+        let what = format!("`{key}`: expected a number, got {}", described(value));
         return Err(Refused { what, help: format!("write a number in {range}{unit}") });
     };
     if range.contains(number) {
@@ -172,13 +164,13 @@ fn checked_number(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> 
     }
     let shown = plain(number);
     let what = if number.is_nan() {
-        format!("`{key}` is not a number")
+        format!("`{key}`: not a number")
     } else if !number.is_finite() {
-        format!("`{key}` is {shown}, and must be finite")
+        format!("`{key}`: not finite (got {shown})")
     } else if number < 0.0 && range.low >= 0.0 {
-        format!("`{key}` is negative: {shown}{unit}")
+        format!("`{key}`: negative value (got {shown}{unit})")
     } else {
-        format!("`{key}` is out of range: {shown}{unit}")
+        format!("`{key}`: out of range (got {shown}{unit})")
     };
     Err(Refused { what, help: format!("write a value in {range}{unit}: {}", range.reason) })
 }
@@ -186,8 +178,8 @@ fn checked_number(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> 
 fn checked_whole(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> Result<Value, Refused> {
     match checked_number(parameter, value, range)? {
         Value::Number(number) if number.fract() != 0.0 => {
-            let what = format!("`{}` is a whole number, and this is {}", parameter.key, plain(number));
-            Err(Refused { what, help: format!("write a whole number in {range}: {}", range.reason) })
+            let what = format!("`{}`: expected an integer, got {}", parameter.key, plain(number));
+            Err(Refused { what, help: format!("write an integer in {range}: {}", range.reason) })
         }
         whole => Ok(whole),
     }
@@ -201,19 +193,19 @@ fn checked_choice(
     let key = parameter.key;
     let all = options.iter().map(|option| format!("\"{option}\"")).collect::<Vec<_>>().join(", ");
     let Some(name) = value.as_str() else {
-        let what = format!("`{key}` is a name, and this is {}", described(value));
+        let what = format!("`{key}`: expected a name, got {}", described(value));
         return Err(Refused { what, help: format!("write one of {all}") });
     };
     options.iter().find(|option| **option == name).map(|option| Value::Choice(option)).ok_or_else(|| {
         let help = match key::nearest(name, options.iter().copied()) {
-            Some(near) => format!("did you mean \"{near}\"? The choice is {all}"),
+            Some(near) => format!("did you mean \"{near}\"? The options are {all}"),
             None => format!("write one of {all}"),
         };
-        Refused { what: format!("`{key}` cannot be \"{}\"", name.escape_debug()), help }
+        Refused { what: format!("`{key}`: unknown option \"{}\"", name.escape_debug()), help }
     })
 }
 
-/// The number, where the value is one; a number too large for `f64` is infinite.
+/// Returns the number, infinite beyond the range of `f64`; `None` if the value is not a number.
 fn number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(float) => float.as_str().parse().ok(),
@@ -235,15 +227,15 @@ fn described(value: &DeValue<'_>) -> String {
             Ok(_) => "text; leave out the quotes".to_owned(),
             Err(_) => "text".to_owned(),
         },
-        DeValue::Boolean(_) => "true or false".to_owned(),
-        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Boolean(_) => "a Boolean".to_owned(),
+        DeValue::Array(_) => "an array".to_owned(),
         DeValue::Table(_) => "a table".to_owned(),
         DeValue::Datetime(_) => "a date".to_owned(),
         DeValue::Integer(_) | DeValue::Float(_) => "a number".to_owned(),
     }
 }
 
-/// The cure for a number without digits on one side of its point, as `.5`, where there is one at `place`.
+/// Returns the remedy for a number without a digit next to its decimal point, for example `.5`; `None` for other text.
 fn bare_point(text: &str, place: usize) -> Option<String> {
     let part_of_number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
     let (before, after) = text.split_at_checked(place)?;
@@ -251,7 +243,9 @@ fn bare_point(text: &str, place: usize) -> Option<String> {
     let rest = &after[after.find(|c| !part_of_number(c)).unwrap_or(after.len())..];
     let written = &text[start..text.len() - rest.len()];
     let number: f64 = written.parse().ok().filter(|number: &f64| number.is_finite())?;
-    written.contains('.').then(|| format!("a point stands between two digits: write {}", plain(number)))
+    written
+        .contains('.')
+        .then(|| format!("a decimal point needs digits on both sides: write {}", plain(number)))
 }
 
 fn spaced(symbol: &str) -> String {

@@ -1,28 +1,28 @@
-//! Keys that are not in the table, and which one was meant: another unit's, another section's, or a slip.
+//! Diagnoses unknown keys: wrong unit, wrong section or typo.
 
 use surepose::param::{self, ALL, Parameter, Unit};
 
-/// What is wrong with a key.
+/// The probable cause of an unknown key.
 #[derive(Debug, PartialEq)]
 pub(super) enum UnknownKey {
-    /// The right name with the suffix of another unit.
+    /// A valid name with the suffix of another unit.
     OtherUnit {
-        /// Which parameter was meant.
+        /// The intended parameter.
         parameter: &'static Parameter,
-        /// What the value is multiplied by to be in its unit.
+        /// The factor that converts the value to the unit of the parameter.
         factor: f64,
     },
-    /// The right name without its unit.
+    /// A valid name without its unit suffix.
     NoUnit(&'static Parameter),
-    /// A key of other sections.
+    /// A key of the given other sections.
     OtherSection(Vec<&'static str>),
-    /// Nearly a key of this section.
+    /// A key similar to the given key of this section.
     Typo(&'static str),
-    /// Nothing like it.
+    /// No similar key.
     Unknown,
 }
 
-/// Units that people write, as suffixes, with the SI unit (radians for angles) and the size in it.
+/// Common unit suffixes, with the unit and the factor to SI (radians for angles).
 const SUFFIXES: [(&str, Unit, f64); 28] = [
     ("_um", Unit::Meter, 1e-6),
     ("_mm", Unit::Meter, 1e-3),
@@ -55,7 +55,7 @@ const SUFFIXES: [(&str, Unit, f64); 28] = [
 ];
 
 impl UnknownKey {
-    /// What was meant by `key` in `section`, which does not have it.
+    /// Diagnoses `key`, which `section` does not have.
     pub(super) fn from_key(section: &str, key: &str) -> Self {
         let here = || ALL.iter().filter(|p| p.section == section);
         if let Some((stem, unit, size)) = split(key)
@@ -74,21 +74,21 @@ impl UnknownKey {
     }
 }
 
-/// The parameter that is called so, `key` or `section.key`.
+/// Returns the parameter with the name `key` or `section.key`.
 ///
 /// # Errors
-/// Where there is none, or there are several: a sentence on what may be meant.
+/// A suggestion, as a sentence, if the name is unknown or ambiguous.
 pub fn parameter(name: &str) -> Result<&'static Parameter, String> {
     if let Some(found) = param::find_by_name(name) {
         return Ok(found);
     }
     let several: Vec<_> = sections_of(name).into_iter().map(|section| format!("{section}.{name}")).collect();
     if !several.is_empty() {
-        return Err(format!("several sections have it: {}", several.join(", ")));
+        return Err(format!("several sections have this key: {}", several.join(", ")));
     }
     let (section, key) = name.split_once('.').unwrap_or((name, ""));
     if key.is_empty() && !keys(section).is_empty() {
-        return Err(format!("[{section}] has {}", keys(section)));
+        return Err(format!("the keys of [{section}] are {}", keys(section)));
     }
     let here = || ALL.iter().filter(|p| key.is_empty() || p.section == section);
     let meant = nearest(if key.is_empty() { name } else { key }, here().map(|p| p.key));
@@ -99,31 +99,31 @@ pub fn parameter(name: &str) -> Result<&'static Parameter, String> {
     })
 }
 
-/// The unit at the end of a key as people write it: `mm`, `m/s`.
+/// Returns the unit suffix of a key as a symbol: `mm`, `m/s`.
 pub(super) fn unit_shown(key: &str) -> String {
     let suffix = suffix_of(key).map_or("", |(suffix, ..)| suffix);
     suffix.trim_start_matches('_').replacen('_', "/", 1)
 }
 
-/// The name nearest to `name`, if it is near enough to have been meant.
+/// Returns the most similar name; `None` if no similarity exceeds 0.8.
 pub(super) fn nearest(name: &str, names: impl Iterator<Item = &'static str>) -> Option<&'static str> {
     let rated = names.map(|candidate| (strsim::jaro_winkler(name, candidate), candidate));
     rated.filter(|(score, _)| *score > 0.8).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
 }
 
-/// The sections that have `key`.
+/// Returns the sections that have `key`.
 pub(super) fn sections_of(key: &str) -> Vec<&'static str> {
     ALL.iter().filter(|p| p.key == key).map(|p| p.section).collect()
 }
 
-/// Every section, for a message.
+/// Lists every section, for a message.
 pub(super) fn sections() -> String {
     let mut names: Vec<_> = ALL.iter().map(|p| format!("[{}]", p.section)).collect();
     names.dedup();
     names.join(", ")
 }
 
-/// Every key of a section, for a message.
+/// Lists every key of a section, for a message.
 pub(super) fn keys(section: &str) -> String {
     ALL.iter().filter(|p| p.section == section).map(|p| p.key).collect::<Vec<_>>().join(", ")
 }
@@ -136,7 +136,7 @@ fn split(key: &str) -> Option<(&str, Unit, f64)> {
     suffix_of(key).and_then(|(suffix, unit, size)| Some((key.strip_suffix(suffix)?, unit, size)))
 }
 
-/// The longest suffix that is a unit: `_mm_s` rather than `_s`.
+/// Returns the longest unit suffix: `_mm_s` rather than `_s`.
 fn suffix_of(key: &str) -> Option<(&'static str, Unit, f64)> {
     SUFFIXES.into_iter().filter(|(suffix, ..)| key.ends_with(suffix)).max_by_key(|(suffix, ..)| suffix.len())
 }

@@ -1,9 +1,8 @@
-//! The configuration: the table of parameters, filled from layers that each know where their values come from.
+//! The configuration: a value for every parameter, with its origin.
 //!
-//! A value is the table's default, or a preset of a recording's format, or a line of a TOML file, or an option on
-//! the command line; the later one wins. Every value that arrives here has passed the table's bounds, so that the
-//! core's constants can be made from it without failing: [`build`](self) is where that happens, once for every
-//! command.
+//! A value comes from the parameter table, a preset of a recording format, a line of a TOML file, or a command-line option;
+//! the later one wins. Every value has passed the bounds of the table, so that the constants of the core can be built
+//! without errors. [`build`](self) does so, in one place for all commands.
 
 mod build;
 mod file;
@@ -27,15 +26,15 @@ pub use setting::{Setting, Value, ValueSource};
 
 use setting::exact;
 
-/// Every parameter's value, with where it came from.
+/// The value of every parameter, with its origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
-    /// In the order of the table.
+    /// The settings, in the order of the parameter table.
     settings: Vec<Setting>,
 }
 
 impl Default for Config {
-    /// Every parameter at the table's default.
+    /// Creates a configuration with the defaults of the parameter table.
     fn default() -> Self {
         let setting =
             |parameter| Setting { parameter, value: default(parameter), origin: ValueSource::Default };
@@ -44,10 +43,10 @@ impl Default for Config {
 }
 
 impl Config {
-    /// Puts the values of a TOML file over these.
+    /// Overrides these values with those of a TOML file.
     ///
     /// # Errors
-    /// Every problem of the file at once; nothing is taken from a file that has one.
+    /// All problems of the file; an invalid file changes no value.
     pub fn with_file(mut self, path: &Path) -> Result<Self, ConfigError> {
         for setting in file::read(path)? {
             self.put(setting);
@@ -55,7 +54,7 @@ impl Config {
         Ok(self)
     }
 
-    /// Puts the values of a TOML text over these; `path` is the name that errors give it.
+    /// Overrides these values with those of a TOML text; `path` is the file name in errors.
     ///
     /// # Errors
     /// As [`Config::with_file`].
@@ -66,9 +65,9 @@ impl Config {
         Ok(self)
     }
 
-    /// Puts values over these that fit `name`, a format of recordings or a scenario, better than the defaults.
+    /// Overrides these values with the preset `name` of a recording format or a scenario.
     ///
-    /// Values are in the unit of the key. One outside its range is a mistake of the preset and is left out.
+    /// Values are in the unit of the key. A value outside its range is ignored.
     #[must_use]
     pub fn with_preset(mut self, name: &'static str, values: &[(&Parameter, f64)]) -> Self {
         for (parameter, value) in values {
@@ -77,7 +76,7 @@ impl Config {
         self
     }
 
-    /// The same for a choice; one that there is not is left out.
+    /// Overrides a choice with that of the preset `name`; an unknown option is ignored.
     #[must_use]
     pub fn with_preset_choice(
         mut self,
@@ -93,23 +92,23 @@ impl Config {
         self
     }
 
-    /// Puts `section.key=value` from the command line over these.
+    /// Overrides one value with `section.key=value` from the command line.
     ///
     /// # Errors
-    /// What is wrong with the text, as for a line of a file.
+    /// The problem of the text, as for a line of a file.
     pub fn with_option(self, text: &str) -> Result<Self, ConfigError> {
         self.with_option_of("--set", text)
     }
 
-    /// The same, where it was `option` that the user typed: that is what errors name.
+    /// Like [`Config::with_option`], for an option other than `--set`, which errors name.
     ///
     /// # Errors
     /// As [`Config::with_option`].
     pub fn with_option_of(mut self, option: &str, text: &str) -> Result<Self, ConfigError> {
         let name = Path::new(option);
         let malformed = || {
-            let what = format!("is not one SECTION.KEY=VALUE: '{}'", text.escape_debug());
-            let help = "write `--set law.k_v=3`; `surepose config show` lists the names";
+            let what = format!("invalid option (got '{}', expected SECTION.KEY=VALUE)", text.escape_debug());
+            let help = "example: `--set law.k_v=3`; `surepose config show` lists the names";
             ConfigError::unreadable(name, None, what, help)
         };
         let toml = option_as_toml(text).ok_or_else(malformed)?;
@@ -119,7 +118,7 @@ impl Config {
         Ok(self)
     }
 
-    /// The value of a number, in SI units and radians.
+    /// Returns the value of a number, in SI units and radians; 0 for a choice.
     pub fn number(&self, parameter: &Parameter) -> f64 {
         match self.value(parameter) {
             Value::Number(number) => number * parameter.unit.to_si(),
@@ -127,7 +126,7 @@ impl Config {
         }
     }
 
-    /// The value of a choice.
+    /// Returns the value of a choice; empty for a number.
     pub fn choice(&self, parameter: &Parameter) -> &'static str {
         match self.value(parameter) {
             Value::Choice(name) => name,
@@ -135,12 +134,12 @@ impl Config {
         }
     }
 
-    /// Where a value came from.
+    /// Returns the origin of a value.
     pub fn origin(&self, parameter: &Parameter) -> ValueSource {
         self.setting(parameter).map_or(ValueSource::Default, |setting| setting.origin.clone())
     }
 
-    /// Every value, in the order of the table.
+    /// Returns every value, in the order of the parameter table.
     pub fn settings(&self) -> &[Setting] {
         &self.settings
     }
@@ -180,8 +179,9 @@ fn default(parameter: &Parameter) -> Value {
     }
 }
 
-/// `law.name=paper` as a line of TOML, so that there is one way to read values: names need no quotes in a shell, and
-/// numbers no digit before their point.
+/// Converts `law.name=paper` to a line of TOML, so that options and files share one parser.
+///
+/// Names need no quotes, and numbers no digit before the decimal point. Returns `None` for malformed text.
 fn option_as_toml(text: &str) -> Option<String> {
     let (name, value) = text.split_once('=')?;
     let (name, value) = (name.trim(), value.trim());

@@ -1,33 +1,33 @@
-//! What can be wrong with a configuration: each problem points into the file and says what would be right.
+//! Defines configuration errors: each problem has its location in the file and a remedy.
 
 use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
 
-/// A configuration that cannot be used, with every reason; it prints as the only reason where there is one.
+/// An invalid configuration with all its problems; a single problem prints without a headline.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", headline(.file, .problems))]
 pub struct ConfigError {
-    /// The file that is to blame.
+    /// The file, or the option on the command line.
     pub file: PathBuf,
     text: NamedSource<String>,
-    /// What is wrong with it, in the order of the file.
+    /// The problems, in the order of the file.
     pub problems: Vec<ConfigProblem>,
 }
 
-/// One thing that is wrong; it prints as `file:line: problem`.
+/// One problem; prints as `file:line: problem`.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error("{}{}: {what}", .file.display(), .line.map_or(String::new(), |line| format!(":{line}")))]
 pub struct ConfigProblem {
     file: PathBuf,
-    /// The line, from 1; absent where the file as a whole is to blame.
+    /// The line, counted from 1; `None` for a problem of the whole file.
     pub line: Option<usize>,
-    /// What is wrong.
+    /// The problem.
     pub what: String,
     #[label("{label}")]
     place: Option<SourceSpan>,
     label: String,
-    /// What would be right.
+    /// The remedy.
     #[help]
     pub help: Option<String>,
 }
@@ -52,12 +52,12 @@ impl Diagnostic for ConfigError {
 }
 
 impl ConfigError {
-    /// The problem, where there is one only.
+    /// Returns the problem if there is exactly one.
     fn only(&self) -> Option<&ConfigProblem> {
         if let [only] = &self.problems[..] { Some(only) } else { None }
     }
 
-    /// A file that cannot be read as text at all.
+    /// Creates an error for a file that is unreadable as a whole.
     pub(super) fn unreadable(file: &Path, line: Option<usize>, what: String, help: &str) -> Self {
         let problem = ConfigProblem {
             file: file.to_owned(),
@@ -72,14 +72,14 @@ impl ConfigError {
 }
 
 impl ConfigError {
-    /// The same, of what has no lines: an option.
+    /// Removes the line numbers, for a command-line option.
     pub(super) fn without_lines(mut self) -> Self {
         self.problems.iter_mut().for_each(|problem| problem.line = None);
         self
     }
 }
 
-/// Gathers the problems of one file.
+/// Collects the problems of one file.
 pub(super) struct Problems<'t> {
     file: &'t Path,
     text: &'t str,
@@ -91,7 +91,7 @@ impl<'t> Problems<'t> {
         Self { file, text, found: Vec::new() }
     }
 
-    /// Notes that the text at `span` is wrong.
+    /// Adds a problem of the text at `span`.
     pub(super) fn add(
         &mut self,
         span: core::ops::Range<usize>,
@@ -104,7 +104,7 @@ impl<'t> Problems<'t> {
         self.found.push(ConfigProblem { file, line, what, place: Some(span.into()), label, help });
     }
 
-    /// The error, where there is any problem.
+    /// Returns the error; `None` if there is no problem.
     pub(super) fn into_error(mut self) -> Option<ConfigError> {
         if self.found.is_empty() {
             return None;
@@ -115,7 +115,7 @@ impl<'t> Problems<'t> {
     }
 }
 
-/// The line, from 1, on which the byte `offset` lies.
+/// Returns the line, counted from 1, of the byte `offset`.
 pub(super) fn line_of(text: &[u8], offset: usize) -> usize {
     1 + text.iter().take(offset).filter(|byte| **byte == b'\n').count()
 }
@@ -123,6 +123,6 @@ pub(super) fn line_of(text: &[u8], offset: usize) -> usize {
 fn headline(file: &Path, problems: &[ConfigProblem]) -> String {
     match problems {
         [only] => only.to_string(),
-        _ => format!("{} cannot be used as a configuration, for {} reasons", file.display(), problems.len()),
+        _ => format!("{}: invalid configuration ({} problems)", file.display(), problems.len()),
     }
 }

@@ -1,11 +1,11 @@
-//! Configurations that can be used, but should perhaps not.
+//! Warnings about valid but doubtful configurations.
 
 use surepose::param;
 
 use super::{Config, Value};
 
 impl Config {
-    /// What a careful user wants to know of these values, as sentences.
+    /// Returns warnings about doubtful values, as sentences.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let sampled = self.gains().k_alpha * self.number(&param::PERIOD);
@@ -13,8 +13,8 @@ impl Config {
             // With the command held for ΔT, a bearing error α becomes (1 − k_α·ΔT)·α.
             let fate = if sampled > 2.0 { "grows" } else { "overshoots" };
             warnings.push(format!(
-                "law.k_alpha × loop.period_s is {sampled:.3}: the bearing error {fate} from tick to tick; keep it well \
-                 under 1"
+                "law.k_alpha × loop.period_s: too large (got {sampled:.3}); the bearing error {fate} from tick to tick; use a value \
+                 well below 1"
             ));
         }
         for (noise, most) in [(&param::LASER_RANGE_STD, 0.1), (&param::LASER_BEARING_STD, 1.0)] {
@@ -23,8 +23,7 @@ impl Config {
                 && std > most
             {
                 warnings.push(format!(
-                    "{}.{} is {std} {unit}: beyond {most} {unit} one wall is taken for another, and the filter is too sure \
-                     of itself",
+                    "{}.{}: above {most} {unit} (got {std} {unit}); walls may be confused and the estimate may be overconfident",
                     noise.section, noise.key
                 ));
             }
@@ -34,8 +33,8 @@ impl Config {
             let late = self.number(latency);
             if late > history {
                 warnings.push(format!(
-                    "{}.{} is {late} s, and filter.history_s {history} s: each measurement will be refused as stale; \
-                     let the history reach back farther",
+                    "{}.{}: longer than filter.history_s (got {late} s, history {history} s); every measurement is rejected as stale; \
+                     increase filter.history_s",
                     latency.section, latency.key
                 ));
             }

@@ -1,27 +1,25 @@
-//! CARMEN laser logs, corrected by SLAM: laser scans with reference poses, and raw odometry hidden between them.
+//! Reads CARMEN laser logs corrected by SLAM: scans with reference poses, and raw odometry between them.
 //!
-//! One message per line; the first word is its name:
+//! Each line is one message; its first word is the name:
 //!
 //! | line | meaning |
 //! |---|---|
-//! | `FLASER n r1..rn x y θ x' y' θ' t host t` | n ranges \[m\] over 180° from right to left, corrected pose, robot pose |
+//! | `FLASER n r1..rn x y θ x' y' θ' t host t` | n ranges \[m\] over 180°, counter-clockwise; corrected pose; robot pose |
 //! | `ODOM x y θ v ω a t host t` | odometry pose |
-//! | `#…`, `PARAM`, `NEFF`, any other capital word | not needed here |
+//! | `#…`, `PARAM`, `NEFF`, any other upper-case word | ignored |
 //!
 //! # Raw odometry
-//! After every `FLASER` the corrector wrote one `ODOM` line that repeats the corrected pose, with a stamp of
-//! uninitialised memory (0, 1e−91, even −2.9). Such a line restarts odometry at that pose and is no motion. The motion
-//! from one `ODOM` line to the next is chained, from the first one on, into the odometry that the robot had before
-//! it was corrected.
+//! After every `FLASER` line, the SLAM program wrote an `ODOM` line that repeats the corrected pose, with a stamp from
+//! uninitialized memory (0, 1e−91, even −2.9). Such a line resets odometry to that pose and is no motion. The motions
+//! between successive `ODOM` lines are concatenated from the first one on; the result is the odometry before correction.
 //!
 //! # Laser position
-//! The pose on a `FLASER` line is used as that of the laser: [`ScanRecord::mount`] is zero, and the parameter
-//! `robot_frontlaser_offset` is not applied. In `freiburg-101`, where it is −0.04 m, the map drawn from all scans is
-//! sharpest without it (entropy over 6 cm cells: 8.668 without, 8.817 with; 9.226 and 9.329 in `belgioioso`).
-//!
+//! The pose on a `FLASER` line is used as the pose of the laser: [`ScanRecord::mount`] is zero, and the parameter
+//! `robot_frontlaser_offset` is ignored. In `freiburg-101`, where it is −0.04 m, the map of all scans is sharpest without
+//! it (entropy over 6 cm cells: 8.668 without, 8.817 with; 9.226 and 9.329 in `belgioioso`).
 //! # Stamps
-//! Some logs, `belgioioso` among them, have stamps rounded to hours. [`ScanRecord::odometry`] and
-//! [`ScanRecord::odometry_before`] join scans and odometry without them.
+//! Some logs, for example `belgioioso`, have stamps rounded to hours. [`ScanRecord::odometry`] and
+//! [`ScanRecord::odometry_before`] associate scans with odometry without stamps.
 
 use std::ops::Range;
 use std::path::Path;
@@ -34,25 +32,25 @@ use crate::lines::{Clock, Field, LineReader, TextLine};
 use crate::quantity::{ANGLE, POSITION};
 use crate::recording::{Recording, ScanRecord, SensorPose, StampedPose};
 
-/// Ranges that are returns \[m\]. The laser reports 81.9 m where nothing came back; what it reports between 50 m and
-/// that is beyond its rated range.
+/// Ranges that count as returns \[m\]. Without a return the laser reports 81.9 m; values from 50 m to that are beyond its
+/// rated range.
 const RETURNS: Range<f64> = f64::MIN_POSITIVE..50.0;
 
-/// Columns of a `FLASER` line that are not ranges.
+/// Number of columns of a `FLASER` line that are not ranges.
 const FLASER_OTHERS: usize = 11;
 
-/// Reads a log, plain or gzip.
+/// Reads a log, plain or compressed.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line.
+/// A missing, unreadable or malformed file, with name and line.
 pub fn read(path: &Path) -> Result<Recording<StampedPose>, DataError> {
     parse(LineReader::open(path)?)
 }
 
-/// Reads a log from its lines.
+/// Parses the lines of a log.
 ///
 /// # Errors
-/// A malformed line, by number; a log without scans.
+/// A malformed line, with its number, or a log without scans.
 pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedPose>, DataError> {
     let mut log = Log::default();
     while let Some(line) = lines.next_record()? {
@@ -73,26 +71,26 @@ pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedPose>, DataEr
     Ok(log.recording)
 }
 
-/// CARMEN names its messages in capitals, with digits and dashes; many are of no use here.
+/// Returns whether `word` is a CARMEN message name: upper-case letters, digits and dashes.
 fn is_message_name(word: &[u8]) -> bool {
     word.first().is_some_and(u8::is_ascii_uppercase)
         && word.iter().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || matches!(c, b'-' | b'_'))
 }
 
-/// The recording so far, and what chaining its odometry needs.
+/// The recording so far, with the state for concatenating odometry.
 struct Log {
     recording: Recording<StampedPose>,
     odometry_clock: Clock,
     scan_clock: Clock,
-    /// Pose on the last `ODOM` line.
+    /// Pose of the previous `ODOM` line.
     previous: Option<Place>,
-    /// The same place in raw odometry.
+    /// The same pose in raw odometry.
     raw: Option<Place>,
-    /// Corrected pose of a `FLASER` line, until the `ODOM` line after it is read.
+    /// Corrected pose of a `FLASER` line, until the following `ODOM` line is read.
     corrected: Option<Place>,
 }
 
-/// A pose as the log has it; its frame is the map for corrected poses and drifts away from it for raw ones.
+/// A pose of the log. Its frame is the map for corrected poses; for raw poses it drifts from the map.
 type Place = Pose<Map, Body, f64>;
 
 impl Default for Log {

@@ -1,19 +1,19 @@
-//! CMU Wean Hall: odometry, laser and an occupancy grid, as a course on robotics hands them out.
+//! Reads the CMU Wean Hall data: odometry, laser scans and an occupancy grid, from a course on robotics.
 //!
-//! A log has two kinds of lines, lengths in centimetres, angles in radians:
+//! A log has two kinds of lines, with lengths in centimeters and angles in radians:
 //!
 //! | line | meaning |
 //! |---|---|
 //! | `O x y θ t` | odometry pose |
-//! | `L x y θ x' y' θ' r1..r180 t` | odometry pose of the robot and of its laser, interpolated; 180 ranges over 180° from right to left |
+//! | `L x y θ x' y' θ' r1..r180 t` | odometry pose of the robot and of its laser, interpolated; 180 ranges over 180°, counter-clockwise |
 //!
-//! The poses on `L` lines run 0.05 to 0.1 s behind those on `O` lines, so the two are kept apart: [`ScanRecord::odometry`] and
-//! [`Recording::odometry`].
+//! The poses on `L` lines lag those on `O` lines by 0.05 to 0.1 s, so both are kept separately: [`ScanRecord::odometry`]
+//! and [`Recording::odometry`].
 //!
-//! The grid is text: a header, then one line per **x**, from 0 up, each with one value per y. A value is the probability
-//! that the cell is *free*, although the data's own notes say *occupied*; −1 is unknown. Both are settled by the
-//! scans: eight of them, placed on the grid as read here, lie 2.5 cm (mean, capped at 0.5 m) from the nearest wall
-//! at the best pose there is, and 4.2 cm on the mirrored grid.
+//! The grid is a text file: a header, then one line per **x** index, ascending, with one value per y index. A value is the
+//! probability that the cell is *free*, although the notes of the data say *occupied*; −1 is unknown. The scans confirm
+//! both: eight scans, placed at their best poses on the grid as read here, lie 2.5 cm from the nearest wall (mean, capped
+//! at 0.5 m), and 4.2 cm on the mirrored grid.
 
 use std::ops::Range;
 use std::path::Path;
@@ -29,25 +29,25 @@ use crate::recording::{Recording, ScanRecord, SensorPose, StampedPose};
 
 const CENTIMETRE: f64 = 0.01;
 const BEAMS: usize = 180;
-/// What the grid file writes where it knows nothing.
+/// The value of an unknown cell in the grid file.
 const UNKNOWN: f64 = -1.0;
 const SCAN_COLUMNS: usize = BEAMS + 8;
 
-/// Ranges that are returns \[m\]: the laser reports 81.83 m or 81.91 m where nothing came back.
+/// Ranges that count as returns \[m\]: the laser reports 81.83 m or 81.91 m without a return.
 const RETURNS: Range<f64> = f64::MIN_POSITIVE..81.83;
 
-/// Reads a log, plain or gzip.
+/// Reads a log, plain or compressed.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line.
+/// A missing, unreadable or malformed file, with name and line.
 pub fn read(path: &Path) -> Result<Recording<StampedPose>, DataError> {
     parse(LineReader::open(path)?)
 }
 
-/// Reads a log from its lines.
+/// Parses the lines of a log.
 ///
 /// # Errors
-/// A malformed line, by number; a log without scans.
+/// A malformed line, with its number, or a log without scans.
 pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedPose>, DataError> {
     let mut recording = Recording { odometry: Vec::new(), scans: Vec::new(), reference: Vec::new() };
     let mut clock = Clock::default();
@@ -127,22 +127,22 @@ fn stamped(time: f64, pose: Pose<Map, Body, f64>) -> StampedPose {
     StampedPose { time, x: pose.x, y: pose.y, heading: pose.heading.radians() }
 }
 
-/// Reads a grid, plain or gzip.
+/// Reads a grid, plain or compressed.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line.
+/// A missing, unreadable or malformed file, with name and line.
 pub fn read_grid(path: &Path) -> Result<Grid, DataError> {
     parse_grid(LineReader::open(path)?)
 }
 
-/// Reads a grid from its lines.
+/// Parses the lines of a grid.
 ///
 /// # Errors
-/// A malformed header, a row or a value too many or too few, by line.
+/// A malformed header, or a wrong number of lines or values, with the line number.
 pub fn parse_grid(mut lines: LineReader<'_>) -> Result<Grid, DataError> {
     let header = parse_header(&mut lines)?;
     let Header { width, height, .. } = header;
-    // The file is turned by a quarter against a grid in memory: each of its lines is a column.
+    // The file is transposed with respect to [`Grid`]: each of its lines is a column.
     let mut columns: Vec<Vec<Option<f32>>> = Vec::new();
     while let Some(line) = lines.next_record()? {
         let column = line.columns().map(|value| occupancy(&value)).collect::<Result<Vec<_>, _>>()?;
@@ -164,7 +164,7 @@ pub fn parse_grid(mut lines: LineReader<'_>) -> Result<Grid, DataError> {
     Ok(Grid { width, height, resolution: header.resolution, origin: header.origin, cells })
 }
 
-/// What a grid file says before its values.
+/// The header of a grid file.
 struct Header {
     width: usize,
     height: usize,
@@ -172,7 +172,7 @@ struct Header {
     origin: GridOrigin,
 }
 
-/// Reads up to `global_map[0]: width height`, which is the last line before the values.
+/// Reads up to `global_map[0]: width height`, the last line before the values.
 fn parse_header(lines: &mut LineReader<'_>) -> Result<Header, DataError> {
     let (mut resolution, mut origin) = (None, GridOrigin::default());
     while let Some(line) = lines.next_record()? {
@@ -182,7 +182,9 @@ fn parse_header(lines: &mut LineReader<'_>) -> Result<Header, DataError> {
                 let (width, height) = (width.whole("width")?, height.whole("height")?);
                 let cells = usize::checked_mul(width, height).filter(|cells| (1..=MAX_CELLS).contains(cells));
                 if cells.is_none() {
-                    let message = format!("a grid has 1 to {MAX_CELLS} cells, not {width} × {height}");
+                    let message = format!(
+                        "grid: invalid size (got {width} × {height} cells, expected 1 to {MAX_CELLS} cells)"
+                    );
                     return Err(line.error(Problem::Document { message }));
                 }
                 let missing = || line.error(Problem::Empty { what: "robot_specifications->resolution" });
@@ -208,7 +210,7 @@ fn unknown_header(line: TextLine<'_>) -> DataError {
     line.error(Problem::UnknownRecord { found, expected: "robot_specifications-> or global_map[0]:" })
 }
 
-/// Occupancy from the probability of free; −1 is unknown.
+/// Converts the probability of free space to occupancy; −1 is unknown and gives `None`.
 fn occupancy(value: &Field<'_>) -> Result<Option<f32>, DataError> {
     let free = value.finite("probability of free")?;
     if free.to_bits() == UNKNOWN.to_bits() {

@@ -1,169 +1,169 @@
-//! The one error of this crate: which file, which line, what is wrong, and what would be right.
+//! Defines the error of this crate: file, line, problem and remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A recording or map that cannot be used, with the place that is to blame.
+/// An unusable recording or map, with the location of the problem.
 ///
-/// It prints as `path:line: problem`, so that an editor can jump to the place.
+/// It prints as `path:line: problem`, so that an editor can open the location.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", Place { file, line: *line })]
 pub struct DataError {
-    /// File (or folder) that is to blame.
+    /// The file or directory.
     pub file: PathBuf,
-    /// Line in the *decompressed* text, counted from 1; absent where no line is to blame.
+    /// The line in the *decompressed* text, counted from 1; `None` if the problem has no line.
     pub line: Option<u64>,
-    /// What is wrong there.
+    /// The problem.
     pub problem: Problem,
 }
 
-/// What is wrong with a file.
+/// The problem of a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// The file is absent, or the system refuses to read it.
+    /// The file is absent or not readable.
     #[error("cannot be read: {0}{remedy}", remedy = remedy(.0))]
     Unreadable(std::io::Error),
-    /// The file starts as gzip or zstd does, but its stream is damaged.
-    #[error("the compressed stream is damaged or cut short ({0}); copy or download the file again")]
+    /// The file begins like gzip or zstd, but its stream is damaged.
+    #[error("compressed stream: damaged or truncated ({0}); copy or download the file again")]
     Compression(std::io::Error),
-    /// A line without an end: a binary file, most likely.
-    #[error("the line is longer than {limit} bytes; this is not a text recording")]
+    /// A line that is too long, most likely in a binary file.
+    #[error("line: too long (expected at most {limit} bytes); check that this is a text recording")]
     LineTooLong {
-        /// Longest line that is read.
+        /// Maximum length of a line \[bytes].
         limit: usize,
     },
-    /// More text than this crate is willing to hold in memory.
-    #[error("the text is longer than {limit} bytes; split the recording")]
+    /// A text that exceeds the memory limit.
+    #[error("text: too long (expected at most {limit} bytes); split the recording")]
     TooLarge {
-        /// Most bytes that are read, after decompression.
+        /// Maximum length after decompression \[bytes].
         limit: u64,
     },
     /// A line has too few or too many columns.
-    #[error("expected {expected} columns ({layout}), found {found}")]
+    #[error("columns: wrong number (got {found}, expected {expected}: {layout})")]
     Columns {
-        /// Columns that the format has.
+        /// Number of columns in the format.
         expected: usize,
-        /// Columns on the line.
+        /// Number of columns on the line.
         found: usize,
         /// The names of the columns, in order.
         layout: &'static str,
     },
-    /// A declared count differs from what the line or file holds.
-    #[error("declares {declared} {what}, but holds {found}")]
+    /// A declared count that differs from the content.
+    #[error("{what}: wrong count (got {found}, expected {declared} as declared)")]
     Count {
-        /// What is counted.
+        /// The counted items.
         what: &'static str,
-        /// The count the file states.
+        /// The declared count.
         declared: u64,
-        /// The count the file has.
+        /// The actual count.
         found: u64,
     },
-    /// A column holds no number (or no whole number where one is needed).
-    #[error("column {column} ({name}) is not {expected}: '{value}'")]
+    /// A column that is not a number, or not an integer where one is required.
+    #[error("column {column} ({name}): not {expected} (got '{value}')")]
     NotANumber {
         /// Column, counted from 1.
         column: usize,
-        /// What the column holds.
+        /// The name of the column.
         name: &'static str,
-        /// `a number` or `a whole number`.
+        /// `a number` or `an integer`.
         expected: &'static str,
-        /// The text found there, shortened.
+        /// The text of the column, shortened.
         value: String,
     },
-    /// A column holds NaN, an infinity, or a number too large for a float.
-    #[error("column {column} ({name}) is not finite: '{value}'; remove the line or repair the value")]
+    /// A column that is NaN, infinite or too large for a float.
+    #[error("column {column} ({name}): not finite (got '{value}'); remove the line or correct the value")]
     NotFinite {
         /// Column, counted from 1.
         column: usize,
-        /// What the column holds.
+        /// The name of the column.
         name: &'static str,
-        /// The text found there, shortened.
+        /// The text of the column, shortened.
         value: String,
     },
     /// A number outside the bounds of its quantity.
-    #[error("column {column} ({name}) is '{value}', outside {bounds}; is it in another unit?")]
+    #[error("column {column} ({name}): out of range (got '{value}', expected {bounds}); check its unit")]
     OutOfBounds {
         /// Column, counted from 1.
         column: usize,
-        /// What the column holds.
+        /// The name of the column.
         name: &'static str,
-        /// The text found there, shortened.
+        /// The text of the column, shortened.
         value: String,
-        /// The bounds with their unit, after conversion to SI.
+        /// The bounds with their unit, in SI.
         bounds: String,
     },
-    /// A time stamp before the one that precedes it.
-    #[error("time goes back from {previous} s to {found} s; sort the file by time")]
+    /// A time stamp earlier than the previous one.
+    #[error("time: decreases (got {found} s after {previous} s); sort the file by time")]
     TimeDecreases {
-        /// Stamp of the record before \[s\].
+        /// Stamp of the previous record \[s\].
         previous: f64,
         /// Stamp of this record \[s\].
         found: f64,
     },
-    /// Two records for a thing of which there is one.
-    #[error("{what} {id} appears twice; keep one of the two lines")]
+    /// Two records with the same id.
+    #[error("{what} {id}: duplicate; keep one of the two lines")]
     Duplicate {
-        /// What appears twice.
+        /// The kind of record.
         what: &'static str,
-        /// Its number.
+        /// The id.
         id: u64,
     },
-    /// A file without a single record of a kind that the format needs.
-    #[error("holds no {what}; is this the right file?")]
+    /// A file without any record of a required kind.
+    #[error("no {what} found; check that this is the right file")]
     Empty {
-        /// What is missing.
+        /// The missing kind of record.
         what: &'static str,
     },
-    /// A record that the format does not have.
-    #[error("'{found}' is not a record of this format; expected {expected}")]
+    /// A record that the format does not define.
+    #[error("record: unknown (got '{found}', expected {expected})")]
     UnknownRecord {
-        /// The word found, shortened.
+        /// The text of the record, shortened.
         found: String,
-        /// What may stand there.
+        /// The valid records.
         expected: &'static str,
     },
-    /// A structured document (YAML, TOML) that does not have the form it should have.
+    /// A malformed structured document (YAML, TOML).
     #[error("{message}")]
     Document {
-        /// What is wrong, and what would be right.
+        /// The problem and the remedy.
         message: String,
     },
-    /// A recording without the robot that was asked for.
-    #[error("robot {expected} is not in this data set; it has robots {present}")]
+    /// A recording without the requested robot.
+    #[error("robot: not in this data set (got {expected}, expected one of {present})")]
     UnknownRobot {
-        /// The robot that was asked for.
+        /// The requested robot.
         expected: u32,
-        /// The robots there are, separated by commas.
+        /// The robots of the data set, separated by commas.
         present: String,
     },
 }
 
 impl DataError {
-    /// A problem of the file as a whole.
+    /// Creates an error for the file as a whole.
     pub fn in_file(file: &Path, problem: Problem) -> Self {
         Self { file: file.to_owned(), line: None, problem }
     }
 
-    /// A problem of one line.
+    /// Creates an error for one line.
     pub fn at_line(file: &Path, line: u64, problem: Problem) -> Self {
         Self { file: file.to_owned(), line: Some(line), problem }
     }
 }
 
-/// What would be right where a file cannot be read.
+/// Returns the remedy for an unreadable file; empty if there is none.
 fn remedy(problem: &std::io::Error) -> &'static str {
     use std::io::ErrorKind;
     match problem.kind() {
-        ErrorKind::NotFound => "; is the path right, from the folder that you are in?",
-        ErrorKind::IsADirectory => "; name the file in it that is meant",
-        ErrorKind::NotADirectory => "; name the folder that the files are in",
-        ErrorKind::PermissionDenied => "; ask whoever owns it for the right to read it",
+        ErrorKind::NotFound => "; check the path, which is relative to the current directory",
+        ErrorKind::IsADirectory => "; give the path of a file in this directory",
+        ErrorKind::NotADirectory => "; give the path of the directory",
+        ErrorKind::PermissionDenied => "; obtain read permission from the owner",
         _ => "",
     }
 }
 
-/// `path` or `path:line`.
+/// Displays `path` or `path:line`.
 struct Place<'a> {
     file: &'a Path,
     line: Option<u64>,
@@ -176,7 +176,7 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// Text from a file made fit for a message: short, and without control characters.
+/// Shortens text from a file for a message and escapes control characters.
 pub(crate) fn excerpt(text: &[u8]) -> String {
     const MAX_SHOWN: usize = 32;
     let head = &text[..text.len().min(MAX_SHOWN)];

@@ -1,39 +1,39 @@
-//! Occupancy grids, whatever file they come from.
+//! Defines the occupancy grid, independent of its file format.
 
 use surepose::geometry::{Angle, Frame, Map, Point, Pose};
 
-/// Most cells of a grid: 8192 by 8192, half a gigabyte.
+/// Maximum number of cells: 8192 by 8192, half a gigabyte.
 pub const MAX_CELLS: usize = 1 << 26;
 
-/// A rectangle of square cells, each occupied with some probability.
+/// A rectangular grid of square cells with occupancy probabilities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Cells along the grid's x axis.
     pub width: usize,
     /// Cells along the grid's y axis.
     pub height: usize,
-    /// Side of a cell \[m\].
+    /// Edge length of a cell \[m\].
     pub resolution: f64,
-    /// Where the outer corner of cell (0, 0) lies in the map, and how the grid is turned there.
+    /// Pose in the map of the outer corner of cell (0, 0).
     pub origin: GridOrigin,
-    /// Probability that a cell is occupied, `None` where it is unknown; `height` rows of `width` cells, beginning
-    /// with the row at the origin.
+    /// Probability that a cell is occupied; `None` if unknown. `height` rows of `width` cells, starting with the row at the
+    /// origin.
     pub cells: Vec<Option<f32>>,
 }
 
-/// Where a grid lies in the map.
+/// The pose of a grid in the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GridOrigin {
-    /// Position \[m\].
+    /// Position along the x axis of the map \[m\].
     pub x: f64,
-    /// Position \[m\].
+    /// Position along the y axis of the map \[m\].
     pub y: f64,
-    /// Direction of the grid's x axis \[rad\].
+    /// Direction of the x axis of the grid in the map \[rad\].
     pub heading: f64,
 }
 
 impl Grid {
-    /// Probability that the cell is occupied; `None` where it is unknown or outside the grid.
+    /// Returns the probability that a cell is occupied; `None` if it is unknown or outside the grid.
     pub fn occupancy(&self, column: usize, row: usize) -> Option<f32> {
         if column >= self.width {
             return None;
@@ -42,14 +42,14 @@ impl Grid {
         self.cells.get(index).copied().flatten()
     }
 
-    /// The middle of a cell in the map \[m\].
+    /// Returns the center of a cell in the map \[m\].
     pub fn center(&self, column: usize, row: usize) -> (f64, f64) {
         let (x, y) = ((column as f64 + 0.5) * self.resolution, (row as f64 + 0.5) * self.resolution);
         let center = self.map_from_cells() * Point::new(x, y);
         (center.x, center.y)
     }
 
-    /// Column and row of the cell in which a point of the map lies \[m\]; `None` outside the grid.
+    /// Returns column and row of the cell that contains a point of the map \[m\]; `None` outside the grid.
     pub fn cell_at(&self, x: f64, y: f64) -> Option<(usize, usize)> {
         let point = self.map_from_cells().inverse() * Point::new(x, y);
         let (column, row) = (point.x / self.resolution, point.y / self.resolution);
@@ -57,7 +57,7 @@ impl Grid {
         inside.then_some((column as usize, row as usize))
     }
 
-    /// Where the frame of the cells lies in the map.
+    /// Returns the pose of the cell frame in the map.
     pub fn map_from_cells(&self) -> Pose<Map, Cells, f64> {
         Pose::new(self.origin.x, self.origin.y, Angle::from_radians(self.origin.heading))
     }

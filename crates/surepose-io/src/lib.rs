@@ -1,20 +1,21 @@
-//! Formats at the edge: recordings of real robots and maps, each known to exactly one module.
+//! Reads recordings of real robots, maps and the configuration.
 //!
-//! Inside, there are metres, seconds and radians only, in plain structs. What a format counts in centimetres,
-//! milliseconds or ticks ends in its module.
+//! Each format is implemented by exactly one module. Modules convert centimeters, milliseconds and ticks; all values of
+//! this crate are in meters, seconds and radians, in plain structs.
 //!
-//! | module | reads | gives |
+//! | module | reads | returns |
 //! |---|---|---|
-//! | [`mrclam`] | UTIAS MRCLAM folder: commanded velocities, barcode sightings, motion capture | [`mrclam::RobotLog`] |
+//! | [`mrclam`] | UTIAS MRCLAM folder: velocity commands, landmark observations, motion capture | [`mrclam::RobotLog`] |
 //! | [`carmen`] | CARMEN log corrected by SLAM: `FLASER`, `ODOM` | [`Recording`](recording::Recording) of poses |
 //! | [`mines_rover`] | `mines_rover`: wheel counters and 682 ranges per line | [`Recording`](recording::Recording) of ticks |
 //! | [`cmu_wean`] | CMU Wean Hall: log of `O` and `L` lines; text grid | [`Recording`](recording::Recording) of poses, [`grid::Grid`] |
-//! | [`map_server`] | ROS map server: YAML beside an image | [`grid::Grid`] |
-//! | [`pgm`] | grey images, `P5` and `P2` | [`pgm::Image`] |
-//! | [`wall_map`] | walls by their end points, TOML; also written | [`wall_map::WallMap`] |
-//! | [`start_poses`] | start poses, CSV | poses seen from the goal |
+//! | [`map_server`] | ROS map server: YAML file and image | [`grid::Grid`] |
+//! | [`pgm`] | grayscale images, `P5` and `P2` | [`pgm::Image`] |
+//! | [`wall_map`] | walls by their end points, TOML; also writes them | [`wall_map::WallMap`] |
+//! | [`start_poses`] | start poses, CSV | poses relative to the goal |
+//! | [`config`] | the configuration, TOML | [`Config`] |
 //!
-//! Recordings, grids and images may be plain or gzip; their first two bytes tell which, not their name.
+//! Recordings, grids and images may be plain, gzip or zstd; the first bytes of the file decide, not its name.
 //!
 //! ```no_run
 //! use surepose_io::{carmen, DataError};
@@ -27,17 +28,17 @@
 //! # }
 //! ```
 //!
-//! # What is refused
-//! A recording is read whole or refused whole, with a [`DataError`] that names file and line and says what would be
-//! right: a damaged or cut gzip stream, binary data, a wrong number of columns, a count that disagrees with what
-//! follows it, a number that is NaN, infinite or beyond the bounds of its quantity (a stamp in milliseconds, say), time
-//! that goes back. Only what a format itself calls missing is a value: a laser beam without return, and a barcode
-//! that belongs to nobody.
+//! # Errors
+//! A recording is read completely or rejected with a [`DataError`], which names file, line, problem and remedy. Rejected
+//! are damaged or truncated compressed streams, binary data, a wrong number of columns, and counts that differ from the
+//! content. Numbers must be finite and within the bounds of their quantity, which detects wrong units such as
+//! stamps in milliseconds. Stamps must not decrease. Only values that a format defines as missing are accepted: a laser
+//! beam without return, and a barcode that is not in the data set.
 //!
-//! No input makes a parser panic. Memory is bounded by constants: a text is at most [`lines::MAX_TEXT_BYTES`] bytes
-//! after decompression, a line [`lines::MAX_LINE_BYTES`] bytes, a grid [`grid::MAX_CELLS`] cells, and nothing is allocated
-//! for a count that a file merely declares; a gzip bomb of the shortest valid records ends, refused, at 1.05 GB.
-//! `fuzz/` has a target per parser.
+//! No input makes a parser panic. Memory is bounded: a text has at most [`lines::MAX_TEXT_BYTES`] bytes after
+//! decompression, a line [`lines::MAX_LINE_BYTES`] bytes, a grid [`grid::MAX_CELLS`] cells. No memory is allocated for a
+//! count that a file merely declares. A gzip bomb of the shortest valid records is rejected at 1.05 GB of memory.
+//! `fuzz/` has one target per parser.
 
 pub mod carmen;
 pub mod cmu_wean;

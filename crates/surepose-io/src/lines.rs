@@ -1,7 +1,7 @@
-//! Lines of a text recording, plain or gzip, with their numbers, and columns with typed errors.
+//! Reads text recordings line by line, plain or compressed, and parses their columns.
 //!
-//! Memory is bounded: one line is held at a time, a line is at most [`MAX_LINE_BYTES`] bytes and a text at most
-//! [`MAX_TEXT_BYTES`] bytes after decompression, so neither a binary file nor a gzip bomb exhausts the machine.
+//! Memory is bounded: one line is held at a time. A line has at most [`MAX_LINE_BYTES`] bytes, a text at most
+//! [`MAX_TEXT_BYTES`] bytes after decompression, so that neither binary files nor gzip bombs exhaust the memory.
 
 use std::io::{BufRead, Read};
 use std::ops::Range;
@@ -11,16 +11,16 @@ use crate::error::{DataError, Problem, excerpt};
 use crate::quantity::{Quantity, RANGE, TIME};
 use crate::source::Source;
 
-/// Longest line that is read \[bytes\]: a scan of 100 000 ranges.
+/// Maximum length of a line \[bytes\], enough for a scan of 100 000 ranges.
 pub const MAX_LINE_BYTES: usize = 1 << 20;
 
-/// Longest text that is read, after decompression \[bytes\].
+/// Maximum length of a text after decompression \[bytes\].
 pub const MAX_TEXT_BYTES: u64 = 1 << 28;
 
 /// U+FEFF in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A text file, read line by line.
+/// Reads a text file line by line.
 pub struct LineReader<'a> {
     file: PathBuf,
     source: Source<'a>,
@@ -30,10 +30,10 @@ pub struct LineReader<'a> {
 }
 
 impl LineReader<'static> {
-    /// Opens a file, plain or gzip; which of the two, its first bytes tell.
+    /// Opens a file, plain or compressed, as its first bytes indicate.
     ///
     /// # Errors
-    /// [`Problem::Unreadable`] where the file is absent or cannot be read.
+    /// [`Problem::Unreadable`] if the file is absent or not readable.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let source = Source::open(path).map_err(|problem| DataError::in_file(path, problem))?;
         Ok(Self::new(path, source))
@@ -41,7 +41,7 @@ impl LineReader<'static> {
 }
 
 impl<'a> LineReader<'a> {
-    /// Reads text, plain or gzip, that is in memory; `file` is the name that errors give it.
+    /// Creates a reader for text in memory, plain or compressed; `file` is the file name in errors.
     pub fn from_bytes(file: &Path, bytes: &'a [u8]) -> Self {
         Self::new(file, Source::from_bytes(bytes))
     }
@@ -50,20 +50,20 @@ impl<'a> LineReader<'a> {
         Self { file: file.to_owned(), source, line: Vec::new(), number: 0, bytes_left: MAX_TEXT_BYTES }
     }
 
-    /// The name of the file, as errors give it.
+    /// Returns the file name in errors.
     pub fn file(&self) -> &Path {
         &self.file
     }
 
-    /// A problem of this file as a whole.
+    /// Creates an error for the file as a whole.
     pub(crate) fn error(&self, problem: Problem) -> DataError {
         DataError::in_file(&self.file, problem)
     }
 
-    /// The next line that holds anything but blanks; `None` at the end of the text.
+    /// Returns the next line that is not blank; `None` at the end of the text.
     ///
     /// # Errors
-    /// A damaged gzip stream, an unreadable disk, a line or a text beyond its limit.
+    /// A damaged compressed stream, an I/O error, or a line or text that is too long.
     pub fn next_line(&mut self) -> Result<Option<TextLine<'_>>, DataError> {
         while self.advance()? {
             if !self.current().text.is_empty() {
@@ -73,7 +73,7 @@ impl<'a> LineReader<'a> {
         Ok(None)
     }
 
-    /// The next line that is not a `#` comment either.
+    /// Returns the next line that is neither blank nor a `#` comment; `None` at the end of the text.
     pub(crate) fn next_record(&mut self) -> Result<Option<TextLine<'_>>, DataError> {
         while self.advance()? {
             if !matches!(self.current().text, [] | [b'#', ..]) {
@@ -83,7 +83,7 @@ impl<'a> LineReader<'a> {
         Ok(None)
     }
 
-    /// Reads one line; false at the end of the text.
+    /// Reads one line; returns `false` at the end of the text.
     fn advance(&mut self) -> Result<bool, DataError> {
         self.line.clear();
         self.number += 1;
@@ -100,7 +100,7 @@ impl<'a> LineReader<'a> {
         Ok(read > 0)
     }
 
-    /// The line that was read, without the mark that some editors put at a text's start.
+    /// Returns the current line, without a byte-order mark at the start of the text.
     fn current(&self) -> TextLine<'_> {
         let marked = if self.number == 1 { self.line.strip_prefix(BYTE_ORDER_MARK) } else { None };
         let text = marked.unwrap_or(&self.line).trim_ascii();
@@ -112,7 +112,7 @@ impl<'a> LineReader<'a> {
     }
 }
 
-/// One line of a file, without the blanks around it.
+/// One line of a file, without surrounding whitespace.
 #[derive(Clone, Copy, Debug)]
 pub struct TextLine<'l> {
     file: &'l Path,
@@ -121,33 +121,33 @@ pub struct TextLine<'l> {
 }
 
 impl<'l> TextLine<'l> {
-    /// The text of the line.
+    /// Returns the text of the line.
     pub fn text(&self) -> &'l [u8] {
         self.text
     }
 
-    /// A problem of this line.
+    /// Creates an error for this line.
     pub(crate) fn error(&self, problem: Problem) -> DataError {
         DataError::at_line(self.file, self.number, problem)
     }
 
-    /// The columns, split at blanks.
+    /// Returns the columns, separated by whitespace.
     pub(crate) fn columns(self) -> impl Iterator<Item = Field<'l>> {
         let words = self.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         words.enumerate().map(move |(before, text)| Field { line: self, number: before + 1, text })
     }
 
-    /// All columns; a line has at most half as many as [`MAX_LINE_BYTES`].
+    /// Returns all columns; their number is at most half of [`MAX_LINE_BYTES`].
     pub(crate) fn all_columns(self) -> Vec<Field<'l>> {
         self.columns().collect()
     }
 
-    /// Exactly `N` columns; `layout` names them for the error.
+    /// Returns exactly `N` columns separated by whitespace; `layout` names them in the error.
     pub(crate) fn split<const N: usize>(self, layout: &'static str) -> Result<[Field<'l>; N], DataError> {
         self.exactly(self.columns(), layout)
     }
 
-    /// Exactly `N` columns between commas; `layout` names them for the error.
+    /// Returns exactly `N` columns separated by commas; `layout` names them in the error.
     pub(crate) fn split_at_commas<const N: usize>(
         self,
         layout: &'static str,
@@ -181,17 +181,17 @@ pub(crate) struct Field<'l> {
 }
 
 impl<'l> Field<'l> {
-    /// The text of the column.
+    /// Returns the text of the column.
     pub(crate) fn text(&self) -> &'l [u8] {
         self.text
     }
 
-    /// A finite number inside the bounds of its quantity.
+    /// Parses a finite number within the bounds of its quantity.
     pub(crate) fn read(&self, name: &'static str, quantity: &Quantity) -> Result<f64, DataError> {
         self.read_in(name, quantity, 1.0)
     }
 
-    /// A finite number in a unit of the file, which is `unit` in SI, inside the bounds of its quantity.
+    /// Parses a finite number in a unit of the file, converts it by the factor `unit` to SI, and checks its bounds.
     pub(crate) fn read_in(
         &self,
         name: &'static str,
@@ -206,7 +206,7 @@ impl<'l> Field<'l> {
         Err(self.line.error(Problem::OutOfBounds { column, name, value, bounds }))
     }
 
-    /// A range \[m\], counted in `unit` metres; a value outside `returns` \[m\] is no return, an infinity here.
+    /// Parses a range in units of `unit` meters, in \[m\]; a value outside `returns` is no return and gives infinity.
     pub(crate) fn laser_range(&self, unit: f64, returns: &Range<f64>) -> Result<f64, DataError> {
         let value = self.finite("range")? * unit;
         if value < 0.0 {
@@ -215,7 +215,7 @@ impl<'l> Field<'l> {
         Ok(if returns.contains(&value) { value } else { f64::INFINITY })
     }
 
-    /// A finite number.
+    /// Parses a finite number.
     pub(crate) fn finite(&self, name: &'static str) -> Result<f64, DataError> {
         let (column, expected) = (self.number, "a number");
         match fast_float2::parse::<f64, _>(self.text) {
@@ -230,24 +230,24 @@ impl<'l> Field<'l> {
         }
     }
 
-    /// A whole number.
+    /// Parses an integer.
     pub(crate) fn whole<N: std::str::FromStr>(&self, name: &'static str) -> Result<N, DataError> {
         let parsed = std::str::from_utf8(self.text).ok().and_then(|text| text.parse().ok());
-        let (column, expected) = (self.number, "a whole number");
+        let (column, expected) = (self.number, "an integer");
         parsed.ok_or_else(|| {
             self.line.error(Problem::NotANumber { column, name, expected, value: excerpt(self.text) })
         })
     }
 }
 
-/// Watches that the stamps of one file never go back.
+/// Checks that the stamps of a file do not decrease.
 #[derive(Debug, Default)]
 pub(crate) struct Clock {
     previous: Option<f64>,
 }
 
 impl Clock {
-    /// Reads the stamp in `column`, which is in units of `unit` seconds.
+    /// Parses the stamp in `column`, in units of `unit` seconds.
     pub(crate) fn stamp(&mut self, column: Field<'_>, unit: f64) -> Result<f64, DataError> {
         let found = column.read_in("time", &TIME, unit)?;
         match self.previous.replace(found) {

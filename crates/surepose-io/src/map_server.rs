@@ -1,8 +1,8 @@
-//! Occupancy grids in the form of the ROS map server: a YAML description beside a PGM image.
+//! Reads occupancy grids of the ROS map server: a YAML file and a PGM image.
 //!
-//! How grey becomes occupancy follows the map server of Navigation2 (`nav2_map_server`, `map_io.cpp`): a black pixel
-//! is occupied with probability 1, a white one with 0 (`negate` swaps them), and `mode` says what becomes of the values
-//! between. The bottom row of the image is the row at the origin.
+//! The conversion of gray values follows the map server of Navigation2 (`nav2_map_server`, `map_io.cpp`). A black pixel
+//! has occupancy probability 1, a white one 0; `negate` swaps them. `mode` selects the treatment of values in between.
+//! The bottom row of the image is the row at the origin.
 
 mod document;
 
@@ -18,73 +18,73 @@ use crate::pgm::{self, Image};
 use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION, plain};
 use crate::source::{MAX_DOCUMENT_BYTES, read_all};
 
-/// What the YAML file says about the image.
+/// The content of the YAML file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapMetadata {
-    /// The image, as written: relative to the folder of the YAML file.
+    /// The image path as written, relative to the directory of the YAML file.
     pub image: PathBuf,
-    /// Side of a pixel \[m\].
+    /// Edge length of a pixel \[m\].
     pub resolution: f64,
-    /// Where the lower left corner of the image lies in the map.
+    /// Pose in the map of the lower left corner of the image.
     pub origin: GridOrigin,
-    /// Whether white is occupied.
+    /// Whether white means occupied.
     pub negate: bool,
-    /// A pixel above this probability is occupied.
+    /// Probability above which a pixel is occupied.
     pub occupied_threshold: f64,
-    /// A pixel below this probability is free.
+    /// Probability below which a pixel is free.
     pub free_threshold: f64,
-    /// What becomes of pixels between the thresholds.
+    /// Treatment of pixels between the thresholds.
     pub mode: MapMode,
 }
 
-/// How grey becomes occupancy.
+/// The conversion from gray value to occupancy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MapMode {
-    /// Free, occupied, or else unknown.
+    /// Between the thresholds: unknown.
     #[default]
     Trinary,
-    /// Free, occupied, or else a probability that grows from the lower threshold to the upper one.
+    /// Between the thresholds: a probability that increases linearly from 0 to 1.
     Scale,
-    /// The grey value, of 255, is the probability in per cent; above 100 it is unknown.
+    /// The gray value, scaled to 255, is the probability in percent; above 100 it is unknown.
     Raw,
 }
 
-/// An image that a YAML file names and that is not there, and the one that was read instead.
+/// The substitution of an image that the YAML file names but that is absent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Renamed {
-    /// The image that is named.
+    /// The absent image.
     pub named: PathBuf,
-    /// The image with the name of the YAML file.
+    /// The image with the name of the YAML file, which is read instead.
     pub read: PathBuf,
 }
 
 impl fmt::Display for Renamed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "there is no {}: {} is read instead", self.named.display(), self.read.display())
+        write!(f, "image: not found (got {}); reading {} instead", self.named.display(), self.read.display())
     }
 }
 
-/// Reads the grid that a YAML file describes.
+/// Reads the grid of a YAML file.
 ///
-/// Where the image is absent under the name the file gives, an image with the name of the YAML file itself is taken, and told: map
-/// pairs are often renamed together, and then the name inside is stale.
+/// If the named image is absent, the image with the name of the YAML file is read and the substitution returned: both files
+/// are often renamed together, without editing the YAML file.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line.
+/// A missing, unreadable or malformed file, with name and line.
 pub fn read(path: &Path) -> Result<(Grid, Option<Renamed>), DataError> {
     let (description, image, renamed) = described(path)?;
     Ok((description.grid(&pgm::read(&image)?), renamed))
 }
 
-/// The image that [`read`] takes the grid from.
+/// Returns the path of the image that [`read`] reads.
 ///
 /// # Errors
-/// A missing, unreadable or malformed YAML file, by name and line.
+/// A missing, unreadable or malformed YAML file, with name and line.
 pub fn image_of(path: &Path) -> Result<PathBuf, DataError> {
     described(path).map(|(_, image, _)| image)
 }
 
-/// What the YAML file says, the image that is there, and whether that is another one than is named.
+/// Returns the content of the YAML file, the image path, and the substitution if there is one.
 fn described(path: &Path) -> Result<(MapMetadata, PathBuf, Option<Renamed>), DataError> {
     let description = parse(path, &read_all(path, MAX_DOCUMENT_BYTES)?)?;
     let named = path.with_file_name("").join(&description.image);
@@ -95,17 +95,17 @@ fn described(path: &Path) -> Result<(MapMetadata, PathBuf, Option<Renamed>), Dat
     Ok((description, same.clone(), Some(Renamed { named, read: same })))
 }
 
-/// Reads the text of a YAML file; `file` is the name that errors give it.
+/// Parses the text of a YAML file; `file` is the file name in errors.
 ///
 /// # Errors
-/// Text that is not YAML, a key that is missing, or a value that cannot be, by line.
+/// Invalid YAML, a missing key or an invalid value, with the line.
 pub fn parse(file: &Path, bytes: &[u8]) -> Result<MapMetadata, DataError> {
     let document = Document::read(file, utf8(file, bytes)?)?;
     let check = |name: &str, (value, line): (f64, u64), quantity: &Quantity| {
         if quantity.admits(value) {
             return Ok(value);
         }
-        let message = format!("{name} is {}, outside {quantity}", plain(value));
+        let message = format!("{name}: out of range (got {}, expected {quantity})", plain(value));
         Err(wrong(file, Some(line), message))
     };
     let [x, y, heading] = document.numbers("origin")?;
@@ -124,18 +124,18 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<MapMetadata, DataError> {
         mode: mode_in(&document)?,
     };
     if description.free_threshold >= description.occupied_threshold {
-        return Err(wrong(file, Some(free.1), "free_thresh must be below occupied_thresh"));
+        return Err(wrong(file, Some(free.1), "free_thresh: must be below occupied_thresh"));
     }
     Ok(description)
 }
 
-/// `negate`, written as 0 or 1, or as false or true.
+/// Reads `negate`, written as 0, 1, false or true.
 fn negate_in(document: &Document<'_>) -> Result<bool, DataError> {
     let found = document.required("negate")?;
     found.truth().ok_or_else(|| document.unexpected("negate", found, "0, 1, false or true"))
 }
 
-/// `mode`, by default [`MapMode::Trinary`].
+/// Reads `mode`; the default is [`MapMode::Trinary`].
 fn mode_in(document: &Document<'_>) -> Result<MapMode, DataError> {
     let Some(found) = document.scalar("mode")? else { return Ok(MapMode::default()) };
     match found.text() {
@@ -147,7 +147,7 @@ fn mode_in(document: &Document<'_>) -> Result<MapMode, DataError> {
 }
 
 impl MapMetadata {
-    /// The grid that `image` shows.
+    /// Converts `image` to a grid.
     pub fn grid(&self, image: &Image) -> Grid {
         let white = f64::from(image.white);
         let rows = image.pixels.chunks_exact(image.width.max(1)).rev();
@@ -156,7 +156,7 @@ impl MapMetadata {
         Grid { width: image.width, height: image.height, resolution, origin, cells }
     }
 
-    /// Occupancy of a pixel whose brightness is `shade`, from 0 to 1.
+    /// Converts the brightness of a pixel, from 0 to 1, to occupancy; `None` if unknown.
     fn occupancy(&self, shade: f64) -> Option<f32> {
         let occupied = if self.negate { shade } else { 1.0 - shade };
         match self.mode {

@@ -1,16 +1,16 @@
-//! Wheel ticks and laser, one line per moment: the `mines_rover` recordings of the `BreezySLAM` project.
+//! Reads wheel ticks and laser scans: the `mines_rover` recordings of the `BreezySLAM` project.
 //!
-//! Columns, counted from 0, all whole numbers but the battery voltage and the like, which are not read:
+//! Each line has one record of space-separated columns, counted from 0; other columns are not read:
 //!
 //! | column | meaning |
 //! |---|---|
 //! | 0 | time \[µs\] |
 //! | 2, 3 | left and right wheel counter \[ticks\] |
-//! | 24–705 | 682 ranges \[mm\], from right to left |
-//! | 706 | a 683rd range, which `BreezySLAM` drops, and which is 0 in both recordings; may be absent |
+//! | 24–705 | 682 ranges \[mm\], counter-clockwise |
+//! | 706 | optional 683rd range, which `BreezySLAM` drops; 0 in both recordings |
 //!
-//! The laser is a Hokuyo URG-04LX. A range under 20 mm is no range but an error code of its (0, 1, 2, 6, 7, 8, 10
-//! and 15 occur), so it is no return. Its steps are 1/1024 turn, and it reports steps 44 to 725 with 384 ahead.
+//! The laser is a Hokuyo URG-04LX. A range under 20 mm is an error code (0, 1, 2, 6, 7, 8, 10 and 15 occur) and counts
+//! as no return. The angular step is 1/1024 turn; steps 44 to 725 are reported, and step 384 points forward.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -20,7 +20,7 @@ use crate::error::{DataError, Problem};
 use crate::lines::{Clock, Field, LineReader};
 use crate::recording::{Recording, ScanRecord, SensorPose, StampedTicks};
 
-/// The rover's dimensions, as its makers state them.
+/// The dimensions of the rover, from its manufacturer.
 pub const ROVER: Rover = Rover {
     wheel_radius: 0.077,
     wheel_separation: 0.330,
@@ -28,16 +28,16 @@ pub const ROVER: Rover = Rover {
     mount: SensorPose { x: 0.145, y: 0.0, heading: 0.0 },
 };
 
-/// Dimensions that turn ticks into metres.
+/// Dimensions of a rover, for the conversion of ticks to meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rover {
     /// Radius of both wheels \[m\].
     pub wheel_radius: f64,
     /// Distance between the wheels \[m\].
     pub wheel_separation: f64,
-    /// Ticks of one turn of a wheel.
+    /// Ticks per turn of a wheel.
     pub ticks_per_turn: f64,
-    /// Where the laser sits.
+    /// Pose of the laser in the robot frame.
     pub mount: SensorPose,
 }
 
@@ -49,21 +49,21 @@ const FIRST_STEP: f64 = 44.0;
 const RANGES: Range<usize> = 24..706;
 const LAYOUT: &str = "time, -, left, right, 20 others, 682 or 683 ranges";
 
-/// Ranges that are returns \[m\].
+/// Ranges that count as returns \[m].
 const RETURNS: Range<f64> = 0.020..f64::INFINITY;
 
-/// Reads a recording, plain or gzip.
+/// Reads a recording, plain or compressed.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line.
+/// A missing, unreadable or malformed file, with name and line.
 pub fn read(path: &Path) -> Result<Recording<StampedTicks>, DataError> {
     parse(LineReader::open(path)?)
 }
 
-/// Reads a recording from its lines.
+/// Parses the lines of a recording.
 ///
 /// # Errors
-/// A malformed line, by number; a recording without lines.
+/// A malformed line, with its number, or a recording without lines.
 pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedTicks>, DataError> {
     let mut recording = Recording { odometry: Vec::new(), scans: Vec::new(), reference: Vec::new() };
     let mut clock = Clock::default();

@@ -1,7 +1,7 @@
-//! UTIAS MRCLAM: five robots, landmarks with barcodes, motion-capture ground truth [Leung2011].
+//! Reads UTIAS MRCLAM data sets: five robots, landmarks with barcodes, motion-capture ground truth [Leung2011].
 //!
-//! A data set is a folder. Each file is plain text or gzip (`.gz`), has `#` header lines, and columns between
-//! blanks:
+//! A data set is a directory. Each file is plain text or gzip (`.gz`), with `#` header lines and columns separated by
+//! whitespace:
 //!
 //! | file | columns |
 //! |---|---|
@@ -11,8 +11,8 @@
 //! | `RobotN_Measurement.dat` | time \[s\], barcode, range \[m\], bearing \[rad\] |
 //! | `RobotN_Groundtruth.dat` | time \[s\], x, y \[m\], heading \[rad\] |
 //!
-//! The odometry is the *commanded* velocity; the camera sees other robots as well as landmarks; a few barcodes are
-//! misread and belong to nobody ([`Target::Unknown`]).
+//! The odometry is the *commanded* velocity. The camera observes other robots as well as landmarks. A few barcodes are
+//! misread and match no subject ([`Target::Unknown`]).
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,27 +22,27 @@ use crate::lines::{Clock, LineReader};
 use crate::quantity::{ANGLE, POSITION, POSITION_STD, RANGE, SPEED, TURN_RATE};
 use crate::recording::{StampedPose, StampedTwist};
 
-/// What one robot recorded, with the landmarks around it and its true path.
+/// The recording of one robot, with the landmarks and the true path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotLog {
-    /// Commanded velocities, by time.
+    /// Velocity commands, by time.
     pub odometry: Vec<StampedTwist>,
-    /// Sightings of landmarks and of other robots, by time.
+    /// Observations of landmarks and other robots, by time.
     pub sightings: Vec<LandmarkObservation>,
     /// True poses, by time.
     pub reference: Vec<StampedPose>,
-    /// The landmarks, by subject.
+    /// The landmarks, by subject number.
     pub landmarks: Vec<Landmark>,
 }
 
-/// A landmark as the motion capture saw it.
+/// A landmark, measured by motion capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landmark {
-    /// Its subject number.
+    /// The subject number.
     pub subject: u32,
-    /// Position \[m\].
+    /// Position along the x axis \[m\].
     pub x: f64,
-    /// Position \[m\].
+    /// Position along the y axis \[m\].
     pub y: f64,
     /// Standard deviation of `x` \[m\].
     pub x_std: f64,
@@ -50,27 +50,27 @@ pub struct Landmark {
     pub y_std: f64,
 }
 
-/// One barcode seen by the camera.
+/// An observation of a barcode by the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LandmarkObservation {
     /// Time \[s\].
     pub time: f64,
-    /// Who was seen.
+    /// The observed subject.
     pub target: Target,
     /// Distance \[m\].
     pub range: f64,
-    /// Direction seen from the robot's heading, counter-clockwise \[rad\].
+    /// Bearing from the robot heading, counter-clockwise \[rad\].
     pub bearing: f64,
 }
 
-/// Whom a barcode belongs to.
+/// The subject of a barcode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// A landmark, by subject.
+    /// A landmark, by subject number.
     Landmark(u32),
-    /// Another robot, by subject.
+    /// Another robot, by subject number.
     Robot(u32),
-    /// Nobody in the data set has this barcode: it was misread.
+    /// A misread barcode, which no subject has.
     Unknown {
         /// The barcode as read.
         barcode: u32,
@@ -78,17 +78,17 @@ pub enum Target {
 }
 
 impl RobotLog {
-    /// The landmark with this subject number.
+    /// Returns the landmark with this subject number; `None` if there is none.
     pub fn landmark(&self, subject: u32) -> Option<&Landmark> {
         let found = self.landmarks.binary_search_by_key(&subject, |landmark| landmark.subject);
         found.ok().and_then(|index| self.landmarks.get(index))
     }
 }
 
-/// Reads the files of one robot from the folder of a data set.
+/// Reads the files of one robot from the directory of a data set.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line; a robot that the data set does not have.
+/// A missing, unreadable or malformed file, with name and line, or a robot that the data set does not contain.
 pub fn read(folder: &Path, robot: u32) -> Result<RobotLog, DataError> {
     let present = robots(folder)?;
     if !present.contains(&robot) {
@@ -104,10 +104,10 @@ pub fn read(folder: &Path, robot: u32) -> Result<RobotLog, DataError> {
     })
 }
 
-/// The numbers of the robots whose odometry is in the folder, in order.
+/// Returns the numbers of the robots with an odometry file in the directory, in ascending order.
 ///
 /// # Errors
-/// A folder that cannot be read, or that holds no robot.
+/// An unreadable directory, or one without a robot.
 pub fn robots(folder: &Path) -> Result<Vec<u32>, DataError> {
     let unreadable = |error| DataError::in_file(folder, Problem::Unreadable(error));
     let mut robots = Vec::new();
@@ -125,7 +125,7 @@ pub fn robots(folder: &Path) -> Result<Vec<u32>, DataError> {
     Ok(robots)
 }
 
-/// The five texts behind one robot's log.
+/// The five files of one robot.
 pub struct Files<'a> {
     /// `Barcodes.dat`.
     pub barcodes: LineReader<'a>,
@@ -139,10 +139,10 @@ pub struct Files<'a> {
     pub reference: LineReader<'a>,
 }
 
-/// Reads one robot's log from its texts.
+/// Parses the files of one robot.
 ///
 /// # Errors
-/// A malformed text, by name and line.
+/// A malformed file, with name and line.
 pub fn parse(files: Files<'_>) -> Result<RobotLog, DataError> {
     let subjects = parse_barcodes(files.barcodes)?;
     let landmarks = parse_landmarks(files.landmarks)?;
@@ -159,12 +159,12 @@ pub fn parse(files: Files<'_>) -> Result<RobotLog, DataError> {
     })
 }
 
-/// `N` of `RobotN_Odometry.dat`.
+/// Returns `N` of `RobotN_Odometry.dat`; `None` for other names.
 fn robot_of_odometry(name: &str) -> Option<u32> {
     name.strip_prefix("Robot")?.strip_suffix("_Odometry.dat")?.parse().ok()
 }
 
-/// Opens `name` or, where it is absent, `name.gz`.
+/// Opens `name` or, if it is absent, `name.gz`.
 fn open(folder: &Path, name: &str) -> Result<LineReader<'static>, DataError> {
     let plain: PathBuf = folder.join(name);
     let compressed = folder.join(format!("{name}.gz"));

@@ -1,4 +1,4 @@
-//! Portable grey maps: the images in which ROS keeps its occupancy grids, binary (`P5`) and plain (`P2`).
+//! Reads portable graymap images, as used for ROS occupancy grids: binary (`P5`) and plain (`P2`).
 
 use std::path::Path;
 
@@ -8,33 +8,33 @@ use crate::grid::MAX_CELLS;
 use crate::lines::MAX_TEXT_BYTES;
 use crate::source::read_all;
 
-/// A grey image.
+/// A grayscale image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
-    /// Pixels in a row.
+    /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// The value that means white, from 1 to 65535.
+    /// The value of white, from 1 to 65535.
     pub white: u16,
-    /// The values, row by row from the top; none is above `white`.
+    /// The pixel values, row by row from the top, at most `white`.
     pub pixels: Vec<u16>,
 }
 
-/// Reads an image, plain or gzip.
+/// Reads an image, plain or compressed.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name, and by line where it is text.
+/// A missing, unreadable or malformed file, with its name, and with the line for text.
 pub fn read(path: &Path) -> Result<Image, DataError> {
     parse(path, &read_all(path, MAX_TEXT_BYTES)?)
 }
 
-/// Reads an image that is in memory; `file` is the name that errors give it.
+/// Parses an image in memory; `file` is the file name in errors.
 ///
-/// Memory stays below four times the length of `bytes`, whatever size the header declares.
+/// Memory use is below four times the length of `bytes`, whatever size the header declares.
 ///
 /// # Errors
-/// A malformed header, too few pixels, or a pixel that is whiter than white.
+/// A malformed header, too few pixels, or a pixel above the value of white.
 pub fn parse(file: &Path, bytes: &[u8]) -> Result<Image, DataError> {
     let mut words = Words { file, bytes, at: 0 };
     let magic = words.next();
@@ -46,16 +46,18 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<Image, DataError> {
     let height = words.number("height", MAX_CELLS)?;
     let white = words.number("white value", usize::from(u16::MAX))?;
     if width == 0 || height == 0 || white == 0 {
-        return Err(words.wrong("width, height and white value must be above zero"));
+        return Err(words.wrong("width, height, white value: 0 is not allowed"));
     }
     let count = width.checked_mul(height).filter(|&count| count <= MAX_CELLS);
-    let count = count.ok_or_else(|| words.wrong(format!("more than {MAX_CELLS} pixels; cut the map")))?;
+    let count = count.ok_or_else(|| {
+        words.wrong(format!("image: too large (expected at most {MAX_CELLS} pixels); crop the map"))
+    })?;
     let white = u16::try_from(white).unwrap_or(u16::MAX);
     let pixels = if magic == b"P5" { words.binary(count, white)? } else { words.plain(count, white)? };
     Ok(Image { width, height, white, pixels })
 }
 
-/// The words of an image file; `#` begins a comment that reaches to the end of its line.
+/// Splits an image file into words; `#` starts a comment up to the end of the line.
 struct Words<'a> {
     file: &'a Path,
     bytes: &'a [u8],
@@ -63,7 +65,7 @@ struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// The next word; empty at the end of the file.
+    /// Returns the next word; empty at the end of the file.
     fn next(&mut self) -> &'a [u8] {
         let mut comment = false;
         while let Some(&byte) = self.bytes.get(self.at) {
@@ -84,11 +86,11 @@ impl<'a> Words<'a> {
         let word = self.next();
         let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<usize>().ok());
         number.filter(|&number| number <= most).ok_or_else(|| {
-            self.wrong(format!("{name} is not a whole number up to {most}: '{}'", excerpt(word)))
+            self.wrong(format!("{name}: invalid (got '{}', expected an integer up to {most})", excerpt(word)))
         })
     }
 
-    /// Pixels as bytes, or as pairs of bytes where white is above 255; one blank parts them from the header.
+    /// Reads pixels as bytes, or as big-endian byte pairs if white is above 255, after one whitespace character.
     fn binary(&self, count: usize, white: u16) -> Result<Vec<u16>, DataError> {
         let data = self.bytes.get(self.at + 1..).unwrap_or_default();
         let wide = white > 255;
@@ -106,7 +108,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Pixels as decimal numbers.
+    /// Reads pixels as decimal numbers.
     fn plain(&mut self, count: usize, white: u16) -> Result<Vec<u16>, DataError> {
         let mut pixels = Vec::new();
         while pixels.len() < count {
@@ -115,8 +117,8 @@ impl<'a> Words<'a> {
                 return Err(self.error(too_few(count, pixels.len())));
             }
             let pixel = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-            let pixel =
-                pixel.ok_or_else(|| self.wrong(format!("pixel is no grey value: '{}'", excerpt(word))))?;
+            let pixel = pixel
+                .ok_or_else(|| self.wrong(format!("pixel: not a gray value (got '{}')", excerpt(word))))?;
             if pixel > white {
                 return Err(self.error(too_white(pixel, white)));
             }
@@ -139,7 +141,7 @@ fn too_few(declared: usize, found: usize) -> Problem {
 }
 
 fn too_white(pixel: u16, white: u16) -> Problem {
-    Problem::Document { message: format!("a pixel is {pixel}, but white is {white}") }
+    Problem::Document { message: format!("pixel: above white (got {pixel}, expected at most {white})") }
 }
 
 #[cfg(test)]

@@ -1,36 +1,36 @@
-//! What recordings hold, in SI units and radians: stamped poses, twists and wheel ticks, and laser scans.
+//! Defines the records of recordings: stamped poses, twists and wheel ticks, and laser scans.
 //!
-//! Every number is finite (a missing laser return apart, see [`ScanRecord::ranges`]) and inside the bounds of its
-//! quantity. Headings are as the format has them, so not always wrapped. Stamps are those of the recording, never going back within one
-//! list; their zero is the recording's own.
+//! Values are in SI units and radians. Every number is finite and within the bounds of its quantity, except missing laser
+//! returns (see [`ScanRecord::ranges`]). Headings are as recorded and not always normalized. Stamps are as recorded: they
+//! do not decrease within a list, and their origin depends on the recording.
 
 use surepose::geometry::{Angle, Body, Laser, Pose};
 
 /// What a robot with a laser recorded: odometry of some kind, scans, and a reference path where there is one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording<O> {
-    /// Odometry, by time.
+    /// Odometry records, by time.
     pub odometry: Vec<O>,
     /// Laser scans, by time.
     pub scans: Vec<ScanRecord>,
-    /// Poses to be judged against, by time; empty where the recording has none.
+    /// Reference poses, by time; empty if the recording has none.
     pub reference: Vec<StampedPose>,
 }
 
-/// A pose at a time.
+/// A pose with a time stamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampedPose {
     /// Time \[s\].
     pub time: f64,
-    /// Position \[m\].
+    /// Position along the x axis \[m\].
     pub x: f64,
-    /// Position \[m\].
+    /// Position along the y axis \[m\].
     pub y: f64,
     /// Heading, counter-clockwise from the x axis \[rad\].
     pub heading: f64,
 }
 
-/// A velocity at a time.
+/// A velocity with a time stamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampedTwist {
     /// Time \[s\].
@@ -41,9 +41,9 @@ pub struct StampedTwist {
     pub turn_rate: f64,
 }
 
-/// The counters of both wheel encoders at a time.
+/// The counters of both wheel encoders with a time stamp.
 ///
-/// They come from 32-bit counters, so that the difference of any two never overflows.
+/// The counters have 32 bits, so that the difference of any two does not overflow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampedTicks {
     /// Time \[s\].
@@ -54,39 +54,39 @@ pub struct StampedTicks {
     pub right: i64,
 }
 
-/// One sweep of a laser range finder, counter-clockwise.
+/// One scan of a laser range finder, counter-clockwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanRecord {
     /// Time \[s\].
     pub time: f64,
-    /// Direction of the first beam, seen from the laser's heading \[rad\].
+    /// Angle of the first beam, relative to the laser \[rad\].
     pub angle_min: f64,
-    /// Angle from one beam to the next \[rad\].
+    /// Angle between successive beams \[rad\].
     pub angle_increment: f64,
-    /// One range per beam, above zero \[m\]; [`f64::INFINITY`] where nothing came back.
+    /// One range per beam, above 0 \[m\]; [`f64::INFINITY`] for a beam without return.
     pub ranges: Vec<f64>,
-    /// Where the laser sits on the robot.
+    /// Pose of the laser on the robot.
     pub mount: SensorPose,
-    /// Where odometry put the robot at the moment of the scan, if the recording tells.
+    /// Odometry pose at the time of the scan; `None` if the recording has none.
     pub odometry: Option<StampedPose>,
-    /// How many records of [`Recording::odometry`] precede this scan. It joins the two lists even where the stamps
-    /// of a recording cannot.
+    /// Number of records in [`Recording::odometry`] that precede this scan. It relates both lists even if the stamps of a
+    /// recording do not.
     pub odometry_before: usize,
 }
 
-/// Where a laser sits on the robot.
+/// The pose of a sensor on the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorPose {
-    /// Ahead of the wheel axle \[m\].
+    /// Forward of the wheel axle \[m\].
     pub x: f64,
-    /// To the left of the middle \[m\].
+    /// To the left of the center line \[m\].
     pub y: f64,
-    /// Turned counter-clockwise against the robot's heading \[rad\].
+    /// Yaw relative to the robot, counter-clockwise \[rad\].
     pub heading: f64,
 }
 
 impl ScanRecord {
-    /// Direction of beam `index`, seen from the laser's heading \[rad\].
+    /// Returns the angle of beam `index`, relative to the laser \[rad\].
     pub fn angle(&self, index: usize) -> f64 {
         self.angle_min + index as f64 * self.angle_increment
     }
@@ -115,8 +115,8 @@ macro_rules! stamped {
 stamped!(StampedPose, StampedTwist, StampedTicks, ScanRecord);
 
 impl<O: Timestamped> Recording<O> {
-    /// Time from the first record to the last \[s\]. It is 0 for a recording whose stamps were rounded away: such
-    /// records have an order, but no rate.
+    /// Returns the time from the first record to the last \[s\]; 0 if the stamps were rounded to one value, so that the
+    /// records have an order but no rate.
     pub fn duration(&self) -> f64 {
         let odometry = span(&self.odometry).into_iter();
         let (first, last) = odometry
@@ -129,7 +129,7 @@ impl<O: Timestamped> Recording<O> {
     }
 }
 
-/// First and last stamp of records that are in order.
+/// Returns the first and the last stamp of ordered records; `None` if there are none.
 fn span<R: Timestamped>(records: &[R]) -> Option<(f64, f64)> {
     Some((records.first()?.time(), records.last()?.time()))
 }

@@ -1,4 +1,4 @@
-//! Where bytes come from: a file or memory, plain, gzip or zstd, never more than a stated number of them.
+//! Opens byte sources: files or memory, plain, gzip or zstd, with a bounded length.
 
 mod zstd;
 
@@ -12,13 +12,13 @@ use crate::error::{DataError, Problem};
 
 pub use zstd::ZstdReader;
 
-/// Longest YAML or TOML document that is read \[bytes\].
+/// Maximum length of a YAML or TOML document \[bytes\].
 pub(crate) const MAX_DOCUMENT_BYTES: u64 = 1 << 24;
 
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 const BUFFER: usize = 1 << 16;
 
-/// How a stream is compressed, by its first bytes.
+/// The compression of a stream, detected by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Compression {
     None,
@@ -36,16 +36,16 @@ impl Compression {
     }
 }
 
-/// A stream of bytes, decompressed if its first bytes are those of gzip or zstd.
+/// A byte stream, decompressed if it begins like gzip or zstd.
 pub(crate) struct Source<'a> {
     pub(crate) input: Box<dyn BufRead + 'a>,
     compression: Compression,
 }
 
-/// The bytes of a file, decompressed if its first bytes are those of gzip or zstd: for a format that another crate reads.
+/// Opens a file for a reader outside this crate, decompressed if it begins like gzip or zstd.
 ///
 /// # Errors
-/// Where it cannot be opened or read.
+/// I/O errors of opening or reading.
 pub fn read_plain(path: &Path) -> std::io::Result<impl BufRead> {
     Ok(Source::file(path)?.input)
 }
@@ -76,7 +76,7 @@ impl<'a> Source<'a> {
         Self { input, compression }
     }
 
-    /// A failed read: the disk's fault for a plain file, the stream's for a compressed one.
+    /// Converts a read error: an I/O problem for a plain source, else a damaged compressed stream.
     pub(crate) fn unreadable(&self, error: Error) -> Problem {
         match self.compression {
             Compression::None => Problem::Unreadable(error),
@@ -84,7 +84,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The whole content, if it is not longer than `limit`.
+    /// Reads the whole content, at most `limit` bytes.
     fn read_all(mut self, limit: u64) -> Result<Vec<u8>, Problem> {
         let mut bytes = Vec::new();
         let result = (&mut self.input).take(limit + 1).read_to_end(&mut bytes);
@@ -93,7 +93,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The whole content of a file, plain or compressed, if it is not longer than `limit`.
+/// Reads the whole content of a file, plain or compressed, at most `limit` bytes.
 pub(crate) fn read_all(path: &Path, limit: u64) -> Result<Vec<u8>, DataError> {
     let content = Source::open(path).and_then(|source| source.read_all(limit));
     content.map_err(|problem| DataError::in_file(path, problem))

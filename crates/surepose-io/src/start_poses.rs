@@ -1,6 +1,6 @@
-//! Start poses for a sweep: one per line, `x_m,y_m,heading_deg`, seen from the goal.
+//! Reads start poses of a sweep: CSV lines `x_m,y_m,heading_deg`, relative to the goal.
 //!
-//! A first line with these names may be there; empty lines and lines that begin with `#` are left out.
+//! The first line may hold these names; blank lines and lines that begin with `#` are ignored.
 
 use std::path::Path;
 
@@ -12,18 +12,18 @@ use crate::quantity::{ANGLE, POSITION};
 
 const LAYOUT: &str = "x_m,y_m,heading_deg";
 
-/// Reads a list of start poses, plain or gzip.
+/// Reads a list of start poses, plain or compressed.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line; a list without a pose.
+/// A missing, unreadable or malformed file, with name and line, or an empty list.
 pub fn read(path: &Path) -> Result<Vec<Pose<Goal, Body, f64>>, DataError> {
     parse(LineReader::open(path)?)
 }
 
-/// Reads a list of start poses from its lines.
+/// Parses the lines of a list of start poses.
 ///
 /// # Errors
-/// A malformed line, by number; a list without a pose.
+/// A malformed line, with its number, or an empty list.
 pub fn parse(mut lines: LineReader<'_>) -> Result<Vec<Pose<Goal, Body, f64>>, DataError> {
     let mut starts = Vec::new();
     let mut header_allowed = true;
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn poses_with_and_without_a_header() {
+    fn header_is_optional() {
         let with =
             list("x_m,y_m,heading_deg\n-1.5, 0.25 ,90\r\n\n# the second\n1e-3,0,-450\n").expect("right");
         assert_eq!(with, list("-1.5,0.25,90\n0.001,0,-450").expect("right"));
@@ -76,18 +76,18 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_list_is_refused_with_its_line() {
+    fn malformed_lists_are_rejected_with_the_line() {
         for (text, complaint) in [
-            ("", "starts.csv: holds no start poses"),
-            ("x_m,y_m,heading_deg\n", "starts.csv: holds no start poses"),
-            ("1,2\n", "starts.csv:1: expected 3 columns (x_m,y_m,heading_deg), found 2"),
-            ("1,2,3,4\n", "starts.csv:1: expected 3 columns (x_m,y_m,heading_deg), found 4"),
-            ("1 2 3\n", "starts.csv:1: expected 3 columns"),
-            ("1,2,3\nx_m,y_m,heading_deg\n", "starts.csv:2: column 1 (x_m) is not a number: 'x_m'"),
-            ("1,nan,3\n", "starts.csv:1: column 2 (y_m) is not finite: 'nan'"),
-            ("1,2,\n", "starts.csv:1: column 3 (heading_deg) is not a number: ''"),
-            ("1e9,2,3\n", "starts.csv:1: column 1 (x_m) is '1e9', outside"),
-            ("1,2,3\n\u{0}\u{1}\n", "starts.csv:2: expected 3 columns"),
+            ("", "starts.csv: no start poses found"),
+            ("x_m,y_m,heading_deg\n", "starts.csv: no start poses found"),
+            ("1,2\n", "starts.csv:1: columns: wrong number (got 2, expected 3: x_m,y_m,heading_deg)"),
+            ("1,2,3,4\n", "starts.csv:1: columns: wrong number (got 4, expected 3: x_m,y_m,heading_deg)"),
+            ("1 2 3\n", "starts.csv:1: columns: wrong number"),
+            ("1,2,3\nx_m,y_m,heading_deg\n", "starts.csv:2: column 1 (x_m): not a number (got 'x_m')"),
+            ("1,nan,3\n", "starts.csv:1: column 2 (y_m): not finite (got 'nan')"),
+            ("1,2,\n", "starts.csv:1: column 3 (heading_deg): not a number (got '')"),
+            ("1e9,2,3\n", "starts.csv:1: column 1 (x_m): out of range (got '1e9',"),
+            ("1,2,3\n\u{0}\u{1}\n", "starts.csv:2: columns: wrong number"),
         ] {
             let found = list(text).expect_err(text);
             assert!(found.starts_with(complaint), "{text:?}: {found}");

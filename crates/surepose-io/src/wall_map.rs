@@ -1,4 +1,4 @@
-//! Wall maps: straight walls by their end points, in a TOML file that people read and write.
+//! Reads and writes wall maps: TOML files with straight walls, given by their end points.
 //!
 //! ```toml
 //! name = "arena"
@@ -14,9 +14,9 @@
 //! covariance = { r_r_m2 = 1e-6, r_psi_m_rad = 0.0, psi_psi_rad2 = 1e-8 }
 //! ```
 //!
-//! A wall is seen from both sides. Its `covariance`, where the map was measured, is that of (r, ψ) of the line through
-//! its end points, x cos ψ + y sin ψ = r, with the normal ψ to the *right* of the way from `from_m` to `to_m`: the line
-//! that `surepose::geometry::Line::through` gives.
+//! A wall is visible from both sides. The optional `covariance` of a measured wall is that of (r, ψ), the parameters of
+//! the line x cos ψ + y sin ψ = r through both end points. The normal ψ points to the *right* of the direction from
+//! `from_m` to `to_m`, as in `surepose::Line::through`.
 
 use std::path::Path;
 
@@ -30,13 +30,13 @@ use crate::error::DataError;
 use crate::quantity::{COVARIANCE, POSITION, plain};
 use crate::source::{MAX_DOCUMENT_BYTES, read_all};
 
-/// Shortest wall that is one \[m\]; below it, the direction is rounding.
+/// Minimum length of a wall \[m\]; the direction of a shorter wall is rounding noise.
 const MIN_WALL_LENGTH: f64 = 1e-3;
 
-/// Straight walls on a plane.
+/// Straight walls in a plane.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WallMap {
-    /// What the place is called.
+    /// The name of the map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// The walls, in the order of the file.
@@ -47,21 +47,21 @@ pub struct WallMap {
 /// One straight wall.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapWall {
-    /// What the wall is called.
+    /// The name of the wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// One end: x, y \[m\].
+    /// First end point: x, y \[m\].
     #[serde(rename = "from_m")]
     pub from: [f64; 2],
-    /// The other end: x, y \[m\].
+    /// Second end point: x, y \[m\].
     #[serde(rename = "to_m")]
     pub to: [f64; 2],
-    /// How well the wall's line is known; absent for a wall that is exact.
+    /// Covariance of the line through the wall; `None` for an exact wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covariance: Option<WallCovariance>,
 }
 
-/// Covariance of a line's distance r and direction ψ.
+/// Covariance of the distance r and the direction ψ of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallCovariance {
@@ -77,10 +77,10 @@ pub struct WallCovariance {
 }
 
 impl WallMap {
-    /// The text of the map, as [`parse`] reads it.
+    /// Formats the map as TOML that [`parse`] reads.
     ///
     /// # Errors
-    /// A map that [`parse`] would refuse, named by its wall; `file` is the name that errors give it.
+    /// A wall that [`parse`] would reject, with its number; `file` is the file name in the error.
     pub fn to_toml(&self, file: &Path) -> Result<String, DataError> {
         for (index, wall) in self.walls.iter().enumerate() {
             check(wall)
@@ -91,7 +91,7 @@ impl WallMap {
 }
 
 impl MapWall {
-    /// Length of the wall \[m\].
+    /// Returns the length of the wall \[m\].
     pub fn length(&self) -> f64 {
         (self.to[0] - self.from[0]).hypot(self.to[1] - self.from[1])
     }
@@ -110,15 +110,15 @@ pub fn walls_from_map(map: &WallMap) -> Vec<Wall<f64>> {
 /// Reads a wall map.
 ///
 /// # Errors
-/// A missing, unreadable or malformed file, by name and line.
+/// A missing, unreadable or malformed file, with name and line.
 pub fn read(path: &Path) -> Result<WallMap, DataError> {
     parse(path, &read_all(path, MAX_DOCUMENT_BYTES)?)
 }
 
-/// Reads the text of a wall map; `file` is the name that errors give it.
+/// Parses the text of a wall map; `file` is the file name in errors.
 ///
 /// # Errors
-/// Text that is not TOML, a key that is missing or unknown, a wall that cannot be, by line.
+/// Invalid TOML, a missing or unknown key, or an invalid wall, with its line.
 pub fn parse(file: &Path, bytes: &[u8]) -> Result<WallMap, DataError> {
     let text = utf8(file, bytes)?;
     let at = |offset: usize| Some(line_of(text.as_bytes(), offset));
@@ -127,7 +127,7 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<WallMap, DataError> {
         wrong(file, line, error.message())
     })?;
     if document.wall.is_empty() {
-        return Err(wrong(file, None, "holds no [[wall]]; is this the right file?"));
+        return Err(wrong(file, None, "no [[wall]] found; check that this is the right file"));
     }
     let walls = document.wall.into_iter().map(|written| {
         let place = written.span().start;
@@ -148,7 +148,7 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<WallMap, DataError> {
     Ok(WallMap { name: document.name, walls: walls.collect::<Result<_, _>>()? })
 }
 
-/// The TOML file as it is written.
+/// The content of the TOML file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
@@ -157,7 +157,7 @@ struct Document {
     wall: Vec<Spanned<Written>>,
 }
 
-/// A wall as it is written, with the places of its values.
+/// A wall in the TOML file, with the positions of its values.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
@@ -169,9 +169,9 @@ struct Written {
     covariance: Option<Spanned<WallCovariance>>,
 }
 
-/// The part of a wall that is wrong.
+/// The invalid part of a wall.
 enum Part {
-    /// Of its first end or its second one, x or y.
+    /// A coordinate of an end point: index of the end, index of the axis.
     Coordinate {
         end: usize,
         axis: usize,
@@ -180,19 +180,19 @@ enum Part {
     Covariance,
 }
 
-/// Says what is wrong with a wall, and where, if anything is.
+/// Checks a wall; an error names the invalid part and the problem.
 fn check(wall: &MapWall) -> Result<(), (Part, String)> {
     for (end, (name, at)) in [("from_m", wall.from), ("to_m", wall.to)].into_iter().enumerate() {
         if let Some(axis) = at.iter().position(|&value| !POSITION.admits(value)) {
             let [x, y] = at.map(plain);
             return Err((
                 Part::Coordinate { end, axis },
-                format!("{name} is [{x}, {y}], outside {POSITION}"),
+                format!("{name}: out of range (got [{x}, {y}], expected {POSITION})"),
             ));
         }
     }
     if wall.length() < MIN_WALL_LENGTH {
-        let message = format!("the wall is shorter than {MIN_WALL_LENGTH} m; its two ends must differ");
+        let message = format!("wall: shorter than {MIN_WALL_LENGTH} m; check that its end points differ");
         return Err((Part::Whole, message));
     }
     let covariance = wall.covariance.as_ref().map_or(Ok(()), check_covariance);
@@ -203,15 +203,17 @@ fn check_covariance(covariance: &WallCovariance) -> Result<(), String> {
     let WallCovariance { r_r, r_psi, psi_psi } = *covariance;
     if ![r_r, r_psi, psi_psi].iter().all(|&value| COVARIANCE.admits(value)) {
         let [r_r, r_psi, psi_psi] = [r_r, r_psi, psi_psi].map(plain);
-        return Err(format!("covariance is [{r_r}, {r_psi}, {psi_psi}], outside {COVARIANCE}"));
+        return Err(format!(
+            "covariance: out of range (got [{r_r}, {r_psi}, {psi_psi}], expected {COVARIANCE})"
+        ));
     }
     if r_r < 0.0 || psi_psi < 0.0 {
         let [r_r, psi_psi] = [r_r, psi_psi].map(plain);
-        return Err(format!("covariance has a negative variance: r_r_m2 {r_r}, psi_psi_rad2 {psi_psi}"));
+        return Err(format!("covariance: negative variance (got r_r_m2 {r_r}, psi_psi_rad2 {psi_psi})"));
     }
     if r_psi.abs() > (r_r * psi_psi).sqrt() * (1.0 + 1e-9) {
         return Err(format!(
-            "covariance is impossible: r_psi_m_rad {r_psi} exceeds √(r_r_m2 · psi_psi_rad2)"
+            "covariance: not positive semi-definite; r_psi_m_rad {r_psi} exceeds √(r_r_m2 · psi_psi_rad2)"
         ));
     }
     Ok(())

@@ -1,7 +1,7 @@
-//! The parsers on recordings of real robots, against figures found independently with numpy.
+//! Compares the parsers on recordings of real robots with figures computed independently with numpy.
 //!
-//! The recordings are not part of this repository: the tests look for them in `$SUREPOSE_DATA`, else in
-//! `../shared/data` beside the workspace, and say so where they are absent.
+//! The recordings are not part of this repository. The tests read them from `$SUREPOSE_DATA`, else from
+//! `../shared/data` beside the workspace, and print a message if they are absent.
 
 mod real {
     mod carmen;
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use surepose_io::recording::StampedPose;
 
-/// The path of a recording, or `None` (said in print) where it is absent.
+/// Returns the path of a recording; `None`, with a message, if it is absent.
 fn recording(name: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("SUREPOSE_DATA").map_or_else(
         || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
@@ -29,7 +29,7 @@ fn recording(name: &str) -> Option<PathBuf> {
     None
 }
 
-/// Length of the way through `poses` \[m\].
+/// Returns the length of the path through `poses` \[m\].
 fn path_length(poses: &[StampedPose]) -> f64 {
     poses.windows(2).map(|pair| (pair[1].x - pair[0].x).hypot(pair[1].y - pair[0].y)).sum()
 }

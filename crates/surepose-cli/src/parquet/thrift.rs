@@ -1,6 +1,6 @@
-//! Thrift's compact protocol, of which Parquet's metadata are written: <https://thrift.apache.org>.
+//! Encodes the Thrift compact protocol, which Parquet uses for metadata: <https://thrift.apache.org>.
 
-/// A structure that is written field by field, in the order of the fields' numbers.
+/// A Thrift struct, written field by field in ascending order of the field ids.
 #[derive(Default)]
 pub(super) struct Struct {
     bytes: Vec<u8>,
@@ -14,14 +14,14 @@ const LIST: u8 = 9;
 const STRUCT: u8 = 12;
 
 impl Struct {
-    /// A field of 32 bits.
+    /// Appends a 32-bit integer field.
     pub(super) fn i32(mut self, field: u8, value: usize) -> Self {
         self.head(field, I32);
         varint(&mut self.bytes, zigzag(value));
         self
     }
 
-    /// A field of 64 bits.
+    /// Appends a 64-bit integer field.
     pub(super) fn i64(mut self, field: u8, value: usize) -> Self {
         self.head(field, I64);
         varint(&mut self.bytes, zigzag(value));
@@ -62,13 +62,13 @@ impl Struct {
         self
     }
 
-    /// Its bytes, with the mark that ends it.
+    /// Returns the bytes with the stop field.
     pub(super) fn finished(mut self) -> Vec<u8> {
         self.bytes.push(0);
         self.bytes
     }
 
-    /// Fields are numbered by the distance to the last one, which is at most 15 here.
+    /// Appends a field header with the difference of the field ids, which is at most 15 here.
     fn head(&mut self, field: u8, kind: u8) {
         self.bytes.push((field - self.last) << 4 | kind);
         self.last = field;
@@ -85,7 +85,7 @@ impl Struct {
     }
 }
 
-/// A number in groups of seven bits, the lowest first.
+/// Appends an unsigned LEB128 integer: groups of seven bits, the lowest first.
 pub(super) fn varint(bytes: &mut Vec<u8>, mut number: u64) {
     while number >= 0x80 {
         bytes.push(number as u8 | 0x80);
@@ -99,7 +99,7 @@ fn binary(bytes: &mut Vec<u8>, text: &str) {
     bytes.extend(text.as_bytes());
 }
 
-/// Signed numbers are written with the sign lowest; ours have none.
+/// Encodes a nonnegative integer in zigzag form, with the sign in the lowest bit.
 fn zigzag(number: usize) -> u64 {
     (number as u64) << 1
 }

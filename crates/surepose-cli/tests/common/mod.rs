@@ -1,12 +1,12 @@
-//! Running the program, and files to run it on.
+//! Runs the program and creates input files.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
-#![allow(clippy::expect_used, reason = "a test stops where its footing is gone")]
+#![allow(clippy::expect_used, reason = "a failed precondition fails the test")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// What a run of the program gave.
+/// Exit code and output of the program.
 pub(crate) struct Run {
     pub(crate) code: i32,
     pub(crate) stdout: String,
@@ -14,7 +14,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// The one JSON object on standard output.
+    /// Parses the one JSON object on standard output.
     pub(crate) fn json(&self) -> serde_json::Value {
         let value: serde_json::Value = serde_json::from_str(&self.stdout).expect("one JSON value");
         assert!(value.is_object(), "{value}");
@@ -40,7 +40,7 @@ pub(crate) fn surepose(arguments: &[&str]) -> Run {
     run
 }
 
-/// The exit code and messages of a run whose standard output goes to `device`.
+/// Runs `surepose` with standard output redirected to `device`; returns exit code and standard error.
 pub(crate) fn surepose_into(device: &str, arguments: &[&str]) -> (i32, String) {
     let device = std::fs::OpenOptions::new().write(true).open(device).expect("the device is there");
     let output = Command::new(env!("CARGO_BIN_EXE_surepose"))
@@ -53,7 +53,7 @@ pub(crate) fn surepose_into(device: &str, arguments: &[&str]) -> (i32, String) {
     (output.status.code().expect("the program ends by itself"), stderr)
 }
 
-/// A folder of this test's own, empty.
+/// Creates an empty directory for one test.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -61,14 +61,14 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// A file of these bytes, with its path as text.
+/// Writes a file and returns its path.
 pub(crate) fn file(folder: &Path, name: &str, bytes: &[u8]) -> String {
     let path = folder.join(name);
     std::fs::write(&path, bytes).expect("the folder can be written to");
     path.to_str().expect("UTF-8").to_owned()
 }
 
-/// The mines rover's recording of a turn on the spot in a room of 4 × 3 m: `lines` of it, each `step_us` after the one before.
+/// Returns a recording of the mines rover turning in place in a 4 × 3 m room: `lines` lines, `step_us` apart.
 pub(crate) fn rover(lines: u32, step_us: u32) -> Vec<u8> {
     use std::f64::consts::TAU;
     use std::fmt::Write as _;
@@ -91,7 +91,7 @@ pub(crate) fn rover(lines: u32, step_us: u32) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Where the real recordings are, if they are there.
+/// Returns the directory of the real recordings; `None` if it is absent.
 pub(crate) fn recordings() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let folder = std::env::var_os("SUREPOSE_DATA").map_or(beside, PathBuf::from);

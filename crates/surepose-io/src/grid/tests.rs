@@ -23,13 +23,13 @@ fn cells_are_stored_row_by_row_from_the_origin() {
 }
 
 #[test]
-fn a_turned_grid_lies_turned_in_the_map() {
+fn origin_heading_rotates_the_grid() {
     let (x, y) = turned().center(1, 2);
     assert!((x - 8.75).abs() + (y - 20.75).abs() < 1e-12, "{x}, {y}");
 }
 
 #[test]
-fn the_middle_of_every_cell_lies_in_that_cell() {
+fn cell_at_inverts_center() {
     let grid = turned();
     for (column, row) in (0..2).flat_map(|column| (0..3).map(move |row| (column, row))) {
         let (x, y) = grid.center(column, row);
@@ -38,7 +38,7 @@ fn the_middle_of_every_cell_lies_in_that_cell() {
 }
 
 #[test]
-fn points_outside_lie_in_no_cell() {
+fn points_outside_have_no_cell() {
     let grid = turned();
     for (x, y) in
         [(10.1, 20.1), (9.9, 19.9), (9.9, 21.1), (8.4, 20.1), (f64::NAN, 20.5), (f64::INFINITY, 20.0)]

@@ -41,9 +41,9 @@ fn plain_and_gzip_give_the_same_lines() {
     assert_eq!(all(&gzip(text)).unwrap(), expected);
 }
 
-/// As spreadsheets write it; inside of a text it is damage.
+/// Spreadsheets write a byte-order mark; inside a text it is invalid.
 #[test]
-fn a_byte_order_mark_at_the_start_is_no_part_of_the_text() {
+fn byte_order_mark_at_the_start_is_removed() {
     let marked = "\u{feff}# head\n1\n\u{feff}2".as_bytes();
     let expected = vec![(2, b"1".to_vec()), (3, "\u{feff}2".as_bytes().to_vec())];
     assert_eq!(all(marked).unwrap(), expected);
@@ -58,7 +58,7 @@ fn concatenated_gzip_members_are_one_text() {
 }
 
 #[test]
-fn every_truncation_of_a_gzip_stream_is_an_error() {
+fn truncated_gzip_is_an_error() {
     let whole = gzip(b"1 2 3\n4 5 6\n7 8 9\n");
     for length in 2..whole.len() {
         let error = all(&whole[..length]).unwrap_err();
@@ -68,7 +68,7 @@ fn every_truncation_of_a_gzip_stream_is_an_error() {
 }
 
 #[test]
-fn a_flipped_bit_in_a_gzip_stream_is_an_error() {
+fn flipped_bit_in_gzip_is_an_error() {
     let mut damaged = gzip(b"1 2 3\n4 5 6\n7 8 9\n");
     let checksum = damaged.len() - 8;
     damaged[checksum] ^= 1;
@@ -76,14 +76,14 @@ fn a_flipped_bit_in_a_gzip_stream_is_an_error() {
 }
 
 #[test]
-fn a_gzip_bomb_stops_at_the_limit_of_a_line() {
+fn gzip_bomb_stops_at_the_line_limit() {
     let bomb = gzip(&vec![b'1'; 2 * MAX_LINE_BYTES]);
     let error = all(&bomb).unwrap_err();
     assert!(matches!(error.problem, Problem::LineTooLong { .. }), "{error}");
 }
 
 #[test]
-fn a_text_beyond_its_limit_is_an_error() {
+fn too_long_text_is_an_error() {
     let mut lines = lines(b"1\n2\n3\n");
     lines.bytes_left = 4;
     assert!(lines.next_line().unwrap().is_some());
@@ -94,33 +94,33 @@ fn a_text_beyond_its_limit_is_an_error() {
 }
 
 #[test]
-fn an_absent_file_is_an_error_with_its_name() {
+fn missing_file_is_an_error_with_its_name() {
     let error = LineReader::open(Path::new("no such file")).err().unwrap();
     assert!(matches!(error.problem, Problem::Unreadable(_)));
     assert!(error.to_string().starts_with("no such file: cannot be read"), "{error}");
 }
 
 #[test]
-fn a_folder_is_not_a_file() {
+fn directory_is_an_error() {
     let error = LineReader::open(Path::new(env!("CARGO_MANIFEST_DIR"))).err().unwrap();
     assert!(matches!(error.problem, Problem::Unreadable(_)), "{error}");
 }
 
 #[test]
-fn wrong_columns_are_counted_and_named() {
+fn wrong_number_of_columns_is_reported() {
     let mut lines = lines(b"\n1 2 3\n");
     let line = lines.next_record().unwrap().unwrap();
     let error = line.split::<4>("time, x, y, heading").unwrap_err();
-    assert_eq!(error.to_string(), "log:2: expected 4 columns (time, x, y, heading), found 3");
+    assert_eq!(error.to_string(), "log:2: columns: wrong number (got 3, expected 4: time, x, y, heading)");
     let error = line.split::<2>("time, x").unwrap_err();
-    assert_eq!(error.to_string(), "log:2: expected 2 columns (time, x), found 3");
+    assert_eq!(error.to_string(), "log:2: columns: wrong number (got 3, expected 2: time, x)");
 }
 
 #[test]
-fn numbers_are_finite_and_inside_their_bounds() {
+fn numbers_are_finite_and_within_bounds() {
     for text in ["nan", "NaN", "inf", "-inf", "1e400", "-infinity"] {
         let error = first_column(text.as_bytes()).unwrap_err();
-        let expected = format!("log:1: column 1 (range) is not finite: '{text}'");
+        let expected = format!("log:1: column 1 (range): not finite (got '{text}')");
         assert!(error.to_string().starts_with(&expected), "{error}");
     }
     for text in ["", "abc", "1,5", "0x10", "--1", "1e", "\u{fffd}"] {
@@ -135,18 +135,18 @@ fn numbers_are_finite_and_inside_their_bounds() {
 }
 
 #[test]
-fn time_may_stand_still_but_not_go_back() {
+fn stamps_may_repeat_but_not_decrease() {
     let mut clock = Clock::default();
     let mut lines = lines(b"1.5\n1.5\n1.25\n");
     let mut next = || clock.stamp(lines.next_record().unwrap().unwrap().columns().next().unwrap(), 1.0);
     assert!(next().is_ok());
     assert!(next().is_ok());
     let error = next().unwrap_err();
-    assert_eq!(error.to_string(), "log:3: time goes back from 1.5 s to 1.25 s; sort the file by time");
+    assert_eq!(error.to_string(), "log:3: time: decreases (got 1.25 s after 1.5 s); sort the file by time");
 }
 
 #[test]
-fn a_stamp_in_another_unit_is_noticed() {
+fn stamp_in_a_wrong_unit_is_rejected() {
     assert!(TIME.admits(1.25e9));
     assert!(!TIME.admits(1.25e12));
     assert!(!TIME.admits(-1.0));
@@ -155,13 +155,13 @@ fn a_stamp_in_another_unit_is_noticed() {
 
 proptest! {
     #[test]
-    fn any_bytes_are_lines_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..512)) {
+    fn any_bytes_give_lines_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..512)) {
         let _ = all(&bytes);
         let _ = all(&[&[0x1f, 0x8b], bytes.as_slice()].concat());
     }
 
     #[test]
-    fn any_printed_number_is_read_back(value in 0.0..1e5_f64) {
+    fn printed_numbers_round_trip(value in 0.0..1e5_f64) {
         let read = first_column(value.to_string().as_bytes()).unwrap();
         prop_assert_eq!(read.to_bits(), value.to_bits());
     }

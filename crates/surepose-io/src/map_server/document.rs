@@ -1,4 +1,4 @@
-//! The YAML file as it is written: a mapping from keys to scalars and lists, each with its line.
+//! Parses YAML files: a mapping from keys to scalars and lists, each with its line.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -8,17 +8,17 @@ use saphyr_parser::{Event, Parser, ScalarStyle, ScanError, Span, StrInput};
 use crate::document::wrong;
 use crate::error::{DataError, excerpt};
 
-/// Most keys that are read: map servers know seven.
+/// Maximum number of keys; map servers use seven.
 const MAX_KEYS: usize = 1000;
 
-/// A scalar of the document, and its line.
+/// A scalar of the document, with its line.
 pub(super) struct Scalar<'a> {
     text: Cow<'a, str>,
     is_plain: bool,
     pub(super) line: u64,
 }
 
-/// What stands behind a key.
+/// The value of a key.
 enum Value<'a> {
     Scalar(Scalar<'a>),
     List(Vec<Scalar<'a>>),
@@ -26,7 +26,7 @@ enum Value<'a> {
     Other,
 }
 
-/// The keys of the document in their order. Keys that other tools add are among them.
+/// The keys of the document in order, including unknown keys of other tools.
 pub(super) struct Document<'a> {
     file: &'a Path,
     entries: Vec<Entry<'a>>,
@@ -39,10 +39,10 @@ struct Entry<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Reads `text`, which must be one mapping.
+    /// Parses `text`, which must be a single mapping.
     ///
     /// # Errors
-    /// Text that is not YAML, is not one mapping, or has a key twice, by line.
+    /// Invalid YAML, a text that is not a single mapping, or a duplicate key, with the line.
     pub(super) fn read(file: &'a Path, text: &'a str) -> Result<Self, DataError> {
         let mut events = Events { file, parser: Parser::new_from_str(text) };
         let mut document = Self { file, entries: Vec::new() };
@@ -51,13 +51,13 @@ impl<'a> Document<'a> {
                 (Event::MappingStart(..), _) => break,
                 (Event::StreamStart | Event::DocumentStart(_) | Event::Nothing, _) => {}
                 (Event::StreamEnd | Event::DocumentEnd, _) => {
-                    return Err(wrong(file, None, "holds no keys; is this the right file?"));
+                    return Err(wrong(file, None, "no keys found; check that this is the right file"));
                 }
                 (_, line) => {
                     return Err(wrong(
                         file,
                         Some(line),
-                        "expected lines `key: value`; is this the right file?",
+                        "expected lines `key: value`; check that this is the right file",
                     ));
                 }
             }
@@ -66,18 +66,18 @@ impl<'a> Document<'a> {
             let (key, line) = match events.next()? {
                 (Event::Scalar(key, ..), line) => (key, line),
                 (Event::MappingEnd, _) => break,
-                (_, line) => return Err(wrong(file, Some(line), "a key must be a plain word")),
+                (_, line) => return Err(wrong(file, Some(line), "key: expected a scalar")),
             };
             if document.entries.iter().any(|entry| entry.key == key) {
                 let key = excerpt(key.as_bytes());
                 return Err(wrong(
                     file,
                     Some(line),
-                    format!("{key} is given twice; keep one of the two lines"),
+                    format!("{key}: duplicate key; keep one of the two lines"),
                 ));
             }
             if document.entries.len() == MAX_KEYS {
-                return Err(wrong(file, Some(line), format!("holds more than {MAX_KEYS} keys")));
+                return Err(wrong(file, Some(line), format!("too many keys (expected at most {MAX_KEYS})")));
             }
             let value = events.value()?;
             document.entries.push(Entry { key, line, value });
@@ -86,48 +86,48 @@ impl<'a> Document<'a> {
             match events.next()? {
                 (Event::StreamEnd, _) => return Ok(document),
                 (Event::DocumentStart(_), line) => {
-                    return Err(wrong(file, Some(line), "a second document starts here; keep one"));
+                    return Err(wrong(file, Some(line), "second document; keep only one"));
                 }
                 _ => {}
             }
         }
     }
 
-    /// The scalar behind `key`. `None`: the key is absent.
+    /// Returns the scalar of `key`; `None` if the key is absent.
     ///
     /// # Errors
-    /// A list or a mapping, or nothing at all, behind it.
+    /// The value is a list, a mapping or null.
     pub(super) fn scalar(&self, key: &str) -> Result<Option<&Scalar<'a>>, DataError> {
         match self.entry(key) {
             None => Ok(None),
             Some(Entry { value: Value::Scalar(scalar), .. }) if !scalar.is_null() => Ok(Some(scalar)),
             Some(Entry { line, .. }) => {
-                Err(wrong(self.file, Some(*line), format!("{key} must be a single value")))
+                Err(wrong(self.file, Some(*line), format!("{key}: expected a single value")))
             }
         }
     }
 
-    /// The scalar behind a key that must be there.
+    /// Returns the scalar of a required key.
     ///
     /// # Errors
-    /// The key is absent, or no scalar stands behind it.
+    /// The key is absent, or its value is not a scalar.
     pub(super) fn required(&self, key: &str) -> Result<&Scalar<'a>, DataError> {
         self.scalar(key)?.ok_or_else(|| self.missing(key))
     }
 
-    /// The number behind a key that must be there, and its line.
+    /// Returns the number of a required key, with its line.
     ///
     /// # Errors
-    /// The key is absent, or no number stands behind it.
+    /// The key is absent, or its value is not a number.
     pub(super) fn number(&self, key: &str) -> Result<(f64, u64), DataError> {
         let scalar = self.required(key)?;
         Ok((self.number_in(scalar, key)?, scalar.line))
     }
 
-    /// The numbers of a list that must be there, and their lines.
+    /// Returns the numbers of a required list, with their lines.
     ///
     /// # Errors
-    /// The key is absent, or no list of `N` numbers stands behind it.
+    /// The key is absent, or its value is not a list of `N` numbers.
     pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<[(f64, u64); N], DataError> {
         let entry = self.entry(key).ok_or_else(|| self.missing(key))?;
         let found = match &entry.value {
@@ -137,15 +137,20 @@ impl<'a> Document<'a> {
         let numbers = found.iter().map(|item| Ok((self.number_in(item, key)?, item.line)));
         let numbers = numbers.collect::<Result<Vec<_>, DataError>>()?;
         <[_; N]>::try_from(numbers).map_err(|_| {
-            let message = format!("{key} must be a list of {N} numbers (got {})", found.len());
+            let message =
+                format!("{key}: wrong length (got {}, expected a list of {N} numbers)", found.len());
             wrong(self.file, Some(entry.line), message)
         })
     }
 
-    /// What is wrong with the value of a key.
+    /// Creates an error for an unexpected value.
     pub(super) fn unexpected(&self, key: &str, found: &Scalar<'_>, expected: &str) -> DataError {
         let found_text = excerpt(found.text.as_bytes());
-        wrong(self.file, Some(found.line), format!("{key} is '{found_text}', expected {expected}"))
+        wrong(
+            self.file,
+            Some(found.line),
+            format!("{key}: invalid (got '{found_text}', expected {expected})"),
+        )
     }
 
     fn number_in(&self, scalar: &Scalar<'_>, key: &str) -> Result<f64, DataError> {
@@ -157,7 +162,7 @@ impl<'a> Document<'a> {
     }
 
     fn missing(&self, key: &str) -> DataError {
-        wrong(self.file, None, format!("the key {key} is missing; add a line `{key}: …`"))
+        wrong(self.file, None, format!("{key}: missing key; add a line `{key}: …`"))
     }
 }
 
@@ -166,7 +171,7 @@ impl Scalar<'_> {
         &self.text
     }
 
-    /// A truth, written as such or as a number.
+    /// Parses a Boolean, written as a word or a number.
     pub(super) fn truth(&self) -> Option<bool> {
         match self.text.to_ascii_lowercase().as_str() {
             "true" | "yes" | "on" => Some(true),
@@ -175,7 +180,7 @@ impl Scalar<'_> {
         }
     }
 
-    /// A number of YAML's core schema; too large a one is infinite.
+    /// Parses a number of the YAML core schema; one beyond the range of `f64` is infinite.
     fn number(&self) -> Option<f64> {
         match self.text.trim_start_matches(['+', '-']).to_ascii_lowercase().as_str() {
             ".nan" => Some(f64::NAN),
@@ -192,7 +197,7 @@ impl Scalar<'_> {
     }
 }
 
-/// The events of a text, one by one.
+/// The parser events of a text.
 struct Events<'a> {
     file: &'a Path,
     parser: Parser<'a, StrInput<'a>>,
@@ -208,10 +213,10 @@ impl<'a> Events<'a> {
     }
 
     fn broken(&self, problem: &ScanError) -> DataError {
-        wrong(self.file, Some(problem.marker().line() as u64), format!("is not YAML: {}", problem.info()))
+        wrong(self.file, Some(problem.marker().line() as u64), format!("invalid YAML: {}", problem.info()))
     }
 
-    /// Reads one value to its end.
+    /// Reads one complete value.
     fn value(&mut self) -> Result<Value<'a>, DataError> {
         match self.next()? {
             (Event::Scalar(text, style, ..), line) => Ok(Value::Scalar(scalar(text, style, line))),
@@ -237,7 +242,7 @@ impl<'a> Events<'a> {
         }
     }
 
-    /// Passes over what is left of a list or mapping of which the start was read.
+    /// Skips the rest of a list or mapping whose start was read.
     fn skip(&mut self) -> Result<Value<'a>, DataError> {
         let mut depth = 1_u64;
         while depth > 0 {

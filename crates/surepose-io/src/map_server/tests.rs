@@ -25,7 +25,7 @@ fn with(from: &str, to: &str) -> Result<MapMetadata, String> {
     description(&YAML.replacen(from, to, 1))
 }
 
-/// Occupancy of pixels from black to white, read with `mode` and `negate`.
+/// Returns the occupancy of pixels from black to white, read with `mode` and `negate`.
 fn occupancy(mode: MapMode, negate: bool) -> Vec<Option<f32>> {
     let description = MapMetadata { negate, mode, ..description(YAML).unwrap() };
     let pixels = vec![0, 51, 100, 128, 204, 255];
@@ -33,7 +33,7 @@ fn occupancy(mode: MapMode, negate: bool) -> Vec<Option<f32>> {
 }
 
 #[test]
-fn a_description_is_read() {
+fn metadata_is_parsed() {
     let description = description(YAML).unwrap();
     assert_eq!(description.image, Path::new("depot.pgm"));
     let origin = description.origin;
@@ -46,9 +46,9 @@ fn a_description_is_read() {
     assert_eq!(with("mode: trinary\n", "").unwrap().mode, MapMode::Trinary);
 }
 
-/// YAML has many ways to write the same, and other tools add keys of their own.
+/// YAML allows several notations, and other tools add keys.
 #[test]
-fn the_style_of_the_text_does_not_matter() {
+fn equivalent_notations_give_the_same_metadata() {
     let other = "\
 %YAML 1.2
 ---
@@ -72,7 +72,7 @@ free_thresh: 0.25
 }
 
 #[test]
-fn the_last_row_of_the_image_is_the_row_at_the_origin() {
+fn bottom_row_of_the_image_is_at_the_origin() {
     let image = Image { width: 2, height: 2, white: 255, pixels: vec![0, 255, 128, 255] };
     let grid = description(YAML).unwrap().grid(&image);
     assert_eq!(grid.cells, [None, Some(0.0), Some(1.0), Some(0.0)]);
@@ -90,27 +90,31 @@ fn modes_and_negation_follow_the_map_server() {
 }
 
 #[test]
-fn each_damage_names_line_and_remedy() {
+fn malformed_metadata_names_line_and_problem() {
     let message = |from, to| with(from, to).unwrap_err();
     assert_eq!(
         message("resolution: 0.05", "resolution: -0.05"),
-        "map.yaml:3: resolution is -0.05, outside 1e-6 to 1e3 m"
+        "map.yaml:3: resolution: out of range (got -0.05, expected 1e-6 to 1e3 m)"
     );
     assert!(
-        message("resolution: 0.05", "resolution: .nan").starts_with("map.yaml:3: resolution is NaN, outside")
+        message("resolution: 0.05", "resolution: .nan")
+            .starts_with("map.yaml:3: resolution: out of range (got NaN,")
     );
     assert!(message("resolution: 0.05", "resolution: 1e400").starts_with("map.yaml:3: "));
-    assert!(message("-10.0, 2, 0.5", "-10.0, .inf, 0.5").starts_with("map.yaml:4: origin y is inf, outside"));
+    assert!(
+        message("-10.0, 2, 0.5", "-10.0, .inf, 0.5")
+            .starts_with("map.yaml:4: origin y: out of range (got inf,")
+    );
     assert!(message("-10.0, 2, 0.5", "-10.0, 2").starts_with("map.yaml:4: "));
-    assert!(message("0.65", "1.65").starts_with("map.yaml:6: occupied_thresh is 1.65, outside"));
-    assert_eq!(message("0.25", "0.75"), "map.yaml:7: free_thresh must be below occupied_thresh");
+    assert!(message("0.65", "1.65").starts_with("map.yaml:6: occupied_thresh: out of range (got 1.65,"));
+    assert_eq!(message("0.25", "0.75"), "map.yaml:7: free_thresh: must be below occupied_thresh");
     assert!(
         message("resolution: 0.05", "resolution: 1e300")
-            .starts_with("map.yaml:3: resolution is 1e300, outside")
+            .starts_with("map.yaml:3: resolution: out of range (got 1e300,")
     );
     assert_eq!(
         message("negate: 0", "resolution: 0.1"),
-        "map.yaml:5: resolution is given twice; keep one of the two lines"
+        "map.yaml:5: resolution: duplicate key; keep one of the two lines"
     );
     assert!(message("mode: trinary", "mode: foggy").contains("map.yaml:2: "));
     assert!(message("image: depot.pgm\n", "").contains("image"));
@@ -118,34 +122,34 @@ fn each_damage_names_line_and_remedy() {
     assert!(message("resolution: 0.05", "resolution: wide").starts_with("map.yaml:3: "));
     assert_eq!(
         message("mode: trinary", "mode: foggy"),
-        "map.yaml:2: mode is 'foggy', expected trinary, scale or raw"
+        "map.yaml:2: mode: invalid (got 'foggy', expected trinary, scale or raw)"
     );
     assert_eq!(
         message("-10.0, 2, 0.5", "-10.0, 2"),
-        "map.yaml:4: origin must be a list of 3 numbers (got 2)"
+        "map.yaml:4: origin: wrong length (got 2, expected a list of 3 numbers)"
     );
     assert_eq!(
         message("resolution: 0.05", "resolution: inf"),
-        "map.yaml:3: resolution is 'inf', expected a number"
+        "map.yaml:3: resolution: invalid (got 'inf', expected a number)"
     );
-    assert_eq!(message("image: depot.pgm", "image:"), "map.yaml:1: image must be a single value");
+    assert_eq!(message("image: depot.pgm", "image:"), "map.yaml:1: image: expected a single value");
     assert_eq!(
         message("free_thresh: 0.25\n", ""),
-        "map.yaml: the key free_thresh is missing; add a line `free_thresh: …`"
+        "map.yaml: free_thresh: missing key; add a line `free_thresh: …`"
     );
     assert!(message("mode: trinary", "mode: 'trinary").starts_with("map.yaml:"));
-    assert!(message("0.25\n", "0.25\n---\nmode: raw\n").starts_with("map.yaml:8: a second document"));
+    assert!(message("0.25\n", "0.25\n---\nmode: raw\n").starts_with("map.yaml:8: second document"));
     assert!(description("").is_err());
     let keys: String = (0..1001).map(|key| format!("key_{key}: 1\n")).collect();
-    assert_eq!(description(&keys), Err("map.yaml:1001: holds more than 1000 keys".to_owned()));
+    assert_eq!(description(&keys), Err("map.yaml:1001: too many keys (expected at most 1000)".to_owned()));
     assert!(description(&"[".repeat(100_000)).is_err());
     let binary = parse(Path::new("map.yaml"), b"image: a\n\xff\xfe").unwrap_err();
-    assert_eq!(binary.to_string(), "map.yaml:2: is not UTF-8 text; is this the right file?");
+    assert_eq!(binary.to_string(), "map.yaml:2: not UTF-8 text; check that this is the right file");
 }
 
 proptest! {
     #[test]
-    fn any_bytes_are_a_description_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..128)) {
+    fn any_bytes_give_metadata_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..128)) {
         let _ = parse(Path::new("map.yaml"), &bytes);
         let _ = parse(Path::new("map.yaml"), &[YAML.as_bytes(), &bytes].concat());
     }

@@ -44,7 +44,7 @@ impl<'a> Texts<'a> {
 }
 
 #[test]
-fn a_small_data_set_is_read() {
+fn small_data_set_is_parsed() {
     let log = GOOD.parse().unwrap();
     assert_eq!((log.odometry.len(), log.sightings.len(), log.reference.len()), (2, 3, 1));
     assert_eq!(log.odometry[1].turn_rate.to_bits(), (-0.4_f64).to_bits());
@@ -56,33 +56,40 @@ fn a_small_data_set_is_read() {
 }
 
 #[test]
-fn each_damage_names_file_line_and_remedy() {
+fn malformed_files_name_file_line_and_problem() {
     let odometry = Texts { odometry: b"# head\n1 2 3\n1 nan 3\n", ..GOOD };
     assert_eq!(
         odometry.message(),
-        "odometry:3: column 2 (forward speed) is not finite: 'nan'; remove the line or repair the value"
+        "odometry:3: column 2 (forward speed): not finite (got 'nan'); remove the line or correct the value"
     );
     let sightings = Texts { sightings: b"1 63 2\n", ..GOOD };
     assert_eq!(
         sightings.message(),
-        "sightings:1: expected 4 columns (time, barcode, range, bearing), found 3"
+        "sightings:1: columns: wrong number (got 3, expected 4: time, barcode, range, bearing)"
     );
     let sightings = Texts { sightings: b"1 6.5 2 0\n", ..GOOD };
-    assert_eq!(sightings.message(), "sightings:1: column 2 (barcode) is not a whole number: '6.5'");
+    assert_eq!(sightings.message(), "sightings:1: column 2 (barcode): not an integer (got '6.5')");
     let reference = Texts { reference: b"2 0 0 0\n1 0 0 0\n", ..GOOD };
-    assert_eq!(reference.message(), "reference:2: time goes back from 2 s to 1 s; sort the file by time");
+    assert_eq!(
+        reference.message(),
+        "reference:2: time: decreases (got 1 s after 2 s); sort the file by time"
+    );
     let reference = Texts { reference: b"# only a head\n", ..GOOD };
-    assert_eq!(reference.message(), "reference: holds no reference poses; is this the right file?");
+    assert_eq!(reference.message(), "reference: no reference poses found; check that this is the right file");
     let landmarks = Texts { landmarks: b"6 1 1 -1 0\n", ..GOOD };
-    assert!(landmarks.message().starts_with("landmarks:1: column 4 (x std) is '-1', outside 0e0 to 1e5 m"));
+    assert!(
+        landmarks
+            .message()
+            .starts_with("landmarks:1: column 4 (x std): out of range (got '-1', expected 0e0 to 1e5 m)")
+    );
     let barcodes = Texts { barcodes: b"1 5\n2 5\n", ..GOOD };
-    assert_eq!(barcodes.message(), "barcodes:2: barcode 5 appears twice; keep one of the two lines");
+    assert_eq!(barcodes.message(), "barcodes:2: barcode 5: duplicate; keep one of the two lines");
     let landmarks = Texts { landmarks: b"6 1 1 0 0\n6 1 1 0 0\n", ..GOOD };
-    assert_eq!(landmarks.message(), "landmarks:2: landmark 6 appears twice; keep one of the two lines");
+    assert_eq!(landmarks.message(), "landmarks:2: landmark 6: duplicate; keep one of the two lines");
 }
 
 #[test]
-fn a_folder_without_robots_says_what_it_looked_for() {
+fn directory_without_robots_is_an_error() {
     let error = robots(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap_err();
     assert!(matches!(error.problem, Problem::Empty { .. }), "{error}");
     let error = read(Path::new("no such folder"), 1).unwrap_err();
@@ -91,7 +98,7 @@ fn a_folder_without_robots_says_what_it_looked_for() {
 
 proptest! {
     #[test]
-    fn any_bytes_are_a_log_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..256)) {
+    fn any_bytes_give_a_log_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..256)) {
         let _ = Texts { barcodes: &bytes, ..GOOD }.parse();
         let _ = Texts { landmarks: &bytes, ..GOOD }.parse();
         let _ = Texts { odometry: &bytes, ..GOOD }.parse();
@@ -100,7 +107,7 @@ proptest! {
     }
 
     #[test]
-    fn lines_of_any_words_are_a_log_or_an_error(
+    fn any_lines_give_a_log_or_an_error(
         text in "([0-9.eE+-]{1,6}|nan|inf|1e400|#)( ([0-9.eE+-]{1,6}|nan|inf)){0,4}(\r?\n[0-9]{1,3}( [0-9.]{1,4}){3})?"
     ) {
         let bytes = text.as_bytes();

@@ -1,4 +1,4 @@
-//! Zstandard streams, decoded block by block in bounded memory.
+//! Decodes Zstandard streams block by block, in bounded memory.
 
 use std::io::{BufRead, Error, ErrorKind, Read};
 
@@ -10,9 +10,8 @@ pub(super) const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// Decodes every frame of a Zstandard stream.
 ///
-/// Memory is bounded by the window that a frame declares, at most 128 MiB. A stream that ends within a frame
-/// yields what its complete blocks hold, and then an error of kind [`ErrorKind::UnexpectedEof`]. Damage is
-/// [`ErrorKind::InvalidData`].
+/// Memory is bounded by the window that a frame declares, at most 128 MiB. A stream that ends within a frame yields its
+/// complete blocks, then an error of kind [`ErrorKind::UnexpectedEof`]. Damage gives [`ErrorKind::InvalidData`].
 pub struct ZstdReader<R> {
     source: R,
     decoder: FrameDecoder,
@@ -20,17 +19,17 @@ pub struct ZstdReader<R> {
     is_cut: bool,
 }
 
-/// An empty last block, and room for a checksum: it ends a frame that is cut short, so that the decoder releases
-/// what the complete blocks hold.
+/// An empty last block and space for a checksum. It ends a truncated frame, so that the decoder releases the data of the
+/// complete blocks.
 const LAST_BLOCK: [u8; 7] = [1, 0, 0, 0, 0, 0, 0];
 
 impl<R: BufRead> ZstdReader<R> {
-    /// A decoder of the frames of `source`.
+    /// Creates a decoder of the frames of `source`.
     pub fn new(source: R) -> Self {
         Self { source, decoder: FrameDecoder::new(), in_frame: false, is_cut: false }
     }
 
-    /// Reads the next frame header. `false` at the end of the stream; skippable frames are passed over.
+    /// Reads the next frame header and skips skippable frames; returns `false` at the end of the stream.
     fn open_frame(&mut self) -> std::io::Result<bool> {
         while !self.source.fill_buf()?.is_empty() {
             match self.decoder.reset(&mut self.source) {
@@ -61,7 +60,7 @@ impl<R: BufRead> ZstdReader<R> {
         Err(failure)
     }
 
-    /// An error of the decoder: the stream is cut short if nothing is left of it, and damaged otherwise.
+    /// Converts a decoder error: truncated if the source is at its end, else damaged.
     fn failure(&mut self, problem: &FrameDecoderError) -> Error {
         match self.source.fill_buf() {
             Ok([]) => Error::new(ErrorKind::UnexpectedEof, problem.to_string()),
@@ -79,7 +78,7 @@ impl<R: BufRead> Read for ZstdReader<R> {
         loop {
             if !self.in_frame {
                 if self.is_cut {
-                    return Err(Error::new(ErrorKind::UnexpectedEof, "the zstd stream ends within a frame"));
+                    return Err(Error::new(ErrorKind::UnexpectedEof, "zstd: the stream ends within a frame"));
                 }
                 self.in_frame = self.open_frame()?;
                 if !self.in_frame {
@@ -98,7 +97,7 @@ impl<R: BufRead> Read for ZstdReader<R> {
     }
 }
 
-/// The length of a skippable frame, which the decoder reports as an error; `None` for all other errors.
+/// Returns the length of a skippable frame, which the decoder reports as an error; `None` for other errors.
 fn skippable_length(problem: &FrameDecoderError) -> Option<u32> {
     match problem {
         FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame { length, .. }) => {
@@ -116,7 +115,7 @@ mod tests {
 
     use super::ZstdReader;
 
-    /// What `bytes` decode to, and how the stream ends.
+    /// Decodes `bytes`; returns the data and how the stream ended.
     fn decoded(bytes: &[u8]) -> (Vec<u8>, Result<usize, ErrorKind>) {
         let mut plain = Vec::new();
         let read = ZstdReader::new(bytes).read_to_end(&mut plain);
@@ -124,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn every_frame_is_decoded() {
+    fn all_frames_are_decoded() {
         let text: Vec<u8> = (0..300_000_u32).flat_map(|i| (i / 7).to_le_bytes()).collect();
         let frame = compress_to_vec(&text[..], CompressionLevel::Fastest);
         assert_eq!(decoded(&frame), (text.clone(), Ok(text.len())));
@@ -135,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn complete_blocks_before_a_cut_are_decoded() {
+    fn complete_blocks_of_a_truncated_stream_are_decoded() {
         let text: Vec<u8> = (0..300_000_u32).flat_map(|i| (i / 7).to_le_bytes()).collect();
         let frame = compress_to_vec(&text[..], CompressionLevel::Fastest);
         let (plain, end) = decoded(&frame[..frame.len() / 2]);
@@ -144,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_an_error() {
+    fn damaged_streams_give_errors() {
         let frame = compress_to_vec(&[7_u8; 1000][..], CompressionLevel::Fastest);
         for place in 0..frame.len() {
             let mut damaged = frame.clone();

@@ -2,7 +2,7 @@ use surepose_io::carmen;
 
 use crate::{path_length, recording};
 
-/// What numpy finds in one log.
+/// The figures of one log, computed with numpy.
 struct Found {
     name: &'static str,
     odometry: usize,
@@ -41,7 +41,7 @@ const FOUND: [Found; 2] = [
 ];
 
 #[test]
-fn both_logs_have_what_numpy_finds() {
+fn both_logs_match_numpy() {
     for found in &FOUND {
         let name = found.name;
         let Some(path) = recording(&format!("carmen/{name}-corrected.log.gz")) else { continue };
@@ -62,7 +62,7 @@ fn both_logs_have_what_numpy_finds() {
 }
 
 #[test]
-fn every_scan_follows_the_odometry_of_its_moment() {
+fn scans_follow_their_odometry() {
     for found in &FOUND {
         let Some(path) = recording(&format!("carmen/{}-corrected.log.gz", found.name)) else { continue };
         let log = carmen::read(&path).unwrap();

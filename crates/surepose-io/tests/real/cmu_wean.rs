@@ -3,8 +3,8 @@ use surepose_io::cmu_wean;
 use crate::{path_length, recording};
 
 #[test]
-fn both_logs_have_what_numpy_finds() {
-    // Odometry records, scans, time of first and last record [s], way [m], missing returns.
+fn both_logs_match_numpy() {
+    // Odometry records, scans, time of first and last record [s], path length [m], missing returns.
     let found = [
         ("robotdata1", 1505, 713, (0.025_466, 134.998_162), 41.227_847, 693),
         ("robotdata3", 1735, 1241, (0.051_821, 132.385_364), 42.551_409, 3669),
@@ -25,7 +25,7 @@ fn both_logs_have_what_numpy_finds() {
 }
 
 #[test]
-fn the_grid_has_what_numpy_finds() {
+fn grid_matches_numpy() {
     let Some(file) = recording("cmu_wean/wean.dat.gz") else { return };
     let grid = cmu_wean::read_grid(&file).unwrap();
     assert_eq!((grid.width, grid.height, grid.resolution.to_bits()), (800, 800, 0.1_f64.to_bits()));

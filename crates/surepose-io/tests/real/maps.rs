@@ -3,7 +3,7 @@ use surepose_io::map_server;
 use crate::recording;
 
 #[test]
-fn every_map_has_the_cells_that_numpy_counts() {
+fn cell_counts_match_numpy() {
     // Size, then occupied, free and unknown cells.
     let found = [
         ("turtlebot3_world", (384, 384), (-10.0, -10.0, 0.0), (870, 7903, 138_683)),
@@ -14,7 +14,7 @@ fn every_map_has_the_cells_that_numpy_counts() {
     for (name, size, origin, cells) in found {
         let Some(path) = recording(&format!("maps/{name}.yaml")) else { continue };
         let (grid, renamed) = map_server::read(&path).unwrap();
-        // Of three of them the image was renamed with the file, and the name in it was not.
+        // Three maps were renamed without editing the image name in the YAML file.
         assert_eq!(renamed.is_some(), !name.starts_with("turtlebot3"), "{name}: {renamed:?}");
         assert_eq!((grid.width, grid.height), size, "{name}");
         assert!((grid.resolution - 0.05).abs() < 1e-15, "{name}");

@@ -5,7 +5,7 @@ use surepose_io::mines_rover::{self, ROVER};
 use crate::recording;
 
 #[test]
-fn both_recordings_have_what_numpy_finds() {
+fn both_recordings_match_numpy() {
     // Lines, duration [s], distance [m], missing returns among 682 ranges per line.
     let found = [
         ("exp1", 756, 74.620_139, 45.969_483, 271_287 + 14_391 - 756),

@@ -3,7 +3,7 @@ use surepose_io::mrclam::{self, Target};
 
 use crate::{path_length, recording};
 
-/// What numpy counts in one robot's files.
+/// The figures of one robot, computed with numpy.
 struct Counted {
     odometry: usize,
     reference: usize,
@@ -75,7 +75,7 @@ const COUNTED: [Counted; 5] = [
 ];
 
 #[test]
-fn every_robot_has_what_numpy_counts() {
+fn every_robot_matches_numpy() {
     let Some(folder) = recording("mrclam7") else { return };
     assert_eq!(mrclam::robots(&folder).unwrap(), [1, 2, 3, 4, 5]);
     for (robot, counted) in (1..).zip(&COUNTED) {
@@ -100,9 +100,11 @@ fn every_robot_has_what_numpy_counts() {
 }
 
 #[test]
-fn a_robot_that_is_not_there_is_named_with_those_that_are() {
+fn unknown_robot_is_reported_with_the_present_ones() {
     let Some(folder) = recording("mrclam7") else { return };
     let error = mrclam::read(&folder, 6).unwrap_err();
     assert!(matches!(error.problem, Problem::UnknownRobot { expected: 6, .. }));
-    assert!(error.to_string().ends_with("robot 6 is not in this data set; it has robots 1, 2, 3, 4, 5"));
+    assert!(
+        error.to_string().ends_with("robot: not in this data set (got 6, expected one of 1, 2, 3, 4, 5)")
+    );
 }
