@@ -114,10 +114,6 @@ mod tests {
     fn comparison_is_unknown_outside_of_an_exploration() {
         let x = Interval::new(-1.0, 1.0);
         assert_eq!(x.lt(Interval::from_f64(0.0)), Tribool::Unknown);
-        explore_branches(
-            64,
-            || x.lt(Interval::from_f64(0.0)),
-            |verdict| assert_ne!(verdict, Tribool::Unknown),
-        );
+        explore_branches(64, || x.lt(Interval::from_f64(0.0)), |result| assert_ne!(result, Tribool::Unknown));
     }
 }

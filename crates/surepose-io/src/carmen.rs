@@ -83,15 +83,15 @@ struct Log {
     odometry_clock: Clock,
     scan_clock: Clock,
     /// Pose of the previous `ODOM` line.
-    previous: Option<Place>,
+    previous: Option<MapFromBody>,
     /// The same pose in raw odometry.
-    raw: Option<Place>,
+    raw: Option<MapFromBody>,
     /// Corrected pose of a `FLASER` line, until the following `ODOM` line is read.
-    corrected: Option<Place>,
+    corrected: Option<MapFromBody>,
 }
 
 /// A pose of the log. Its frame is the map for corrected poses; for raw poses it drifts from the map.
-type Place = Pose<Map, Body, f64>;
+type MapFromBody = Pose<Map, Body, f64>;
 
 impl Default for Log {
     fn default() -> Self {
@@ -162,12 +162,12 @@ fn too_few(line: TextLine<'_>, found: usize) -> DataError {
     line.error(Problem::Columns { expected: FLASER_OTHERS + 1, found, layout })
 }
 
-fn place(x: &Field<'_>, y: &Field<'_>, heading: &Field<'_>) -> Result<Place, DataError> {
+fn place(x: &Field<'_>, y: &Field<'_>, heading: &Field<'_>) -> Result<MapFromBody, DataError> {
     let heading = Angle::from_radians(heading.read("heading", &ANGLE)?);
     Ok(Pose::new(x.read("x", &POSITION)?, y.read("y", &POSITION)?, heading))
 }
 
-fn stamped(time: f64, place: Place) -> StampedPose {
+fn stamped(time: f64, place: MapFromBody) -> StampedPose {
     StampedPose { time, x: place.x, y: place.y, heading: place.heading.radians() }
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 ///
 /// It prints as `path:line: problem`, so that an editor can open the location.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {problem}", Place { file, line: *line })]
+#[error("{}: {problem}", ErrorLocation { file, line: *line })]
 pub struct DataError {
     /// The file or directory.
     pub file: PathBuf,
@@ -164,12 +164,12 @@ fn remedy(problem: &std::io::Error) -> &'static str {
 }
 
 /// Displays `path` or `path:line`.
-struct Place<'a> {
+struct ErrorLocation<'a> {
     file: &'a Path,
     line: Option<u64>,
 }
 
-impl fmt::Display for Place<'_> {
+impl fmt::Display for ErrorLocation<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
         self.line.map_or(Ok(()), |line| write!(f, ":{line}"))

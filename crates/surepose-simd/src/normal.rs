@@ -77,10 +77,10 @@ fn normal_pair(square: f32, direction: f32) -> (f32, f32) {
 /// −2 ln u for u = k/2³¹ with an odd 31-bit k.
 #[inline(always)]
 fn radius_squared(word: u32) -> f32 {
-    const LEAST: u32 = (SQRT_2 * 0.5).to_bits();
+    const MIN_UNIFORM: u32 = (SQRT_2 * 0.5).to_bits();
     // The bits of k encode m·2^(31 + e) with m in [√½, √2).
-    let bits = (((word >> 1) | 1).cast_signed() as f32).to_bits().wrapping_sub(LEAST + (31 << 23));
+    let bits = (((word >> 1) | 1).cast_signed() as f32).to_bits().wrapping_sub(MIN_UNIFORM + (31 << 23));
     let exponent = bits.cast_signed() >> 23;
-    let f = f32::from_bits((bits & FRACTION) + LEAST) - 1.0;
+    let f = f32::from_bits((bits & FRACTION) + MIN_UNIFORM) - 1.0;
     (exponent as f32).mul_add(-2.0 * LN_2, f * polynomial(f, LOGARITHM))
 }

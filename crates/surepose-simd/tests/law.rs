@@ -60,24 +60,24 @@ fn step<S: Scalar>(
 
 /// Poses and hybrid states of `L` robots.
 #[derive(Clone, Debug, PartialEq)]
-struct Fleet<T: Element> {
+struct LawBatch<T: Element> {
     pose: [LaneArray<T, L>; 3],
     /// local_mode, reverse, turn_direction, trim_ticks, drive_direction.
     memory: [LaneArray<T, L>; 5],
 }
 
-struct Run<T: Element>(Fleet<T>, Which, usize);
+struct Run<T: Element>(LawBatch<T>, Which, usize);
 
 impl<T: Element> Kernel for Run<T> {
-    type Output = Fleet<T>;
+    type Output = LawBatch<T>;
 
     #[inline(always)]
-    fn run(self) -> Fleet<T> {
-        let Self(mut fleet, which, periods) = self;
+    fn run(self) -> LawBatch<T> {
+        let Self(mut batch, which, periods) = self;
         let law = law::<Lanes<T, N>>(which);
         for _ in 0..periods {
             let ([x, y, heading], [local_mode, reverse, turn_direction, trim_ticks, drive_direction]) =
-                (&mut fleet.pose, &mut fleet.memory);
+                (&mut batch.pose, &mut batch.memory);
             for k in LaneArray::<T, L>::rows::<N>() {
                 let pose = Pose::new(x.get(k), y.get(k), Angle::from_radians_unchecked(heading.get(k)));
                 let memory = HybridState {
@@ -98,7 +98,7 @@ impl<T: Element> Kernel for Run<T> {
                 drive_direction.set(k, memory.drive_direction);
             }
         }
-        fleet
+        batch
     }
 }
 
@@ -110,11 +110,11 @@ const LAWS: [Which; 4] = [
 ];
 
 /// Start poses around the goal at various distances and headings.
-fn starts<T: Element>() -> Fleet<T> {
+fn starts<T: Element>() -> LawBatch<T> {
     let at = |f: fn(f64) -> f64| LaneArray(std::array::from_fn(|k| T::from_f64(f(k as f64))));
     let radius = |k: f64| 0.01 + 3.0 * (k * 0.618).fract();
     assert!(radius(5.0) > 0.0);
-    Fleet {
+    LawBatch {
         pose: [
             at(|k| (0.01 + 3.0 * (k * 0.618).fract()) * (k * 2.4).cos()),
             at(|k| (0.01 + 3.0 * (k * 0.618).fract()) * (k * 2.4).sin()),
@@ -171,7 +171,7 @@ fn lanes_match_the_scalar_control_step() {
 #[test]
 fn batch_matches_a_single_robot() {
     for which in LAWS {
-        let fleet = dispatch_simd(Run(starts::<f64>(), which, 1000));
+        let batch = dispatch_simd(Run(starts::<f64>(), which, 1000));
         let (from, alone) = (starts::<f64>(), law::<f64>(which));
         for k in 0..L {
             let mut pose =
@@ -181,7 +181,7 @@ fn batch_matches_a_single_robot() {
                 let next = step(&alone, pose, memory);
                 (memory, pose) = (next.0, next.2);
             }
-            let off = (fleet.pose[0].0[k] - pose.x).abs().max((fleet.pose[1].0[k] - pose.y).abs());
+            let off = (batch.pose[0].0[k] - pose.x).abs().max((batch.pose[1].0[k] - pose.y).abs());
             assert!(off < 1e-9, "{which:?}, robot {k}: distance {off:e} m");
         }
     }

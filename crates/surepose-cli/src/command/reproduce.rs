@@ -162,7 +162,7 @@ impl ReproduceCommand {
             for (part, points) in
                 [("path", &shape.path), ("with_ekf", &shape.with_ekf), ("without_ekf", &shape.without_ekf)]
             {
-                let points = points.iter().map(|point| Place { x_m: point.x, y_m: point.y });
+                let points = points.iter().map(|point| PathSample { x_m: point.x, y_m: point.y });
                 folder.table(&format!("fig6_{name}_{part}.csv"), points)?;
             }
             let (with, without) = (figures.with_ekf.path_rmse_m, figures.without_ekf.path_rmse_m);
@@ -191,7 +191,7 @@ impl ReproduceCommand {
 }
 
 #[derive(Serialize)]
-struct Place {
+struct PathSample {
     x_m: f64,
     y_m: f64,
 }

@@ -170,7 +170,7 @@ impl Axes {
             line.push(point);
         }
         lines.extend((!line.is_empty()).then_some(line));
-        lines.into_iter().map(thinned).collect()
+        lines.into_iter().map(downsampled).collect()
     }
 
     /// Returns the positions of the points that are not NaN and not far outside.
@@ -223,7 +223,7 @@ impl Axes {
 }
 
 /// Drops points that coincide with the previous one on the page.
-fn thinned(line: Vec<Point>) -> Vec<Point> {
+fn downsampled(line: Vec<Point>) -> Vec<Point> {
     let count = line.len();
     let mut kept: Vec<Point> = Vec::with_capacity(count);
     for (i, (x, y)) in line.into_iter().enumerate() {
