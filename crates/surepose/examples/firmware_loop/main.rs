@@ -10,6 +10,10 @@
 
 mod parking;
 
-fn main() {
-    println!("{}", parking::park(|| ()));
+use std::process::ExitCode;
+
+pub(crate) fn main() -> ExitCode {
+    let parked = parking::park(|| ());
+    println!("{parked}");
+    if parked.reached { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

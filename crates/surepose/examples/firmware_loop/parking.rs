@@ -29,7 +29,7 @@ const SLIP: f32 = 0.05;
 /// How the drive ended.
 pub(crate) struct Parked {
     pub(crate) ticks: u32,
-    reached: bool,
+    pub(crate) reached: bool,
     truth: Pose<Map, Body, f32>,
     belief: Belief<f32>,
     refused: u32,
