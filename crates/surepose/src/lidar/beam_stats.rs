@@ -13,7 +13,8 @@ pub struct BeamStats<S> {
     pub short: u16,
     /// Number of beams that end behind the first wall. This is possible only at the edge of a wall.
     pub behind_wall: u16,
-    /// Number of beams without a return that a wall should have returned, see [`super::MissedReturns`]; 0 if not evaluated.
+    /// Number of beams without a return that a wall should have returned, see [`super::MissedReturns`]; 0 if not
+    /// evaluated.
     pub missed_returns: u16,
     /// −2 log likelihood of all beams up to a constant: about 1 for an explained beam, at most 17 for any.
     pub neg2_log_likelihood: S,

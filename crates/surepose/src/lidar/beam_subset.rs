@@ -97,8 +97,8 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
     /// Evaluates the agreement of the scan with `walls` at `pose`, whose uncertainty is `covariance`.
     ///
     /// A beam ends at the nearest wall on its ray, which is the wall with the largest inverse range there. The pose
-    /// uncertainty adds to the error of each beam, along the beam and across it, overestimated by at most a factor of two.
-    /// A beam near the edge of a wall ends there or at the wall behind, whichever costs less.
+    /// uncertainty adds to the error of each beam, along the beam and across it, overestimated by at most a factor of
+    /// two. A beam near the edge of a wall ends there or at the wall behind, whichever costs less.
     pub fn evaluate(
         &self,
         pose: Pose<Map, Body, S>,
@@ -123,8 +123,8 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         (stats, equations.solve(pose))
     }
 
-    /// Evaluates the agreement with `walls` at `pose` and adds the explained beams to `equations`, the normal equations of
-    /// a pose at `center` that moves with it.
+    /// Evaluates the agreement with `walls` at `pose` and adds the explained beams to `equations`, the normal equations
+    /// of a pose at `center` that moves with it.
     pub(crate) fn linearize(
         &self,
         pose: Pose<Map, Body, S>,
@@ -142,12 +142,14 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         for (beam, expected) in self.beams[..self.len].iter().zip(&expected_hits) {
             let (u, slope, cost) = expected.most_likely();
             if cost < S::from_f64(HIT_GATE * HIT_GATE) {
-                // u = a·cos φ + b·sin φ changes by u·(a, b) with a displacement of the laser and by ∂u/∂φ with its turn.
+                // u = a·cos φ + b·sin φ changes by u·(a, b) with a displacement of the laser and by ∂u/∂φ with its
+                // turn.
                 let (a, b) = (u * beam.cos - slope * beam.sin, u * beam.sin + slope * beam.cos);
                 let step = (u * (a * cos - b * sin), u * (a * sin + b * cos));
                 let row = [step.0, step.1, slope + step.0 * lever.0 + step.1 * lever.1];
-                // The pose uncertainty counts as noise of the beam as well. A beam near an edge that is given to the wrong wall
-                // then has less weight, and the information on the pose is underestimated rather than overestimated.
+                // The pose uncertainty counts as noise of the beam as well. A beam near an edge that is given to the
+                // wrong wall then has less weight, and the information on the pose is underestimated rather than
+                // overestimated.
                 let weight = S::from_f64(1.0).div_or_zero(uncertainty.variance(u, slope));
                 equations.add(row, beam.inverse - u, weight);
             }
@@ -241,8 +243,8 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
 /// Walls found on the ray of a beam.
 #[derive(Clone, Copy)]
 pub(super) struct ExpectedHit<S> {
-    /// Inverse range \[1/m] of the nearest wall that certainly blocks the beam, 0 for none. Its cost and its change with the
-    /// bearing follow.
+    /// Inverse range \[1/m] of the nearest wall that certainly blocks the beam, 0 for none. Its cost and its change
+    /// with the bearing follow.
     pub(super) certain: S,
     cost: S,
     slope: S,

@@ -26,8 +26,8 @@ const CORNER_REACH: usize = 6;
 /// the mean NEES of a wall at the end of the view was 3.3 with them and 2.2 without; it is 2 for true walls.
 const VIEW_END: usize = 3;
 
-/// Angle increment for which the numbers above hold, 0.5° \[rad]. At finer increments more beams lie between a corner and
-/// the point where the distance of the walls exceeds range noise.
+/// Angle increment for which the numbers above hold, 0.5° \[rad]. At finer increments more beams lie between a corner
+/// and the point where the distance of the walls exceeds range noise.
 const NOMINAL_INCREMENT: f64 = 0.0087;
 
 /// Maximum factor on the beam counts for finer increments, reached at 0.06°.
@@ -121,7 +121,8 @@ fn split_at_corner<S: Float>(
     (end, begin)
 }
 
-/// Whether the two walls meet where their lines cross. Most beams that growing included beyond then lie on the other line.
+/// Whether the two walls meet where their lines cross. Most beams that growing included beyond then lie on the other
+/// line.
 ///
 /// The extended line of a plate may cross the wall behind it near its end; the beams between belong to that wall.
 fn is_corner<S: Float>(

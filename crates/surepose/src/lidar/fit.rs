@@ -33,8 +33,9 @@ const GATE: f64 = 3.3;
 /// therefore P/(P − 2·g·N(g)).
 const GATE_VARIANCE_FACTOR: f64 = 1.0115;
 
-/// Limit of short beams, in standard deviations before the wall. Beams between [`GATE`] and this limit measure the density
-/// of clutter: they are not returns of the wall, and are near enough to predict the clutter hidden under its noise.
+/// Limit of short beams, in standard deviations before the wall. Beams between [`GATE`] and this limit measure the
+/// density of clutter: they are not returns of the wall, and are near enough to predict the clutter hidden under its
+/// noise.
 const SHORT_GATE: f64 = 8.0;
 
 /// Wall index of beams that lie on no wall.
@@ -130,8 +131,8 @@ impl<S: Float> LineModel<'_, S> {
     fn residual(&self, beam: &Beam<S>) -> Residual<S> {
         let (u, slope) = self.line.at(beam);
         let weight = S::from_f64(1.0) / self.noise.variance(u, slope);
-        // First order, and without the bias of an inverse: u·(1 − ρ·u) instead of 1/ρ − u. A beam that does not meet the
-        // line has u ≤ 0.
+        // First order, and without the bias of an inverse: u·(1 − ρ·u) instead of 1/ρ − u. A beam that does not meet
+        // the line has u ≤ 0.
         let value = u * (S::from_f64(1.0) - beam.range * u);
         let chi2 =
             S::select(u > S::from_f64(0.0), value.squared() * weight, S::from_f64(NO_INTERSECTION_CHI2));

@@ -39,7 +39,8 @@ impl<S: Float> InverseRangeLine<S> {
         Self { a: self.a + other.a, b: self.b + other.b }
     }
 
-    /// Position on the line where a beam at φ meets it: distance from the foot of the perpendicular, positive left \[m].
+    /// Position on the line where a beam at φ meets it: distance from the foot of the perpendicular, positive left
+    /// \[m].
     #[inline]
     pub(super) fn along(&self, beam: &Beam<S>) -> S {
         let (u, slope) = self.at(beam);
