@@ -1,16 +1,17 @@
 //! Where am I, if I know nothing? From the walls in view to one pose, or to several as long as several explain them.
 //!
 //! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one; and where there is a
-//! [`DistanceField`] of the map, every pose of a lattice is tried, so that no place is overlooked. What explains the scan beam by
-//! beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the beams correct,
-//! judged by how well the map explains what is seen from there ([`BeamSubset`]), now and in a few scans that are remembered.
-//! A place is found when one hypothesis explains them all and every other explains them far worse. Two places that look
-//! alike stay two: somebody has to move until they do not, to turn for instance.
+//! [`DistanceField`] of the map, every pose of a lattice is tried, so that no place is overlooked. What explains the
+//! scan beam by beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the beams correct,
+//! judged by how well the map explains what is seen from there ([`BeamSubset`]), now and in a few scans that are
+//! remembered. A place is found when one hypothesis explains them all and every other explains them far worse. Two
+//! places that look alike stay two: somebody has to move until they do not, to turn for instance.
 //!
-//! Memory is fixed: `N` hypotheses, `N` proposals, [`MAX_ODOMETRY_INCREMENTS`] increments of odometry, `FRAMES` scans. The work of a
-//! scan is bounded by [`MAX_LINE_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
-//! [`BeamSubset::from`] for each that is not, up to 2 · `FRAMES` + 2 for each hypothesis and 5 · `FRAMES` + 5 for each new one.
-//! The lattice is tried each time a scan is worth remembering: at most 10⁴ look-ups for each of its places.
+//! Memory is fixed: `N` hypotheses, `N` proposals, [`MAX_ODOMETRY_INCREMENTS`] increments of odometry, `FRAMES` scans.
+//! The work of a scan is bounded by [`MAX_LINE_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of
+//! directions, one [`BeamSubset::from`] for each that is not, up to 2 · `FRAMES` + 2 for each hypothesis and 5 ·
+//! `FRAMES` + 5 for each new one. The lattice is tried each time a scan is worth remembering: at most 10⁴ look-ups for
+//! each of its places.
 
 mod correlative_search;
 mod hypothesis_evaluator;
@@ -66,7 +67,8 @@ pub struct AcceptanceCriteria<S> {
 }
 
 impl<S: Float> Default for AcceptanceCriteria<S> {
-    /// Three fifths explained, among clutter that hides a fifth; e¹⁵ times as likely as any other, after a quarter turn.
+    /// Three fifths explained, among clutter that hides a fifth; e¹⁵ times as likely as any other, after a quarter
+    /// turn.
     fn default() -> Self {
         Self {
             min_hit_ratio: S::from_f64(0.6),
@@ -328,7 +330,8 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// The number of the hypothesis that explains all that is in mind far better than every other, and for how many scans it held.
+    /// The number of the hypothesis that explains all that is in mind far better than every other, and for how many
+    /// scans it held.
     fn leading_hypothesis(&self) -> Option<(usize, u16)> {
         let criteria = &self.criteria;
         let costs = || self.hypotheses.iter().map(|slot| neg2_log_likelihood(slot.as_ref())).enumerate();

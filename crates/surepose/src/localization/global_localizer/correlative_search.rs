@@ -1,7 +1,8 @@
 //! Poses from trying all there are: so that what is not found is not overlooked, but does not explain what was seen.
 //!
-//! What is seen now and what is remembered becomes one template of rays around the robot. From every place of a lattice and in
-//! every heading its ends are looked up in the [`DistanceField`]; the best climb to where their ends lie nearest to walls.
+//! What is seen now and what is remembered becomes one template of rays around the robot. From every place of a lattice
+//! and in every heading its ends are looked up in the [`DistanceField`]; the best climb to where their ends lie nearest
+//! to walls.
 
 use core::f64::consts::TAU;
 

@@ -158,8 +158,8 @@ impl<S: Float, const FRAMES: usize> KeyframeBuffer<S, FRAMES> {
         }
     }
 
-    /// The pose of now that each asks for, the robot being near what is believed: blurred by what odometry may have drifted
-    /// since.
+    /// The pose of now that each asks for, the robot being near what is believed: blurred by what odometry may have
+    /// drifted since.
     pub(super) fn pose_measurements<'a>(
         &'a self,
         near: &'a Belief<S>,
