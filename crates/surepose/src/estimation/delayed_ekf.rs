@@ -36,7 +36,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     /// A belief that is not finite remains so. It rejects every measurement, and the
     /// [supervisor](crate::safety::Supervisor) stops the robot.
     pub fn new(ekf: Ekf<S>, gate: Gate<S>, history_length: f64, stamp: Stamp, belief: Belief<S>) -> Self {
-        const { assert!(N > 0, "without a history nothing is remembered, not even odometry") };
+        const { assert!(N > 0, "`N`: history capacity is 0, expected at least 1") };
         Self {
             ekf,
             gate,

@@ -350,7 +350,7 @@ mod tests {
 
     /// From (1, 1): walls 1 m to the right and left, 2 m ahead, √2 m between, and a plate on the left.
     #[test]
-    fn beams_end_at_the_first_wall_before_it_or_beyond_it() {
+    fn beams_count_as_hit_short_or_behind_wall() {
         let room = [
             wall((0.0, 0.0), (3.0, 0.0)),
             wall((3.0, 2.0), (3.0, 0.0)),
@@ -371,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_seen_contradicts_nothing() {
+    fn scan_without_returns_has_hit_ratio_one() {
         let none = evaluate(&[f64::INFINITY, f64::NAN, 0.0, -1.0, 1e9], &[wall((3.0, 2.0), (3.0, 0.0))]);
         assert_eq!(none.beams, 0);
         assert!(none.hit_ratio() >= 1.0 && none.behind_wall_ratio() <= 0.0);

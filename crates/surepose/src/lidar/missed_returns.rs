@@ -85,12 +85,16 @@ mod tests {
     }
 
     #[test]
-    fn walls_send_beams_back_as_far_as_the_laser_was_seen_to_see() {
+    fn missed_returns_count_within_the_observed_range() {
         let void = f64::INFINITY;
         assert_eq!(missed_returns(&[5.0, void, void, void, void]), 2);
         assert_eq!(missed_returns(&[5.0, void, 2.0, void, void]), 1);
-        assert_eq!(missed_returns(&[2.0, void, void, void, void]), 1, "2 m may be too far, then");
-        assert_eq!(missed_returns(&[5.0, void, f64::NAN, f64::NAN, void]), 0, "broken is not silent");
-        assert_eq!(missed_returns(&[void; 5]), 0, "nothing shows that the laser sees at all");
+        assert_eq!(
+            missed_returns(&[2.0, void, void, void, void]),
+            1,
+            "2 m exceeds 0.8 of the longest return"
+        );
+        assert_eq!(missed_returns(&[5.0, void, f64::NAN, f64::NAN, void]), 0, "NaN ranges are invalid");
+        assert_eq!(missed_returns(&[void; 5]), 0, "a scan without returns counts 0");
     }
 }
