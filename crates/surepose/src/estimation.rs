@@ -1,4 +1,4 @@
-//! Where am I? Odometry predicts; each measurement is gated, then corrects: [Tran2012] Sec. 3.
+//! Pose estimation by an extended Kalman filter with gated measurements: [Tran2012] Sec. 3.
 
 mod delayed_ekf;
 mod ekf;

@@ -1,30 +1,32 @@
-//! Laser scan → wall lines → matched walls.
+//! Laser scans to wall lines, matched walls and pose measurements.
 //!
-//! [`LineExtractor`] turns a [`Scan`] into [`ExtractedLine`]s without a map and without knowing the pose:
+//! [`LineExtractor`] extracts [`ExtractedLine`]s from a [`Scan`]. It uses neither a map nor a pose:
 //!
-//! 1. *beams*: what did not come back, or came from outside the laser's reach, is left out;
-//! 2. *segments*: seven beams that agree on a line start one, beam after beam joins it as long as the χ² test of
-//!    its own variance says so, a few that do not fit are stepped over;
-//! 3. *join*: segments of one line are one wall, seen in several runs; beams left between them are offered to every wall;
-//! 4. *boundaries*: a beam next to an edge or so near a corner that it may belong to either wall belongs to none;
-//! 5. *fit*: maximum likelihood with the full covariance; where things stand before the walls, likelihood of the
-//!    mixture of both.
+//! 1. *beams*: returns outside the range limits of the laser are discarded;
+//! 2. *segments*: five of seven neighboring beams on a line seed a segment. It grows beam by beam by a χ² test with
+//!    the variance of the line, and steps over a few outliers;
+//! 3. *merge*: collinear segments form one wall with several runs. Beams left between the runs are tested against
+//!    every wall;
+//! 4. *boundaries*: beams next to an edge, and beams near a corner that may lie on either wall, are discarded;
+//! 5. *fit*: maximum likelihood with full covariance. Where clutter stands before the walls, the likelihood is that of
+//!    the mixture of both.
 //!
-//! [`LineAssociator`] then finds which wall of the map each line is: inside a χ² gate, one to one, where the wall really is.
+//! [`LineAssociator`] matches each line with a wall of the map, one to one and inside a χ² gate. The line must overlap
+//! the wall.
 //!
-//! [`ScanMatcher`] lays a scan on the walls of a map beam by beam, where rooms are so full that few walls are long enough to be
-//! found without one.
+//! [`ScanMatcher`] matches a scan with the walls of a map beam by beam. It serves cluttered rooms, where few walls are
+//! long enough for line extraction.
 //!
-//! [`BeamModelMatcher`] asks where the first wall in the way of each beam is, and what the beams together say of the pose.
+//! [`BeamModelMatcher`] casts a ray for each beam to the first wall, and estimates the pose from all beams together.
 //!
-//! [`ScanProcessor`] is the whole way from a scan to the measurements of the filter, by lines, by scan matching or by the beam model.
+//! [`ScanProcessor`] turns a scan into measurements for the filter by one of these three models.
 //!
-//! # The coordinates
+//! # Coordinates
 //! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
-//! meets it at the range 1/u, u(φ) = a·cos φ + b·sin φ: the *inverse* range is linear in the line, so that nothing is
-//! iterated to start a fit, a line through two beams costs a division, and an error ε of the bearing changes u by u′ε.
-//! With range noise σ_r and bearing noise σ_φ the variance of the inverse range is u⁴σ_r² + u′²σ_φ²: the same as
-//! the perpendicular residual ρ·cos(φ−ψ) − r with its variance cos²(φ−ψ)·σ_r² + ρ²·sin²(φ−ψ)·σ_φ², divided by r·ρ.
+//! meets it at the range 1/u, u(φ) = a·cos φ + b·sin φ. The *inverse* range is linear in (a, b): a fit needs no
+//! iteration to start, and a line through two beams needs one division. A bearing error ε changes u by u′ε.
+//! With range noise σ_r and bearing noise σ_φ the variance of the inverse range is u⁴σ_r² + u′²σ_φ². This equals the
+//! perpendicular residual ρ·cos(φ−ψ) − r with its variance cos²(φ−ψ)·σ_r² + ρ²·sin²(φ−ψ)·σ_φ², divided by r·ρ.
 
 mod beam;
 mod beam_model_matcher;

@@ -1,9 +1,9 @@
-//! Localization: the estimate, the laser that corrects it, and the supervision of both.
+//! Localization: pose estimation, correction by the laser, and supervision of both.
 //!
-//! [`Localizer`] is the estimating half of a step: wheel odometry predicts, measurements and scans correct, and the
-//! [`LocalizationMonitor`] checks that the map still explains what the laser sees. A robot that was pushed is found by the
-//! [`LocalSearch`] around its estimate, a lost one by the [`GlobalLocalizer`], which follows several hypotheses until
-//! one is left.
+//! [`Localizer`] is the estimation half of a step. Wheel odometry predicts, measurements and scans correct, and the
+//! [`LocalizationMonitor`] checks that the map still explains the scans. The [`LocalSearch`] relocalizes a displaced
+//! robot near its estimate. The [`GlobalLocalizer`] relocalizes a lost robot: it tracks several hypotheses until one
+//! remains.
 
 mod global_localizer;
 mod input;

@@ -1,4 +1,4 @@
-//! The map: walls, and the distance to them.
+//! Map of walls and its distance field.
 
 mod distance_field;
 mod view;

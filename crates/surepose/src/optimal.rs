@@ -1,12 +1,12 @@
 //! Time-optimal trajectories of a differential drive with bounded wheel speed: [BalkcomMason2002].
 //!
-//! Each wheel's speed is bounded by V, acceleration is unbounded. Let 2b be the wheel separation. A straight
-//! of length s and a turn in place by a take (|s| + b·|a|)/V. A fastest trajectory consists of these only:
-//! [BalkcomMason2002], with at most 4 actions of which at most 2 are straights. The words of this form are
+//! The speed of each wheel is bounded by V; acceleration is unbounded. Let 2b be the wheel separation. A straight
+//! of length s and a turn in place by a take (|s| + b·|a|)/V. By [BalkcomMason2002] a fastest trajectory consists of
+//! at most 4 such actions, at most 2 of them straights. The words of this form are
 //! turn–straight–turn–straight and its time reversal; shorter words have actions of length 0.
 //!
 //! One direction then remains free, and the time is piecewise smooth in it. Coordinates are relative to the
-//! goal, with the x axis along the last straight, (x, y) the remaining displacement, and β the direction of
+//! goal, with the x axis along the last straight. (x, y) is the remaining displacement, and β the direction of
 //! the first straight:
 //!
 //! T(β)·V = |y / sin β| + |x − y / tan β| + b·(|β − β₀| + |β|)
@@ -22,9 +22,9 @@ use crate::kinematics::DiffDrive;
 /// An action of a time-optimal trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OptimalAction {
-    /// Turn on the spot, counter-clockwise \[rad].
+    /// Turn in place, counter-clockwise \[rad].
     Turn(f64),
-    /// Drive straight, forward \[m].
+    /// Straight drive, positive forward \[m].
     Straight(f64),
 }
 
@@ -83,10 +83,10 @@ fn turn_straight_turn_straight(start: Pose<Goal, Body, f64>, half_separation: f6
     best.0
 }
 
-/// Turn from `first` to `direction`, straight, turn to the goal's heading, straight: covers (`x`, `y`) \[m].
+/// Turn from `first` to `direction`, straight, turn to the heading of the goal, straight: covers (`x`, `y`) \[m].
 fn word(x: f64, y: f64, first: Angle<f64>, direction: Angle<f64>) -> Option<[OptimalAction; 4]> {
     let (sin, cos) = direction.sin_cos();
-    // A straight along the goal's axis cannot move sideways; one nearly parallel to it would be arbitrarily
+    // A straight along the axis of the goal has no lateral displacement; one nearly parallel to it would be arbitrarily
     // long.
     let (one, two) = if y.abs() <= 1e-12 {
         (0.0, x)
@@ -112,7 +112,7 @@ fn undone(word: [OptimalAction; 4]) -> [OptimalAction; 4] {
     [d, c, b, a]
 }
 
-/// Returns the rim travel of the faster wheel \[m].
+/// Returns the wheel travel of the faster wheel \[m].
 fn length(word: &[OptimalAction; 4], half_separation: f64) -> f64 {
     word.iter()
         .map(|action| match action {

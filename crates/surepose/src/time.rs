@@ -1,19 +1,19 @@
-//! Stamps: time is an argument, never read from a clock.
+//! Time stamps. Time is always an argument, never read from a clock.
 
-/// A moment, in nanoseconds since an origin of the caller's choice.
+/// Time in nanoseconds since an origin that the caller defines.
 ///
-/// Integer, so that a stamp late in the day is as sharp as an early one, in `f32` builds too.
+/// The integer keeps full resolution over days, in `f32` builds as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Stamp(i64);
 
 impl Stamp {
-    /// The moment `nanoseconds` after the origin.
+    /// Time `nanoseconds` after the origin.
     #[inline]
     pub const fn from_nanoseconds(nanoseconds: i64) -> Self {
         Self(nanoseconds)
     }
 
-    /// The moment `seconds` after the origin, to the nearest nanosecond; NaN is the origin.
+    /// Time `seconds` after the origin, rounded to a nanosecond; NaN gives the origin.
     #[inline]
     pub fn from_seconds(seconds: f64) -> Self {
         Self(libm::round(seconds * 1e9) as i64)
@@ -31,13 +31,13 @@ impl Stamp {
         self.0 as f64 * 1e-9
     }
 
-    /// Seconds from `earlier` to here; negative where it is later.
+    /// Seconds from `earlier` to this stamp; negative where `earlier` is later.
     #[inline]
     pub fn since(self, earlier: Self) -> f64 {
         self.0.saturating_sub(earlier.0) as f64 * 1e-9
     }
 
-    /// The moment `seconds` later.
+    /// Time `seconds` after this stamp.
     #[must_use]
     #[inline]
     pub fn after(self, seconds: f64) -> Self {
@@ -45,12 +45,12 @@ impl Stamp {
     }
 }
 
-/// A value, and when it was true.
+/// A value and the time of its measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamped<T> {
-    /// When the value was measured, not when it arrived.
+    /// Time of measurement, not of arrival.
     pub stamp: Stamp,
-    /// What was measured.
+    /// Measured value.
     pub value: T,
 }
 

@@ -1,4 +1,4 @@
-//! The filter with its memory: checks, gates, rewinds what comes late, counts what it rejects.
+//! Kalman filter with history: checks and gates measurements, rewinds for late ones, and counts rejections.
 
 use crate::kinematics::WheelPair;
 use crate::scalar::Float;
@@ -10,32 +10,33 @@ use super::history::{Entry, Event, History};
 use super::measurement::{Measurement, finite};
 use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
 
-/// A belief that is carried through time by odometry and corrected by measurements, late ones included.
+/// Belief that odometry predicts and measurements correct, including late measurements.
 ///
-/// `N` entries of history bound the memory and the work: one call costs at most `N` + 2 filter steps. A
-/// measurement that is late is put where it belongs and everything after it is done again; one older than the
-/// history is rejected as [`RejectReason::Stale`].
+/// The history of `N` entries bounds memory and work: one call costs at most `N` + 2 filter steps. A late measurement
+/// is inserted at its time, and all later entries are replayed. A measurement older than the history is rejected as
+/// [`RejectReason::Stale`].
 #[derive(Clone, Copy, Debug)]
 pub struct DelayedEkf<S, const N: usize = 64> {
     ekf: Ekf<S>,
     gate: Gate<S>,
-    /// How far back the history may reach \[s].
+    /// Maximum age of an entry of the history \[s].
     history_length: f64,
     history: History<S, N>,
     stats: MeasurementStats,
 }
 
-/// The noise of odometry is that of the speeds of so long \[s]: long beside a period, short beside what a robot takes to speed
-/// up.
+/// Averaging window of the speed in the odometry noise \[s]: long compared with a period, short compared with the
+/// acceleration time of a robot.
 const ODOMETRY_NOISE_WINDOW: f64 = 0.5;
 
 impl<S: Float, const N: usize> DelayedEkf<S, N> {
-    /// Starts at `stamp` with `belief`; remembers at most `history_length` seconds and at most `N` events, at least one.
+    /// Starts at `stamp` with `belief`. The history holds at most `history_length` seconds and `N` events, at least
+    /// one.
     ///
-    /// A belief that is not finite stays so: it rejects every measurement, and the [supervisor](crate::safety::Supervisor) stops the
-    /// robot for it.
+    /// A belief that is not finite remains so. It rejects every measurement, and the
+    /// [supervisor](crate::safety::Supervisor) stops the robot.
     pub fn new(ekf: Ekf<S>, gate: Gate<S>, history_length: f64, stamp: Stamp, belief: Belief<S>) -> Self {
-        const { assert!(N > 0, "without a history nothing is remembered, not even odometry") };
+        const { assert!(N > 0, "`N`: history capacity is 0, expected at least 1") };
         Self {
             ekf,
             gate,
@@ -45,27 +46,27 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         }
     }
 
-    /// The newest belief.
+    /// Newest belief.
     pub fn belief(&self) -> Belief<S> {
         self.history.after(self.history.len()).1
     }
 
-    /// When the newest belief holds.
+    /// Time of the newest belief.
     pub fn stamp(&self) -> Stamp {
         self.history.after(self.history.len()).0
     }
 
-    /// What was accepted and what was rejected so far.
+    /// Counts of accepted and rejected measurements.
     pub fn measurement_stats(&self) -> &MeasurementStats {
         &self.stats
     }
 
-    /// The filter's constants.
+    /// Constants of the filter.
     pub fn ekf(&self) -> &Ekf<S> {
         &self.ekf
     }
 
-    /// The belief at `stamp`, as far as it is known now; `None` where the history does not reach.
+    /// Belief at `stamp` with the measurements so far; `None` outside the history.
     pub fn belief_at(&self, stamp: Stamp) -> Option<Belief<S>> {
         if stamp > self.stamp() {
             return None;
@@ -83,7 +84,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         }
     }
 
-    /// As [`DelayedEkf::belief_at`], for something measured then: that it comes too late or too early is counted.
+    /// As [`DelayedEkf::belief_at`], for a measurement of that time; counts a rejection.
     ///
     /// # Errors
     /// [`RejectReason::Stale`] or [`RejectReason::Future`].
@@ -95,15 +96,16 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         })
     }
 
-    /// Forgets everything and starts anew, from a pose that somebody is sure of. The statistics are kept.
+    /// Clears the history and restarts from a trusted belief. The statistics are kept.
     pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
         self.history = History::new(stamp, belief);
     }
 
-    /// The robot was at `belief` at `stamp`, somebody is sure, and has rolled on since: everything before is forgotten, and
-    /// so is what was measured since, for walls and landmarks were told apart by where the robot was believed to be.
+    /// Restarts from a trusted `belief` at the earlier time `stamp`, and replays the odometry since then.
     ///
-    /// Where the history does not reach to `stamp`, `belief` is taken for where the robot is now.
+    /// All earlier entries are deleted. All measurements since `stamp` are deleted too, because their walls and
+    /// landmarks were associated at the discarded belief. Where the history does not contain `stamp`, `belief` holds
+    /// for the present time.
     pub fn reset_at(&mut self, stamp: Stamp, belief: Belief<S>) {
         let past = self.history;
         let (oldest, newest) = (past.after(0).0, past.after(past.len()).0);
@@ -113,31 +115,32 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         self.reset(stamp, belief);
         for index in past.count_until(stamp)..past.len() {
             if let Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) = past.get(index) {
-                // Of the stretch in which `stamp` lies, only what comes after it.
+                // Only the part after `stamp` of the interval that contains it.
                 let before = fraction(past.after(index).0.min(stamp), stamp, end);
                 let _checked = self.predict_with(end, odometry.fraction(S::from_f64(1.0) - before));
             }
         }
     }
 
-    /// Predicts with a travel of `travel` \[m] since the last call and it is now `stamp`.
+    /// Predicts by the wheel travel `travel` \[m] since the last call, up to the time `stamp`.
     ///
-    /// It rolled, whatever the clock says: a `stamp` before that of the newest belief means that the clock was set back. Time
-    /// then starts anew at `stamp`, without a history, which the statistics count; what was measured by the old clock is rejected.
+    /// A `stamp` before the newest belief means that the clock was set back; the travel is used nevertheless. The
+    /// filter then restarts at `stamp` without history and counts a clock reset. Measurements with stamps of the old
+    /// clock are rejected.
     ///
     /// # Errors
-    /// [`RejectReason::NotFinite`] for a broken travel; the belief then stays as it was.
+    /// [`RejectReason::NotFinite`] for an invalid travel; the belief is then unchanged.
     pub fn predict(&mut self, stamp: Stamp, travel: WheelPair<S>) -> Result<(), RejectReason> {
         self.predict_with(stamp, self.wheel_odometry(stamp, travel))
     }
 
-    /// What it says of the way since the last call that the wheels rolled by `travel` \[m] and it is now `stamp`.
+    /// Odometry for the wheel travel `travel` \[m] since the last call, up to the time `stamp`.
     ///
     /// # Departure
-    /// (15) of [Tran2012] takes the variance from the speed that was measured, δω², and so a wheel that was measured too fast
-    /// for less certain than one that was measured too slow. A heading that comes with it then moves the robot by the
-    /// product of the two, which is not 0 in the mean: with noise of 20 % on the wheels by a thirtieth of the way. Here the
-    /// square is the mean one of the last half second, of which this stretch is a small part.
+    /// [Tran2012] Eq. (15) takes the variance from the measured speed, δω². A wheel speed that is measured too high is then
+    /// less certain than one measured too low. A heading update couples the two errors and moves the robot by their
+    /// product, whose mean is not 0: with 20 % wheel noise by a thirtieth of the travel. Here the square is the mean over
+    /// the last half second, of which this interval is a small part.
     /// Tested by `odometry::noisy_odometry_with_heading_updates_is_unbiased`.
     pub fn wheel_odometry(&self, stamp: Stamp, travel: WheelPair<S>) -> WheelOdometry<S> {
         let own = stamp.since(self.stamp());
@@ -148,8 +151,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             core::iter::once((own, travel)).chain(self.odometry_since(stamp.after(-ODOMETRY_NOISE_WINDOW)))
         };
         let (count, whole) = recent().fold((0.0, 0.0), |(count, whole), (dt, _)| (count + 1.0, whole + dt));
-        // Stamps that jitter make a stretch of no time: nobody rolled so far in that. A measurement that is late splits one, and
-        // its parts are as short as they say.
+        // Jittering stamps may give an interval of nearly zero duration and an implausible speed. Intervals that a late
+        // measurement split are validly short.
         let time = |dt: f64| S::from_f64(dt.max(0.25 * whole / count));
         let (mut all, mut sum) = (S::from_f64(0.0), WheelPair::zero());
         for (dt, travel) in recent() {
@@ -163,7 +166,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         WheelOdometry { travel, variance: sum.scaled(time(own).squared() / all * self.ekf.delta) }
     }
 
-    /// The stretches that ended after `since`, the newest first: how long each was \[s], and how far the wheels rolled \[m].
+    /// Odometry intervals that ended after `since`, newest first: duration \[s] and wheel travel \[m].
     fn odometry_since(&self, since: Stamp) -> impl Iterator<Item = (f64, WheelPair<S>)> + '_ {
         let stamp = |count: usize| self.history.after(count).0;
         let newest_first = (0..self.history.len()).rev().take_while(move |index| stamp(index + 1) > since);
@@ -173,7 +176,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         })
     }
 
-    /// As [`DelayedEkf::predict`], where the variance of the travel is known better than by δ.
+    /// As [`DelayedEkf::predict`], with a variance that replaces the model of δ.
     ///
     /// # Errors
     /// As [`DelayedEkf::predict`], and [`RejectReason::BadVariance`] for a negative variance.
@@ -192,10 +195,10 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         Ok(())
     }
 
-    /// Corrects the belief by a measurement, at the time when it was taken.
+    /// Corrects the belief by a measurement, at the time of the measurement.
     ///
-    /// What was measured later is judged again: of two that contradict each other the earlier counts, whichever came first,
-    /// and one that was accepted may be left out for it.
+    /// Later measurements are gated again. Of two contradictory measurements the earlier stamp wins, whichever arrived
+    /// first; an accepted measurement may thus be excluded afterwards.
     pub fn update(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
         let outcome = match self.check_measurement(&measured) {
             Err(reason) => MeasurementOutcome::Rejected(reason),
@@ -205,7 +208,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         outcome
     }
 
-    /// Counts something that is not used.
+    /// Counts a rejected measurement or scan.
     pub(crate) fn reject(&mut self, reason: RejectReason) {
         self.stats.count(MeasurementOutcome::Rejected(reason));
     }
@@ -221,12 +224,12 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         }
     }
 
-    /// Rewinds to the measurement's time, applies it, and does again what came after.
+    /// Rewinds to the time of the measurement, applies it, and replays the later entries.
     fn apply(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
         let Stamped { stamp, value: measurement } = measured;
         let count = self.history.count_until(stamp);
         let (start, mut belief) = self.history.after(count);
-        // The robot may have been rolling: the measurement then splits a stretch.
+        // A measurement inside an odometry interval splits the interval.
         let split = match self.history.get(count) {
             Some(Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
                 let part = fraction(start, stamp, end);
@@ -282,7 +285,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     }
 }
 
-/// Whether a robot can have rolled so, and somebody know it so well.
+/// Checks travel and variance of odometry for plausibility.
 fn check_odometry<S: Float>(odometry: &WheelOdometry<S>) -> Result<(), RejectReason> {
     finite(&[odometry.travel.right, odometry.travel.left])?;
     let variances = [odometry.variance.right, odometry.variance.left];
@@ -294,7 +297,7 @@ fn check_odometry<S: Float>(odometry: &WheelOdometry<S>) -> Result<(), RejectRea
     }
 }
 
-/// Which part of the time from `start` to `end` lies before `at`.
+/// Fraction of the time from `start` to `end` that lies before `at`.
 fn fraction<S: Float>(start: Stamp, at: Stamp, end: Stamp) -> S {
     let whole = end.since(start);
     if whole > 0.0 { S::from_f64((at.since(start) / whole).clamp(0.0, 1.0)) } else { S::from_f64(1.0) }

@@ -7,36 +7,36 @@ use crate::scalar::{Mask, Scalar};
 
 use super::measurement::Innovation;
 
-/// Where the robot thinks it is, and how sure it is.
+/// Pose estimate with covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belief<S> {
-    /// The estimated pose x̂.
+    /// Estimated pose x̂.
     pub pose: Pose<Map, Body, S>,
-    /// The covariance P of (x \[m], y \[m], θ \[rad]), in the map frame.
+    /// Covariance P of (x \[m], y \[m], θ \[rad]), in the map frame.
     pub covariance: Covariance<S, 3>,
 }
 
 impl<S: Scalar> Belief<S> {
-    /// `pose`, with independent standard deviations of x \[m], y \[m] and θ \[rad].
+    /// Belief at `pose` with independent standard deviations of x \[m], y \[m] and θ \[rad].
     #[inline(always)]
     pub fn new(pose: Pose<Map, Body, S>, std: [S; 3]) -> Self {
         Self { pose, covariance: Covariance::from_std(std) }
     }
 
-    /// The estimation error `estimate − truth` (x, y, θ), heading wrapped.
+    /// Estimation error `estimate − truth` (x \[m], y \[m], θ \[rad]), heading wrapped.
     #[inline(always)]
     pub fn error(&self, truth: Pose<Map, Body, S>) -> [S; 3] {
         [self.pose.x - truth.x, self.pose.y - truth.y, (self.pose.heading - truth.heading).radians()]
     }
 
-    /// The normalized estimation error squared, χ² with 3 degrees of freedom for a consistent filter.
+    /// Normalized estimation error squared, χ² with 3 degrees of freedom for a consistent filter.
     #[inline(always)]
     pub fn nees(&self, truth: Pose<Map, Body, S>) -> S {
         self.covariance.mahalanobis_squared(self.error(truth))
     }
 }
 
-/// What odometry says of a stretch of time: how far each rim rolled, and how well that is known.
+/// Wheel travel over an interval, with variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelOdometry<S> {
     /// Δs_R, Δs_L \[m].
@@ -46,13 +46,13 @@ pub struct WheelOdometry<S> {
 }
 
 impl<S: Scalar> WheelOdometry<S> {
-    /// Odometry of the commanded `travel` \[m], with σ equal to its length.
+    /// Odometry from the commanded `travel` \[m], with σ equal to its length.
     #[inline]
     pub fn from_command(travel: WheelPair<S>) -> Self {
         Self { travel, variance: WheelPair::new(travel.right.squared(), travel.left.squared()) }
     }
 
-    /// The part `fraction` ∈ [0, 1] of this travel, with the same share of its variance.
+    /// Fraction ∈ [0, 1] of this travel, with the same fraction of its variance.
     #[must_use]
     #[inline(always)]
     pub fn fraction(self, fraction: S) -> Self {
@@ -60,39 +60,39 @@ impl<S: Scalar> WheelOdometry<S> {
     }
 }
 
-/// The filter's constants; all state is in the [`Belief`] it is given.
+/// Constants of the filter; all state is in the [`Belief`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ekf<S> {
-    /// The wheels' geometry.
+    /// Wheel geometry.
     pub drive: DiffDrive<S>,
     /// δ of [Tran2012] Eq. (15): the *variance* of a wheel speed is δω², its standard deviation √δ·|ω|.
     pub delta: S,
-    /// The motion model.
+    /// Motion model.
     pub integration: Integration,
 }
 
-/// A belief after a measurement was tried on it.
+/// Belief after the test of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correction<S: Scalar> {
-    /// Corrected where accepted, untouched elsewhere.
+    /// Corrected belief where accepted, the prior belief elsewhere.
     pub belief: Belief<S>,
-    /// The normalized innovation squared, νᵀ (H P Hᵀ + R)⁻¹ ν.
+    /// Normalized innovation squared, νᵀ (H P Hᵀ + R)⁻¹ ν.
     pub nis: S,
-    /// Where the gate let the measurement in.
+    /// Whether the gate accepted the measurement.
     pub accepted: S::Mask,
 }
 
 impl<S: Scalar> Ekf<S> {
-    /// The travel of `travel` \[m] with the variances of [Tran2012] Eq. (15).
+    /// Odometry for `travel` \[m] with the variances of [Tran2012] Eq. (15).
     ///
-    /// In travels instead of turn rates the factors Δt·R of Q and of W cancel: Var(Δs) = δΔs².
+    /// In travel instead of wheel rates the factors Δt·R of Q and of W cancel: Var(Δs) = δΔs².
     #[inline(always)]
     pub fn wheel_odometry(&self, travel: WheelPair<S>) -> WheelOdometry<S> {
         let variance = |travel: S| self.delta * travel.squared();
         WheelOdometry { travel, variance: WheelPair::new(variance(travel.right), variance(travel.left)) }
     }
 
-    /// The belief after `odometry`: [Tran2012] Eq. (11), (12).
+    /// Belief after `odometry`: [Tran2012] Eq. (11), (12).
     #[must_use]
     #[inline(always)]
     pub fn predict(&self, belief: Belief<S>, odometry: WheelOdometry<S>) -> Belief<S> {
@@ -103,9 +103,9 @@ impl<S: Scalar> Ekf<S> {
         let (dx, dy) = (length * cos, length * sin);
         let (zero, one, half) = (S::from_f64(0.0), S::from_f64(1.0), S::from_f64(0.5));
 
-        // Eq. (13): the pose by itself.
+        // Eq. (13): derivative by the pose.
         let a = Matrix([[one, zero, -dy], [zero, one, dx], [zero, zero, one]]);
-        // Eq. (14): the pose by Δs, then by Δθ, then by the wheels through Eq. (8).
+        // Eq. (14): derivative by Δs, by Δθ, and by the wheels through Eq. (8).
         let stretch = motion.length * chord_slope;
         let by_turn = [stretch * cos - dy * half, stretch * sin + dx * half, one];
         let by_length = [chord * cos * half, chord * sin * half, zero];
@@ -122,10 +122,10 @@ impl<S: Scalar> Ekf<S> {
         Belief { pose, covariance: belief.covariance.propagated(&a, &w, noise) }
     }
 
-    /// Tries a measurement on the belief: [Tran2012] Eq. (16)–(18), row by row, inside the gate `nis < threshold`.
+    /// Corrects the belief by a measurement inside the gate `nis < threshold`: [Tran2012] Eq. (16)–(18), row by row.
     ///
-    /// The rows of `innovation` carry independent noise, so taking them one after the other equals the joint update,
-    /// and the sum of their squared normalized residuals is the joint νᵀS⁻¹ν: no matrix is inverted.
+    /// The rows of `innovation` carry independent noise, so sequential updates equal the joint update. The sum of their
+    /// squared normalized residuals is the joint νᵀS⁻¹ν, and no matrix is inverted.
     #[inline(always)]
     pub fn correct<const M: usize>(
         &self,
@@ -149,7 +149,8 @@ impl<S: Scalar> Ekf<S> {
             }
             covariance = seen.covariance;
         }
-        // A NaN compares false, so it is rejected; so is a row that overflows: everything agrees with it, and nothing is left.
+        // A NaN compares false and is rejected. A row that overflows is rejected as well: its variance would be
+        // infinite.
         let accepted = nis.lt(threshold).and(max_variance.lt(S::from_f64(f64::INFINITY)));
         let pose = belief.pose;
         let keep = |value: S| S::select(accepted, value, S::from_f64(0.0));

@@ -1,4 +1,4 @@
-//! A bounded memory of what was done to the belief, in order of time, so that the past can be done again.
+//! Bounded history of filter events in order of time, for rewind and replay.
 
 use crate::scalar::Float;
 use crate::time::Stamp;
@@ -6,16 +6,16 @@ use crate::time::Stamp;
 use super::ekf::{Belief, WheelOdometry};
 use super::measurement::Measurement;
 
-/// Something that changed the belief.
+/// An event that changed the belief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Event<S> {
-    /// The robot rolled, from the entry before to this one.
+    /// Odometry from the previous entry to this one.
     Odometry(WheelOdometry<S>),
-    /// A measurement was tried.
+    /// A measurement, accepted or not.
     Measurement(Measurement<S>),
 }
 
-/// An event, when it was, and the belief after it.
+/// An event, its time, and the belief after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Entry<S> {
     pub stamp: Stamp,
@@ -23,12 +23,12 @@ pub(super) struct Entry<S> {
     pub after: Belief<S>,
 }
 
-/// The last `N` entries, oldest first, and the belief before the oldest of them.
+/// The last `N` entries, oldest first, and the belief before the oldest entry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct History<S, const N: usize> {
-    /// The belief, and its time, that the oldest entry starts from.
+    /// Time and belief before the oldest entry.
     base: (Stamp, Belief<S>),
-    /// A ring: entry `i` is at `(first + i) % N`; slots outside `len` are empty.
+    /// Ring buffer: entry `i` is at `(first + i) % N`; slots outside `len` are empty.
     ring: [Option<Entry<S>>; N],
     first: usize,
     len: usize,
@@ -43,7 +43,7 @@ impl<S: Float, const N: usize> History<S, N> {
         self.len
     }
 
-    /// The time and belief after the first `count` entries.
+    /// Time and belief after the first `count` entries.
     pub(super) fn after(&self, count: usize) -> (Stamp, Belief<S>) {
         match count.checked_sub(1).and_then(|i| self.get(i)) {
             Some(entry) => (entry.stamp, entry.after),
@@ -61,7 +61,7 @@ impl<S: Float, const N: usize> History<S, N> {
         }
     }
 
-    /// How many entries are not later than `stamp`. Looks from the newest, where lateness is small.
+    /// Number of entries not later than `stamp`. The search starts at the newest entry, since most delays are short.
     pub(super) fn count_until(&self, stamp: Stamp) -> usize {
         let mut count = self.len;
         while count > 0 && self.get(count - 1).is_some_and(|entry| entry.stamp > stamp) {
@@ -70,15 +70,15 @@ impl<S: Float, const N: usize> History<S, N> {
         count
     }
 
-    /// Whether the history is full of entries later than `stamp`: what is put before all of them would be the first to be
-    /// forgotten.
+    /// Whether the history is full of entries later than `stamp`. An entry inserted before all of them would be dropped
+    /// first.
     pub(super) fn is_full_before(&self, stamp: Stamp) -> bool {
         self.len == N && self.get(0).is_some_and(|oldest| oldest.stamp > stamp)
     }
 
-    /// Puts `entry` after the first `index` ones and says where it is now; a full history first forgets its oldest.
+    /// Inserts `entry` after the first `index` entries and returns its position; a full history first drops its oldest.
     ///
-    /// Nothing is stored where [`History::is_full_before`] the entry's time.
+    /// Where [`History::is_full_before`] the time of the entry, nothing is stored.
     pub(super) fn insert(&mut self, index: usize, entry: Entry<S>) -> Option<usize> {
         let mut index = index.min(self.len);
         if self.len == N {
@@ -98,7 +98,7 @@ impl<S: Float, const N: usize> History<S, N> {
         Some(index)
     }
 
-    /// Forgets the entries older than `stamp`.
+    /// Drops the entries older than `stamp`.
     pub(super) fn drop_before(&mut self, stamp: Stamp) {
         while self.get(0).is_some_and(|oldest| oldest.stamp < stamp) {
             self.drop_oldest();

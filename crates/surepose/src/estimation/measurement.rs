@@ -1,4 +1,4 @@
-//! What sensors say of the pose, and what the filter makes of it: residual, Jacobian, variance.
+//! Measurements of the pose and their innovations: residual, Jacobian, variance.
 
 mod check;
 
@@ -14,38 +14,38 @@ use crate::scalar::Scalar;
 
 use super::ekf::Belief;
 
-/// The absolute heading, as a compass gives it.
+/// Absolute heading, for example from a compass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadingMeasurement<S> {
-    /// θ in the map, mounting offset and declination already removed.
+    /// θ in the map frame, corrected for mounting offset and declination.
     pub heading: Angle<S>,
     /// Standard deviation \[rad].
     pub std: S,
 }
 
-/// A wall of the map, as the laser saw it from the robot.
+/// A wall of the map, measured by the laser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineMeasurement<S> {
-    /// Where the wall is.
+    /// Wall line in the map.
     pub wall: Line<Map, S>,
-    /// Where it was seen; the normal may point either way.
+    /// Measured line in the body frame; the normal may point either way.
     pub seen: Line<Body, S>,
-    /// Variance of the seen distance r \[m²].
+    /// Variance of the measured distance r \[m²].
     pub distance_variance: S,
-    /// Variance of the seen direction ψ \[rad²].
+    /// Variance of the measured direction ψ \[rad²].
     pub direction_variance: S,
-    /// Covariance of the two \[m·rad].
+    /// Covariance of distance and direction \[m·rad].
     pub covariance: S,
 }
 
-/// A known point, seen at a range and bearing from the robot.
+/// Range and bearing of a known landmark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeBearingMeasurement<S> {
-    /// Where the landmark is.
+    /// Position of the landmark.
     pub landmark: Point<Map, S>,
-    /// Distance from the body's origin \[m].
+    /// Distance from the body origin \[m].
     pub range: S,
-    /// Direction from the body's x axis.
+    /// Direction from the x axis of the body.
     pub bearing: Angle<S>,
     /// Standard deviation of the range \[m].
     pub range_std: S,
@@ -53,20 +53,20 @@ pub struct RangeBearingMeasurement<S> {
     pub bearing_std: S,
 }
 
-/// The position itself, as a beacon system or an overhead camera gives it.
+/// Absolute position, for example from beacons or an overhead camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionMeasurement<S> {
-    /// Where the body's origin is.
+    /// Position of the body origin.
     pub position: Point<Map, S>,
     /// Variance of x \[m²].
     pub x_variance: S,
     /// Variance of y \[m²].
     pub y_variance: S,
-    /// Covariance of the two \[m²].
+    /// Covariance of x and y \[m²].
     pub covariance: S,
 }
 
-/// Any measurement, so that a history can hold it.
+/// A measurement of any type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measurement<S> {
     /// An absolute heading.
@@ -77,12 +77,12 @@ pub enum Measurement<S> {
     RangeBearing(RangeBearingMeasurement<S>),
     /// An absolute position.
     Position(PositionMeasurement<S>),
-    /// A whole pose, as far as something was seen of it.
+    /// A whole pose, possibly without information in some directions.
     Pose(PoseMeasurement<S>),
 }
 
 impl<S> Measurement<S> {
-    /// How many numbers it measures.
+    /// Number of measured components.
     pub const fn dimension(&self) -> usize {
         match self {
             Self::Heading(_) => 1,
@@ -108,7 +108,7 @@ impl<S: Scalar> HeadingMeasurement<S> {
 impl<S: Scalar> LineMeasurement<S> {
     /// ν of (r, ψ): the wall lies at r = r_m − p·n_m and ψ = ψ_m − θ in the body frame.
     ///
-    /// A wall is seen from both sides, so the seen normal is first turned to the side of the map's.
+    /// A wall is visible from both sides, so the measured normal is first turned to the side of the normal in the map.
     #[inline(always)]
     pub fn innovation(&self, belief: &Belief<S>) -> Innovation<S, 2> {
         let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
@@ -138,7 +138,7 @@ impl<S: Scalar> RangeBearingMeasurement<S> {
         let (dx, dy) = (self.landmark.x - pose.x, self.landmark.y - pose.y);
         let range = (dx.squared() + dy.squared()).sqrt();
         let bearing = Angle::from_vector(dx, dy) - pose.heading;
-        // On the landmark itself the direction means nothing: its Jacobian is then 0, not infinite.
+        // At the landmark itself the bearing is undefined: its Jacobian is then 0, not infinite.
         let per_range = one.div_or_zero(range);
         let (cos, sin) = (dx * per_range, dy * per_range);
         Innovation {

@@ -1,42 +1,42 @@
-//! What became of a measurement: accepted, or rejected for a reason that has a name and a count.
+//! Outcomes of measurements: accepted, or rejected for a named and counted reason.
 
-/// The fate of one measurement.
+/// Outcome of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeasurementOutcome {
-    /// It corrected the belief; its normalized innovation squared.
+    /// The measurement corrected the belief.
     Accepted {
-        /// νᵀ S⁻¹ ν, χ² distributed for a consistent filter.
+        /// Normalized innovation squared νᵀ S⁻¹ ν, χ² distributed for a consistent filter.
         nis: f64,
     },
-    /// It changed nothing.
+    /// The measurement did not change the belief.
     Rejected(RejectReason),
 }
 
-/// The fate of the odometry of one step.
+/// Outcome of the odometry of one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OdometryOutcome {
-    /// It predicted the belief.
+    /// Odometry predicted the belief.
     Used,
-    /// It was rejected, and the command predicted the belief.
+    /// Odometry was rejected, and the command predicted the belief.
     Rejected(RejectReason),
-    /// There was none, and the command predicted the belief.
+    /// Odometry was missing, and the command predicted the belief.
     Missing,
 }
 
-/// Why a measurement was rejected.
+/// Reason for the rejection of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RejectReason {
     /// A value is NaN or infinite, or a range or travel is impossibly large.
     NotFinite,
-    /// A variance is not positive, or one that no sensor has, or a covariance is not positive definite.
+    /// A variance is not positive or outside the range of sensors, or a covariance is not positive definite.
     BadVariance,
-    /// Its stamp is older than the history reaches.
+    /// The stamp is older than the history.
     Stale,
-    /// Its stamp is later than the odometry reaches.
+    /// The stamp is later than the odometry.
     Future,
-    /// Its innovation lies outside the χ² gate.
+    /// The innovation lies outside the χ² gate.
     Outlier,
-    /// A scan whose bearings are none, of a laser that is none, or with more beams than there is room for.
+    /// Scan with invalid beam angles, an invalid laser model, or more beams than the capacity.
     UnreadableScan,
 }
 
@@ -58,13 +58,12 @@ impl RejectReason {
     }
 }
 
-/// How many measurements were accepted; and how many of them, of the scans and of the stretches of odometry were rejected, for
-/// each reason.
+/// Counts of accepted measurements, and of rejected measurements, scans and odometry by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeasurementStats {
     /// Measurements that corrected the belief.
     pub accepted: u32,
-    /// Stretches of odometry that ended before the newest belief: the clock was set back.
+    /// Odometry that ended before the newest belief: the clock was set back.
     pub clock_resets: u32,
     rejected: [u32; RejectReason::ALL.len()],
 }
@@ -82,12 +81,12 @@ impl MeasurementStats {
         }
     }
 
-    /// How many were rejected for `reason`.
+    /// Number of rejections for `reason`.
     pub fn rejected(&self, reason: RejectReason) -> u32 {
         self.rejected.get(reason as usize).copied().unwrap_or(0)
     }
 
-    /// How many were rejected in all.
+    /// Number of all rejections.
     pub fn rejected_total(&self) -> u32 {
         self.rejected.iter().fold(0, |sum, n| sum.saturating_add(*n))
     }

@@ -1,24 +1,24 @@
-//! The beams that came back, and what their noise does to the inverse range.
+//! Returned beams and the noise of their inverse range.
 
 use crate::scalar::Float;
 
 use super::scan::{RangeFinder, Scan};
 
-/// A beam that came back.
+/// A beam with a return.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Beam<S> {
-    /// cos φ, sin φ of its nominal bearing.
+    /// cos φ, sin φ of the nominal bearing.
     pub cos: S,
     pub sin: S,
     /// ρ \[m].
     pub range: S,
     /// 1/ρ \[1/m].
     pub inverse: S,
-    /// Its number in the scan.
+    /// Index in the scan.
     pub number: u16,
 }
 
-/// The variances of range and bearing.
+/// Variances of range \[m²] and bearing \[rad²].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BeamNoise<S> {
     pub range: S,
@@ -30,17 +30,17 @@ impl<S: Float> BeamNoise<S> {
         Self { range: laser.range_std.squared(), bearing: laser.bearing_std.squared() }
     }
 
-    /// The variance of the inverse range where it is `u` and changes by `slope` per radian.
+    /// Variance of the inverse range \[1/m²] where it is `u` and changes by `slope` per radian.
     #[inline]
     pub(super) fn variance(&self, u: S, slope: S) -> S {
         u.squared().squared() * self.range + slope.squared() * self.bearing
     }
 }
 
-/// Fills `beams` with what came back and says how many these are.
+/// Fills `beams` with the beams that have a return, and returns their number.
 ///
-/// Directions are turned from beam to beam by one rotation, renewed every 64 beams: in `f32` the error stays below
-/// 64 roundings, 4e-6 rad, a thousandth of what lasers know of their bearings.
+/// One rotation advances the direction from beam to beam; it is recomputed every 64 beams. In `f32` the error stays
+/// below 64 roundings, 4e-6 rad, a thousandth of the bearing noise of lasers.
 pub(super) fn read_returns<S: Float>(
     laser: &RangeFinder<S>,
     scan: &Scan<'_, S>,

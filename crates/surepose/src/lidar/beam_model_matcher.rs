@@ -1,4 +1,4 @@
-//! What the beams of a scan say of the pose, each against the first wall in its way.
+//! Pose measurements from a scan by ray casting to the first wall.
 
 use crate::estimation::{Belief, PoseMeasurement};
 use crate::map::Wall;
@@ -7,23 +7,23 @@ use crate::scalar::{Float, Scalar};
 use super::beam_subset::BeamSubset;
 use super::scan::{RangeFinder, Scan, ScanError};
 
-/// Beams of a scan that are held against the map.
+/// Maximum number of beams of a scan that are compared with the map.
 const BEAMS: usize = 128;
 
-/// How scans are read ray by ray, see [`BeamSubset::fix`].
+/// Scan matching by the beam model, see [`BeamSubset::measure_pose`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamModelMatcher<S> {
-    /// The least part of a scan that the map explains for it to say where the robot is, 0 to 1.
+    /// Minimum fraction of beams that the map explains for a pose measurement, 0 to 1.
     pub min_hit_ratio: S,
-    /// Standard deviations of x \[m], y \[m] and θ \[rad] that all beams of a scan share.
+    /// Standard deviations of x \[m], y \[m] and θ \[rad] of the error common to all beams of a scan.
     pub scan_std: [S; 3],
 }
 
 impl<S: Float> BeamModelMatcher<S> {
-    /// The pose that the explained beams of `scan` ask for; `None` where the map explains too few.
+    /// Pose measured by the explained beams of `scan`; `None` where the map explains too few beams.
     ///
     /// # Errors
-    /// [`ScanError`], before anything is looked at.
+    /// [`ScanError`] for a scan or laser that is invalid.
     pub fn match_scan(
         &self,
         laser: &RangeFinder<S>,

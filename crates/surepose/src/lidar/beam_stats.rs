@@ -1,36 +1,37 @@
-//! How a scan agrees with the map, counted.
+//! Counts of how a scan agrees with the map.
 
 use crate::scalar::Float;
 
-/// How a scan agrees with the map at a pose.
+/// Agreement of a scan with the map at a pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeamStats<S> {
-    /// How many beams came back.
+    /// Number of beams with a return.
     pub beams: u16,
-    /// How many of them end at the first wall in their way.
+    /// Number of beams that end at the first wall on their ray.
     pub hits: u16,
-    /// How many end before it: things on no map do that.
+    /// Number of beams that end before the first wall, at objects that are not on the map.
     pub short: u16,
-    /// How many end beyond it: nothing does that, except at the edge of a wall.
+    /// Number of beams that end behind the first wall. This is possible only at the edge of a wall.
     pub behind_wall: u16,
-    /// How many did not come back, though a wall should have sent them: 0 unless asked for, see [`super::MissedReturns`].
+    /// Number of beams without a return that a wall should have returned, see [`super::MissedReturns`]; 0 if not
+    /// evaluated.
     pub missed_returns: u16,
-    /// −2 log of the likelihood of them all, up to a constant: about 1 for an explained beam, at most 17.
+    /// −2 log likelihood of all beams up to a constant: about 1 for an explained beam, at most 17 for any.
     pub neg2_log_likelihood: S,
 }
 
 impl<S: Float> BeamStats<S> {
-    /// The part of the beams that the map explains; 1 for a scan without beams, which contradicts nothing.
+    /// Fraction of the beams that the map explains, 0 to 1; 1 for a scan without beams.
     pub fn hit_ratio(&self) -> S {
         if self.beams == 0 { S::from_f64(1.0) } else { self.ratio(self.hits) }
     }
 
-    /// The part of the beams that end beyond the first wall.
+    /// Fraction of the beams that end behind the first wall, 0 to 1.
     pub fn behind_wall_ratio(&self) -> S {
         self.ratio(self.behind_wall)
     }
 
-    /// Two scans as one.
+    /// Sums the counts of two scans.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Does the map explain the scan, if the robot stands here? Beam by beam, without looking for lines.
+//! Beam-by-beam comparison of a scan with the map at a pose, without line extraction.
 
 use crate::estimation::{Belief, PoseMeasurement};
 use crate::geometry::{Body, Laser, Map, Point, Pose};
@@ -12,33 +12,33 @@ use super::inverse_range_line::InverseRangeLine;
 use super::pose_normal_equations::PoseNormalEquations;
 use super::scan::{RangeFinder, Scan, ScanError};
 
-/// Beams off by less than this are explained, in standard deviations: one of 370 is off by more.
+/// Gate of an explained beam, in standard deviations: 1 beam of 370 lies outside by noise alone.
 const HIT_GATE: f64 = 3.0;
 
-/// What a beam may cost that ends before the wall: −2 log of how much likelier the wall itself is than a thing on no map.
+/// Maximum cost of a beam that ends before the wall: −2 log of the likelihood ratio of unmapped object to wall.
 ///
-/// The beam model of [Thrun2005] Sec. 6.3, in which the largest of its parts stands for their sum: a range of σ 3 cm has
-/// a density of 13 per metre at its wall; people, who hide a fifth of the beams, spread over some 4 m, 0.05 per metre.
+/// Beam model of [Thrun2005] Sec. 6.3, with the sum of its parts replaced by the largest. A range of σ 3 cm has a
+/// density of 13 per meter at its wall. People hide a fifth of the beams over some 4 m, 0.05 per meter.
 const MAX_SHORT_COST: f64 = 11.0;
 
-/// What a beam may cost that ends beyond the wall, which no thing in the way can do: one beam of a hundred, somewhere.
+/// Maximum cost of a beam that ends behind the wall: one beam of a hundred, uniformly distributed.
 const MAX_BEHIND_WALL_COST: f64 = 17.0;
 
-/// A scan, or an even selection of its beams, to be held against the map from many poses.
+/// A scan, or an even selection of its beams, for comparison with the map from many poses.
 ///
-/// The work of one [`BeamSubset::from`] is `BEAMS` times the number of walls.
+/// One [`BeamSubset::evaluate`] costs `BEAMS` times the number of walls.
 #[derive(Clone, Copy, Debug)]
 pub struct BeamSubset<S, const BEAMS: usize> {
     beams: [Beam<S>; BEAMS],
     len: usize,
-    /// The longest beam \[m].
+    /// Longest range \[m].
     pub(super) max_range: S,
     noise: BeamNoise<S>,
     body_from_laser: Pose<Body, Laser, S>,
 }
 
 impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
-    /// Up to `BEAMS` beams of `scan`, evenly spread; beams that did not come back say nothing.
+    /// Selects up to `BEAMS` beams of `scan`, evenly spread; beams without a return are left out.
     ///
     /// # Errors
     /// [`ScanError`]; a scan may have any number of beams.
@@ -57,19 +57,19 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         Ok(subset)
     }
 
-    /// No beams of this laser.
+    /// Empty subset for this laser.
     pub(super) fn new(laser: &RangeFinder<S>) -> Self {
         let (noise, body_from_laser) = (BeamNoise::from_laser(laser), laser.body_from_laser);
         Self { beams: [Beam::default(); BEAMS], len: 0, max_range: S::from_f64(0.0), noise, body_from_laser }
     }
 
-    /// The numbers and ranges of up to `BEAMS` beams, evenly spread.
+    /// Indices and ranges \[m] of up to `BEAMS` beams, evenly spread.
     pub(super) fn sampled<'a>(scan: &Scan<'a, S>) -> impl Iterator<Item = (usize, S)> + use<'a, S, BEAMS> {
         let stride = scan.ranges.len().div_ceil(BEAMS.max(1)).max(1);
         scan.ranges.iter().copied().enumerate().step_by(stride)
     }
 
-    /// With a beam more; without, where there is no room.
+    /// Appends a beam; a full subset is unchanged.
     pub(super) fn push(&mut self, beam: Beam<S>) {
         if let Some(slot) = self.beams.get_mut(self.len) {
             *slot = beam;
@@ -77,7 +77,7 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         }
     }
 
-    /// Every second beam: half the work, for a first sight.
+    /// Every second beam, for a coarse first evaluation at half the cost.
     #[must_use]
     pub fn decimated(&self) -> Self {
         let mut decimated = *self;
@@ -89,17 +89,16 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         decimated
     }
 
-    /// How many beams there are.
+    /// Number of beams.
     pub fn beams(&self) -> usize {
         self.len
     }
 
-    /// How the scan agrees with `walls`, seen from `pose`, which is known as well as `covariance` says.
+    /// Evaluates the agreement of the scan with `walls` at `pose`, whose uncertainty is `covariance`.
     ///
-    /// A beam ends at the nearest wall in its way: the one whose inverse range there is largest. What the pose may be
-    /// off is taken as a beam's own error, along it and, seen from the wall, across it: more than it is, by a factor
-    /// of two at most. A beam so near the edge of a wall that it may slip past ends there or at the wall behind,
-    /// whichever explains it better.
+    /// A beam ends at the nearest wall on its ray, which is the wall with the largest inverse range there. The pose
+    /// uncertainty adds to the error of each beam, along the beam and across it, overestimated by at most a factor of
+    /// two. A beam near the edge of a wall ends there or at the wall behind, whichever costs less.
     pub fn evaluate(
         &self,
         pose: Pose<Map, Body, S>,
@@ -109,10 +108,10 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         self.stats(&self.ray_cast(pose, &self.uncertainty(covariance), walls))
     }
 
-    /// The pose that the explained beams ask for, seen from what is believed, and how the scan agrees with `walls` there.
+    /// Pose measured by the explained beams, linearized at the belief, and the agreement with `walls` there.
     ///
     /// # Errors
-    /// [`InvalidCovariance`] where something is not finite.
+    /// [`InvalidCovariance`] for values that are not finite.
     pub fn measure_pose(
         &self,
         belief: &Belief<S>,
@@ -124,8 +123,8 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         (stats, equations.solve(pose))
     }
 
-    /// How the scan agrees with `walls`, seen from `pose`, and, added to `equations`, what its explained beams say of a pose
-    /// at `center` that moves with it.
+    /// Evaluates the agreement with `walls` at `pose` and adds the explained beams to `equations`, the normal equations
+    /// of a pose at `center` that moves with it.
     pub(crate) fn linearize(
         &self,
         pose: Pose<Map, Body, S>,
@@ -138,17 +137,19 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         let expected_hits = self.ray_cast(pose, &uncertainty, walls);
         let map_from_laser = pose * self.body_from_laser;
         let (sin, cos) = map_from_laser.heading.sin_cos();
-        // How the laser moves when the pose at the center turns.
+        // Displacement of the laser per radian of turn of the pose at the center.
         let lever = (center.y - map_from_laser.y, map_from_laser.x - center.x);
         for (beam, expected) in self.beams[..self.len].iter().zip(&expected_hits) {
             let (u, slope, cost) = expected.most_likely();
             if cost < S::from_f64(HIT_GATE * HIT_GATE) {
-                // u = a·cos φ + b·sin φ grows by u·(a, b) with a step of the laser and by ∂u/∂φ with its turn.
+                // u = a·cos φ + b·sin φ changes by u·(a, b) with a displacement of the laser and by ∂u/∂φ with its
+                // turn.
                 let (a, b) = (u * beam.cos - slope * beam.sin, u * beam.sin + slope * beam.cos);
                 let step = (u * (a * cos - b * sin), u * (a * sin + b * cos));
                 let row = [step.0, step.1, slope + step.0 * lever.0 + step.1 * lever.1];
-                // What the pose may be off by counts as noise of the beam as well: a beam given to the wrong of two walls near
-                // an edge then pulls less, and what is known of the pose is understated rather than overstated.
+                // The pose uncertainty counts as noise of the beam as well. A beam near an edge that is given to the
+                // wrong wall then has less weight, and the information on the pose is underestimated rather than
+                // overestimated.
                 let weight = S::from_f64(1.0).div_or_zero(uncertainty.variance(u, slope));
                 equations.add(row, beam.inverse - u, weight);
             }
@@ -156,7 +157,7 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         self.stats(&expected_hits)
     }
 
-    /// The ends of the beams, seen from the robot.
+    /// End points of the beams in the body frame.
     pub(crate) fn endpoints(&self) -> impl Iterator<Item = Point<Body, S>> + '_ {
         let endpoints = self.beams[..self.len].iter();
         endpoints.map(|beam| self.body_from_laser * Point::new(beam.range * beam.cos, beam.range * beam.sin))
@@ -191,12 +192,12 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
         let max_distance =
             self.max_range + S::from_f64(HIT_GATE) * (uncertainty.noise.range + uncertainty.position).sqrt();
         for wall in walls {
-            // Behind the end of the longest beam a wall is as good as none: every beam ends before it.
+            // A wall beyond the end of the longest beam has no effect: every beam ends before it.
             if wall.distance(map_from_laser.origin()) > max_distance {
                 continue;
             }
             let [a, b] = wall.ends().map(|end| beam_to(laser_from_map * end));
-            // The wall from right to left, as the laser sees it.
+            // The ends of the wall from right to left in the view of the laser.
             let (right, left) = if sin_between(&a, &b) > zero { (a, b) } else { (b, a) };
             let line = InverseRangeLine::through(&right, &left);
             let (right_edge, left_edge) = (uncertainty.edge_angle(&right), uncertainty.edge_angle(&left));
@@ -205,7 +206,7 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
                 if from_right > -right_edge && to_left > -left_edge {
                     let (u, slope) = line.at(beam);
                     let is_certain = from_right > right_edge && to_left > left_edge;
-                    // What lies behind a wall that is surely in the way does not matter.
+                    // A wall behind one that certainly blocks the beam has no effect.
                     if u > expected.certain {
                         let cost = uncertainty.cost(beam, u, slope);
                         if is_certain {
@@ -239,15 +240,15 @@ impl<S: Float, const BEAMS: usize> BeamSubset<S, BEAMS> {
     }
 }
 
-/// What is known of a beam's end so far.
+/// Walls found on the ray of a beam.
 #[derive(Clone, Copy)]
 pub(super) struct ExpectedHit<S> {
-    /// The inverse range of the nearest wall that is surely in its way, 0 for none, what that costs, and how the inverse
-    /// range changes with the bearing.
+    /// Inverse range \[1/m] of the nearest wall that certainly blocks the beam, 0 for none. Its cost and its change
+    /// with the bearing follow.
     pub(super) certain: S,
     cost: S,
     slope: S,
-    /// The wall that may be in its way and explains it best, likewise.
+    /// The same quantities of the uncertain wall with the least cost.
     possible: S,
     possible_cost: S,
     possible_slope: S,
@@ -265,16 +266,16 @@ impl<S: Float> ExpectedHit<S> {
     }
 }
 
-/// How well the end of a beam is known.
+/// Uncertainty of the end of a beam.
 pub(super) struct BeamUncertainty<S> {
     noise: BeamNoise<S>,
-    /// The variance of the place \[m²] and of the heading \[rad²].
+    /// Variances of the position \[m²] and of the heading \[rad²].
     position: S,
     heading: S,
 }
 
 impl<S: Float> BeamUncertainty<S> {
-    /// What a beam costs that ends at a wall of inverse range `u` and slope `slope`, or elsewhere.
+    /// Cost of a beam for a wall of inverse range `u` and slope `slope`, or for an unmapped object.
     #[inline]
     fn cost(&self, beam: &Beam<S>, u: S, slope: S) -> S {
         let off = beam.inverse - u;
@@ -286,7 +287,7 @@ impl<S: Float> BeamUncertainty<S> {
         })
     }
 
-    /// The variance of the inverse range where it is `u` and changes by `slope` per radian.
+    /// Variance of the inverse range where it is `u` and changes by `slope` per radian.
     #[inline]
     fn variance(&self, u: S, slope: S) -> S {
         let noise = BeamNoise {
@@ -296,21 +297,21 @@ impl<S: Float> BeamUncertainty<S> {
         noise.variance(u, slope)
     }
 
-    /// How near the end of a wall a beam may slip past it \[rad].
+    /// Angle to the end of a wall below which a beam may miss the wall \[rad].
     fn edge_angle(&self, end: &Beam<S>) -> S {
         let variance = self.noise.bearing + self.heading + self.position * end.inverse.squared();
         S::from_f64(HIT_GATE) * variance.sqrt()
     }
 }
 
-/// A beam to `point`.
+/// Beam from the laser to `point`.
 fn beam_to<S: Float>(point: Point<Laser, S>) -> Beam<S> {
     let range = point.distance(Point::new(S::from_f64(0.0), S::from_f64(0.0)));
     let inverse = S::from_f64(1.0).div_or_zero(range);
     Beam { cos: point.x * inverse, sin: point.y * inverse, range, inverse, number: 0 }
 }
 
-/// The sine of the turn from one beam to another: positive where it is to the left.
+/// Sine of the turn from one beam to another, positive to the left.
 #[inline]
 fn sin_between<S: Float>(from: &Beam<S>, to: &Beam<S>) -> S {
     from.cos * to.sin - from.sin * to.cos
@@ -339,7 +340,7 @@ mod tests {
         Wall::between(Point::new(from.0, from.1), Point::new(to.0, to.1)).unwrap()
     }
 
-    /// Five beams, 45° apart, from right to left.
+    /// Evaluates five beams, 45° apart, from right to left.
     fn evaluate(ranges: &[f64; 5], walls: &[Wall<f64>]) -> BeamStats<f64> {
         let scan = Scan::new(Angle::from_degrees(-90.0), 45.0_f64.to_radians(), ranges);
         let subset = BeamSubset::<f64, 8>::from_scan(&laser(), &scan).unwrap();
@@ -347,9 +348,9 @@ mod tests {
         subset.evaluate(pose, &Covariance::from_std([0.0; 3]), walls)
     }
 
-    /// From (1, 1): 1 m to the right and left, 2 m ahead, √2 between, behind a plate on the left.
+    /// From (1, 1): walls 1 m to the right and left, 2 m ahead, √2 m between, and a plate on the left.
     #[test]
-    fn beams_end_at_the_first_wall_before_it_or_beyond_it() {
+    fn beams_count_as_hit_short_or_behind_wall() {
         let room = [
             wall((0.0, 0.0), (3.0, 0.0)),
             wall((3.0, 2.0), (3.0, 0.0)),
@@ -365,12 +366,12 @@ mod tests {
         assert!((mixed.neg2_log_likelihood - 28.0).abs() < 1e-9, "{}", mixed.neg2_log_likelihood);
         assert!((mixed.hit_ratio() - 0.5).abs() < 1e-12);
         assert!((mixed.behind_wall_ratio() - 0.25).abs() < 1e-12);
-        // Without a wall, whatever came back is before it.
+        // Without walls every return is short.
         assert_eq!(evaluate(&[1.0; 5], &[]).short, 5);
     }
 
     #[test]
-    fn nothing_seen_contradicts_nothing() {
+    fn scan_without_returns_has_hit_ratio_one() {
         let none = evaluate(&[f64::INFINITY, f64::NAN, 0.0, -1.0, 1e9], &[wall((3.0, 2.0), (3.0, 0.0))]);
         assert_eq!(none.beams, 0);
         assert!(none.hit_ratio() >= 1.0 && none.behind_wall_ratio() <= 0.0);

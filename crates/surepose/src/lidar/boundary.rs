@@ -1,4 +1,4 @@
-//! Which beams see which wall for certain: those next to an edge or a corner may have slipped past it.
+//! Removal of beams near edges and corners, whose wall is ambiguous.
 
 use crate::scalar::Float;
 
@@ -7,33 +7,33 @@ use super::grow::{WINDOW, count_inliers};
 use super::merge::{BeamRun, BeamRuns, WallCandidate, WallCandidates};
 use super::scan::Scan;
 
-/// How far from a corner a beam must be to be sure of its wall, in standard deviations of its bearing.
+/// Minimum distance of a beam from a corner, in standard deviations of its bearing.
 const MARGIN: f64 = 2.0;
 
-/// What the uncertainty of the two lines counts in it, as a factor of its variance.
+/// Factor of the variance of the two lines in the corner test.
 ///
-/// Greater than 1, because the beams beyond the corner that a segment took in have turned its line towards them.
+/// It exceeds 1 because the beams beyond the corner that a segment includes have turned its line toward them.
 const LINE_VARIANCE_FACTOR: f64 = 2.0;
 
-/// How many beams from the ends of two runs their corner is looked for, at steps of [`NOMINAL_INCREMENT`] or more: growing takes in
-/// no more beyond it.
+/// Search range for the corner of two runs, in beams from their ends at increments of [`NOMINAL_INCREMENT`] or more.
+/// Growing includes no more beams beyond a corner.
 const CORNER_REACH: usize = 6;
 
-/// How many beams at either end of the field of view are left out, at steps of [`NOMINAL_INCREMENT`] or more.
+/// Beams removed at either end of the field of view, at increments of [`NOMINAL_INCREMENT`] or more.
 ///
-/// A corner so near the end has too few beams beyond it to start a segment of their own: the wall before it takes
-/// them in, and they turn its line the same way at every scan from one place. Over 20 000 scans of the paper's arena
-/// from (2, 2, 30°) the mean NEES of a wall at the end of the view was 3.3 with them and 2.2 without; it is 2 for true walls.
+/// A corner near the end has too few beams beyond it to seed a segment. The wall before it includes them, and they
+/// bias its line equally in every scan from one pose. Over 20 000 scans of the arena of the paper from (2, 2, 30°),
+/// the mean NEES of a wall at the end of the view was 3.3 with them and 2.2 without; it is 2 for true walls.
 const VIEW_END: usize = 3;
 
-/// Steps for which the numbers above are, 0.5° \[rad]. With finer ones more beams lie between a corner and where the walls
-/// are apart by more than range noise.
+/// Angle increment for which the numbers above hold, 0.5° \[rad]. At finer increments more beams lie between a corner
+/// and the point where the distance of the walls exceeds range noise.
 const NOMINAL_INCREMENT: f64 = 0.0087;
 
-/// The most beams that one of finer steps counts for here: 0.06°.
+/// Maximum factor on the beam counts for finer increments, reached at 0.06°.
 const MAX_FINE_STEPS: usize = 8;
 
-/// The runs without the beams that are not certain to see their walls.
+/// Removes the beams of the runs whose wall is ambiguous.
 pub(super) fn trim_ambiguous<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -61,21 +61,21 @@ pub(super) fn trim_ambiguous<S: Float>(
     result
 }
 
-/// How many beams the outermost run loses where the field of view has `beyond` more: one next to what did not come
-/// back, up to [`VIEW_END`] at its end. A short wall keeps the beams it was found by, or it would be lost altogether.
+/// Number of beams to remove from the outermost run where the field of view has `beyond` more beams. It is one next to
+/// a missing return and up to [`VIEW_END`] at the end. A short wall keeps its seed beams and so is not lost.
 fn trimmed_beams(run: &BeamRun, beyond: usize, margins: Margins) -> usize {
     let spare = (run.last - run.first).saturating_sub(WINDOW);
     margins.view_end.saturating_sub(beyond).max(margins.edge).min(spare).max(1)
 }
 
-/// Distances in beams.
+/// Margins in beams.
 #[derive(Clone, Copy)]
 struct Margins {
-    /// To where a beam is certain to have met an edge.
+    /// Distance beyond which a beam has certainly met an edge.
     edge: usize,
-    /// As [`CORNER_REACH`].
+    /// [`CORNER_REACH`], scaled by the increment.
     reach: usize,
-    /// As [`VIEW_END`].
+    /// [`VIEW_END`], scaled by the increment.
     view_end: usize,
 }
 
@@ -91,7 +91,7 @@ impl Margins {
     }
 }
 
-/// Where `run` ends for certain, and where `next` begins.
+/// Returns the unambiguous end of `run` and the unambiguous start of `next`.
 fn split_at_corner<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -121,9 +121,10 @@ fn split_at_corner<S: Float>(
     (end, begin)
 }
 
-/// Whether the two walls meet where their lines cross: then most beams that growing took in beyond lie on the other line.
+/// Whether the two walls meet where their lines cross. Most beams that growing included beyond then lie on the other
+/// line.
 ///
-/// The line of a plate may go on to cross the wall behind it near its end; the beams between are the wall's own.
+/// The extended line of a plate may cross the wall behind it near its end; the beams between belong to that wall.
 fn is_corner<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -139,7 +140,7 @@ fn is_corner<S: Float>(
     2 * count_inliers(noise, between, line) >= between.len()
 }
 
-/// Whether the two walls' inverse ranges differ at the beam by more than bearing noise and their own errors do.
+/// Whether the inverse ranges of the two walls at the beam differ by more than bearing noise and line uncertainty.
 fn is_unambiguous<S: Float>(
     noise: &BeamNoise<S>,
     beam: &Beam<S>,

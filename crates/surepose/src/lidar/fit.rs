@@ -1,4 +1,4 @@
-//! Maximum-likelihood lines, with and without things standing before the walls.
+//! Maximum-likelihood line fits, with and without clutter before the walls.
 
 use core::f64::consts::PI;
 
@@ -14,43 +14,45 @@ use super::segment::MAX_SEGMENTS;
 /// √(2π).
 const SQRT_TAU: f64 = 2.506_628_274_631_000_5;
 
-/// Gauss–Newton steps, at most. One or two do, but for walls seen at a grazing angle or among other things.
+/// Maximum Gauss–Newton iterations. One or two suffice except at grazing incidence or in clutter.
 const MAX_ITERATIONS: usize = 5;
 
-/// A step is the last when it moves no line by more than a tenth of its standard deviation: this is its square.
+/// Convergence threshold of the squared step, in variances of the line: a tenth of a standard deviation.
 const CONVERGENCE_THRESHOLD: f64 = 0.01;
 
-/// A beam farther off its wall than this many standard deviations hit something else.
+/// Gate of a beam of the wall, in standard deviations; beams outside belong to other objects.
 ///
-/// Of the wall's own beams one in 1000 is lost, and with them 1 % of the information: see [`GATE_VARIANCE_FACTOR`].
+/// It rejects 1 of 1000 beams of the wall and with them 1 % of the information, see [`GATE_VARIANCE_FACTOR`].
 const GATE: f64 = 3.3;
 
-/// How much greater the variance of a line is than the inverse of the sum of its beams' information.
+/// Ratio of the variance of a line to the inverse of the summed information of its beams.
 ///
-/// A beam that is cut off at the gate g says nothing, and it is cut off because of what it would have said. An estimate
-/// from the score x·[|x| < g] has the variance E(score²)/E(score′)² [Huber1964], and both means are P − 2·g·N(g), with N
-/// the normal density and P its part inside the gate; the sum counts each beam inside as 1, together P. So P/(P − 2·g·N(g)).
+/// A beam outside the gate g adds no information, and its rejection depends on its residual. An estimate from the
+/// score x·[|x| < g] has the variance E(score²)/E(score′)² [Huber1964]. Both means are P − 2·g·N(g), with N the
+/// normal density and P its part inside the gate. The sum counts each beam inside as 1, together P. The ratio is
+/// therefore P/(P − 2·g·N(g)).
 const GATE_VARIANCE_FACTOR: f64 = 1.0115;
 
-/// Beams that end between the gate and so many standard deviations before their wall tell how densely things stand
-/// there: far enough not to be the wall's own, near enough to say what is hidden under its noise.
+/// Limit of short beams, in standard deviations before the wall. Beams between [`GATE`] and this limit measure the
+/// density of clutter: they are not returns of the wall, and are near enough to predict the clutter hidden under its
+/// noise.
 const SHORT_GATE: f64 = 8.0;
 
-/// The owner of beams that lie on no wall.
+/// Wall index of beams that lie on no wall.
 pub(super) const UNASSIGNED: u8 = u8::MAX;
 
-/// The χ² of a beam that does not meet the line at all.
+/// χ² of a beam that does not meet the line.
 const NO_INTERSECTION_CHI2: f64 = 1e30;
 
 pub(super) type EquationsOfWalls<S> = FixedVec<LineNormalEquations<S>, MAX_SEGMENTS>;
 
-/// Moves the walls' lines to the maximum of the likelihood of their beams; what these say at last is the result.
+/// Moves the lines of the walls to the maximum of the likelihood of their beams; returns the final normal equations.
 ///
-/// The score of a range ρ = 1/u(φ) is taken with the *line's* range, not the measured one, in the Jacobian and the
-/// weight: a measured range there would be correlated with its own residual, and the line biased towards the laser.
+/// The Jacobian and the weight of the score of a range ρ = 1/u(φ) use the range of the *line*, not the measured range.
+/// A measured range would be correlated with its own residual and would bias the line toward the laser.
 /// The normal matrix is then the Fisher information of (a, b), and its inverse their covariance.
 ///
-/// `wall_of_beam` is told which wall each beam lies on, or [`UNASSIGNED`].
+/// `wall_of_beam` receives the wall index of each beam, or [`UNASSIGNED`].
 pub(super) fn fit<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -99,28 +101,28 @@ pub(super) fn fit<S: Float>(
     equations_of_walls
 }
 
-/// How many beams lie on their walls, and how many end shortly before.
+/// Numbers of beams on their walls and of beams that end shortly before them.
 #[derive(Clone, Copy, Default)]
 struct BeamCounts {
     own: u16,
     short: u16,
 }
 
-/// A line as the beams of its wall are compared with it.
+/// A wall line and the density of clutter before it.
 struct LineModel<'a, S> {
     noise: &'a BeamNoise<S>,
     line: &'a InverseRangeLine<S>,
-    /// How many beams end on other things in each standard deviation before the wall, for each that ends on it.
+    /// Clutter returns per standard deviation before the wall, for each return of the wall.
     density: S,
 }
 
-/// A beam beside a line.
+/// Residual of a beam with respect to a line.
 struct Residual<S> {
-    /// How much greater the inverse range is than the line's \[1/m].
+    /// Inverse range of the beam minus that of the line \[1/m].
     value: S,
-    /// One by its variance.
+    /// Inverse of the variance.
     weight: S,
-    /// Its square in units of the variance.
+    /// Squared residual divided by its variance.
     chi2: S,
 }
 
@@ -129,15 +131,15 @@ impl<S: Float> LineModel<'_, S> {
     fn residual(&self, beam: &Beam<S>) -> Residual<S> {
         let (u, slope) = self.line.at(beam);
         let weight = S::from_f64(1.0) / self.noise.variance(u, slope);
-        // To first order, and without the bias of an inverse: u·(1 − ρ·u) instead of 1/ρ − u. A line that the beam
-        // does not meet has u ≤ 0.
+        // First order, and without the bias of an inverse: u·(1 − ρ·u) instead of 1/ρ − u. A beam that does not meet
+        // the line has u ≤ 0.
         let value = u * (S::from_f64(1.0) - beam.range * u);
         let chi2 =
             S::select(u > S::from_f64(0.0), value.squared() * weight, S::from_f64(NO_INTERSECTION_CHI2));
         Residual { value, weight, chi2 }
     }
 
-    /// Adds what the beams of a run say, each with the value and the weight that `weighting` gives it.
+    /// Adds the beams of a run, each with the value and the weight from `weighting`.
     #[inline]
     fn accumulate(
         &self,
@@ -175,14 +177,14 @@ impl<S: Float> LineModel<'_, S> {
         *equations = sum;
     }
 
-    /// Every beam inside the gate is the wall's.
+    /// Gives weight 1 to every beam inside the gate.
     #[inline]
     fn gated(_: &Self, residual: &Residual<S>) -> (S, S) {
         let inside = residual.chi2 < S::from_f64(GATE * GATE);
         (residual.value, S::select(inside, S::from_f64(1.0), S::from_f64(0.0)))
     }
 
-    /// Each beam is the wall's as far as it is believed to be.
+    /// Weights each beam by its probability to belong to the wall.
     #[inline]
     fn mixture(&self, residual: &Residual<S>) -> (S, S) {
         let std = S::from_f64(1.0) / residual.weight.sqrt();
@@ -191,14 +193,14 @@ impl<S: Float> LineModel<'_, S> {
     }
 }
 
-/// How much a beam counts as one of its wall's, `sigmas` standard deviations short of it: 0 to 1.
+/// Weight of a beam that ends `sigmas` standard deviations before its wall, 0 to 1.
 ///
 /// # Clutter
-/// Let d beams, for every one of the wall's, end on other things in each σ of range before the wall. At x standard
-/// deviations short the density is then N(x) + d·Φ(x), up to a factor. The derivative of its logarithm by the wall's
-/// distance is that of the wall's own beams with x replaced by x − d, times 1/(1 + d·Φ(x)/N(x)): a shift, for what is
-/// hidden under the wall's own noise, and a weight. Cutting at a gate g instead leaves the lines short by about
-/// d·g²/2 standard deviations, in every direction, and no averaging over time removes that.
+/// Let d beams, for each beam of the wall, end on clutter in each σ of range before the wall. At x standard deviations
+/// before the wall the density is then N(x) + d·Φ(x), up to a factor. The derivative of its logarithm by the distance
+/// of the wall is that of the beams of the wall with x replaced by x − d, times 1/(1 + d·Φ(x)/N(x)). The shift
+/// accounts for clutter hidden under the noise of the wall; the factor is the weight. A hard gate g instead makes the
+/// lines too short by about d·g²/2 standard deviations in every direction, which averaging over time does not remove.
 #[inline]
 fn wall_probability<S: Float>(density: S, sigmas: S, squared: S) -> S {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
@@ -206,7 +208,7 @@ fn wall_probability<S: Float>(density: S, sigmas: S, squared: S) -> S {
     if squared > S::from_f64(SHORT_GATE * SHORT_GATE) || !inside && sigmas < zero {
         return zero;
     }
-    // Φ(x) to 1 %; exp(x²/2) = (1 − x²/128)^(−64) to 1 % for x < 1.8 and too large beyond, where it drowns the 1.
+    // Φ(x) to 1 %. exp(x²/2) = (1 − x²/128)^(−64) to 1 % for x < 1.8; beyond, it is too large and dominates the 1.
     let half = S::from_f64(0.5);
     let cumulative = half + half * sigmas / (squared + S::from_f64(0.5 * PI)).sqrt();
     let mut root = one - squared * S::from_f64(1.0 / 128.0);

@@ -1,4 +1,4 @@
-//! A list with a fixed capacity: what grows while a scan is read must end somewhere.
+//! Vector of fixed capacity, without allocation.
 
 use core::ops::{Deref, DerefMut};
 
@@ -18,7 +18,7 @@ impl<T: Copy + Default, const N: usize> FixedVec<T, N> {
         self.len == N
     }
 
-    /// Puts `item` before the item at `index`; a full list stays as it is.
+    /// Inserts `item` before the item at `index`; a full vector is unchanged.
     pub(super) fn insert(&mut self, index: usize, item: T) {
         if self.is_full() || index > self.len {
             return;
@@ -28,17 +28,17 @@ impl<T: Copy + Default, const N: usize> FixedVec<T, N> {
         self.len += 1;
     }
 
-    /// Puts `item` at the end; a full list stays as it is.
+    /// Appends `item`; a full vector is unchanged.
     pub(super) fn push(&mut self, item: T) {
         self.insert(self.len, item);
     }
 
-    /// Takes the last item off.
+    /// Removes the last item.
     pub(super) fn pop(&mut self) {
         self.len = self.len.saturating_sub(1);
     }
 
-    /// Keeps the items that `predicate` says so of.
+    /// Keeps the items for which `predicate` is true.
     pub(super) fn retain(&mut self, predicate: impl Fn(&T) -> bool) {
         let mut kept = 0;
         for i in 0..self.len {

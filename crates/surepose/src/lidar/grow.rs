@@ -1,34 +1,42 @@
-//! From a few beams that agree on a line to all that join it.
+//! Line segments that grow from a seed of a few beams.
 
 use crate::scalar::Float;
 
 use super::beam::{Beam, BeamNoise};
 use super::inverse_range_line::InverseRangeLine;
 use super::line_normal_equations::LineNormalEquations;
-use super::segment::LineSegment;
 
-/// How many neighbouring beams are looked at for the start of a line, and how many of them must agree.
+/// Number of neighboring beams in a seed window, and the number of them that must agree on a line.
 ///
-/// Five of seven: with every fifth beam hidden by something else, six of seven starts succeed.
+/// Five of seven: with a fifth of the beams occluded, six of seven seeds succeed.
 pub(super) const WINDOW: usize = 7;
 const MIN_INLIERS: u16 = 5;
 
-/// How many standard deviations a beam of the line may be off it.
+/// Gate of a beam of the line, in standard deviations.
 const GATE: f64 = 3.0;
 
-/// How many beams in a row may miss the line, or not come back, before it ends.
+/// Maximum consecutive beams without a return on the line inside a segment.
 const MAX_MISSES: usize = 5;
 
-/// Which two beams of the window are tried as the ends of a line: wide pairs first.
+/// Pairs of beams of the window that are tried as the ends of a line, wide pairs first.
 const PAIRS: [(usize, usize); 6] =
     [(0, WINDOW - 1), (0, WINDOW - 2), (1, WINDOW - 1), (1, WINDOW - 2), (0, WINDOW - 3), (2, WINDOW - 1)];
 
-/// The line on which the most part of these beams agree, if there is one.
+/// A run of beams on one line; both ends are inclusive.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LineSegment<S> {
+    pub first: usize,
+    pub last: usize,
+    pub equations: LineNormalEquations<S>,
+    pub line: InverseRangeLine<S>,
+}
+
+/// Seeds a line from the window: the first pair with which enough beams agree. `None` where no pair succeeds.
 pub(super) fn seed<S: Float>(noise: &BeamNoise<S>, window: &[Beam<S>]) -> Option<LineNormalEquations<S>> {
     if window.first()?.number.abs_diff(window.last()?.number) as usize >= WINDOW + MAX_MISSES {
         return None;
     }
-    // The pair is as noisy as the beam it is compared with: twice the variance.
+    // The pair is as noisy as the beam that is tested: twice the variance.
     let gate = S::from_f64(2.0 * GATE * GATE);
     PAIRS.iter().find_map(|&(i, j)| {
         let line = InverseRangeLine::through(window.get(i)?, window.get(j)?);
@@ -45,10 +53,10 @@ pub(super) fn seed<S: Float>(noise: &BeamNoise<S>, window: &[Beam<S>]) -> Option
     })
 }
 
-/// Lets the beams numbered by `indices` join the segment, outward from one of its ends, until too many in a row do not.
+/// Adds the beams of `indices` to the segment, outward from one of its ends, until too many in a row are off the line.
 ///
-/// Beams that join only after a gap are taken when they are more than the gap was long; else a line would reach
-/// across an edge for the few beams that happen to lie on it.
+/// Beams behind a gap are added only if they outnumber the beams of the gap. Otherwise a line would extend across an
+/// edge to a few beams that lie on it by chance.
 pub(super) fn grow<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -59,7 +67,7 @@ pub(super) fn grow<S: Float>(
     let (mut line, mut covariance) = segment.equations.solve();
     let mut misses = 0_usize;
     let mut joined_since = 0_usize;
-    // The segment as it was before a gap that is not yet bridged, and how long the gap is.
+    // The segment before a gap that is not yet bridged, and the length of the gap in beams.
     let mut before_gap: Option<(LineSegment<S>, usize)> = None;
     let mut before = None;
     for i in indices {
@@ -102,7 +110,7 @@ pub(super) fn grow<S: Float>(
     segment.line = segment.equations.solve().0;
 }
 
-/// Does the sums again with the segment's own line deciding which of its beams belong, and with what weight.
+/// Recomputes the sums with the line of the segment, which selects and weights the beams.
 pub(super) fn refit<S: Float>(noise: &BeamNoise<S>, beams: &[Beam<S>], segment: &mut LineSegment<S>) {
     let gate = S::from_f64(GATE * GATE);
     let mut equations = LineNormalEquations::default();
@@ -120,7 +128,7 @@ pub(super) fn refit<S: Float>(noise: &BeamNoise<S>, beams: &[Beam<S>], segment: 
     segment.line = equations.solve().0;
 }
 
-/// How many of these beams lie on `line`.
+/// Number of the beams that lie on `line`.
 pub(super) fn count_inliers<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],

@@ -1,10 +1,10 @@
-//! Lines in the coordinates in which beams are linear: a·x + b·y = 1.
+//! Lines a·x + b·y = 1, in which the inverse range of a beam is linear.
 
 use crate::scalar::Float;
 
 use super::beam::Beam;
 
-/// The line a·x + b·y = 1 in the laser's frame, (a, b) = (cos ψ, sin ψ)/r.
+/// The line a·x + b·y = 1 in the laser frame, (a, b) = (cos ψ, sin ψ)/r.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct InverseRangeLine<S> {
     pub a: S,
@@ -12,7 +12,7 @@ pub(super) struct InverseRangeLine<S> {
 }
 
 impl<S: Float> InverseRangeLine<S> {
-    /// The line through the ends of two beams of different bearing.
+    /// Line through the ends of two beams of different bearing.
     #[inline]
     pub(super) fn through(p: &Beam<S>, q: &Beam<S>) -> Self {
         let scale = S::from_f64(1.0) / (p.cos * q.sin - p.sin * q.cos);
@@ -22,13 +22,13 @@ impl<S: Float> InverseRangeLine<S> {
         }
     }
 
-    /// u = a·cos φ + b·sin φ, where this is the inverse range of a beam at φ, and its slope ∂u/∂φ.
+    /// Inverse range u = a·cos φ + b·sin φ at the bearing φ of a beam, and its slope ∂u/∂φ.
     #[inline]
     pub(super) fn at(&self, beam: &Beam<S>) -> (S, S) {
         (self.a * beam.cos + self.b * beam.sin, self.b * beam.cos - self.a * beam.sin)
     }
 
-    /// `self` − `other`, whose u is the difference of theirs: zero where the lines meet.
+    /// `self` − `other`: its u is the difference of the two, and is zero where the lines meet.
     #[inline]
     pub(super) fn minus(self, other: Self) -> Self {
         Self { a: self.a - other.a, b: self.b - other.b }
@@ -39,7 +39,8 @@ impl<S: Float> InverseRangeLine<S> {
         Self { a: self.a + other.a, b: self.b + other.b }
     }
 
-    /// Where on the line a beam at φ meets it: the distance from the foot of the perpendicular, to its left \[m].
+    /// Position on the line where a beam at φ meets it: distance from the foot of the perpendicular, positive left
+    /// \[m].
     #[inline]
     pub(super) fn along(&self, beam: &Beam<S>) -> S {
         let (u, slope) = self.at(beam);

@@ -1,4 +1,4 @@
-//! Which wall of the map is each seen line?
+//! Association of extracted lines with walls of the map.
 
 use core::f64::consts::{FRAC_1_PI, PI};
 
@@ -10,41 +10,41 @@ use crate::scalar::Float;
 use super::fixed_vec::FixedVec;
 use super::line_extractor::{ExtractedLine, MAX_LINES};
 
-/// The most walls that one line is held for at a time.
+/// Maximum number of candidate walls of one line.
 const MAX_CANDIDATES: usize = 8;
 
-/// How much of a line must lie where the wall is.
+/// Minimum fraction of a line that must overlap its wall.
 const MIN_COVERAGE: f64 = 0.8;
 
-/// How far a wall may reach beyond its end in the map \[m], on top of how far the belief may be off.
+/// Margin by which a wall may extend beyond its end in the map \[m], in addition to the uncertainty of the belief.
 const END_MARGIN: f64 = 0.1;
 
-/// Decides which wall each line is.
+/// Associates lines with walls of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineAssociator<S> {
-    /// How far off a line may be.
+    /// Gate of the normalized innovation of a line.
     pub gate: Gate<S>,
-    /// How much less likely the second wall must be than the first: difference of their normalised innovations.
+    /// Minimum difference of the normalized innovations of the second-best and the best wall.
     pub ambiguity_margin: S,
 }
 
-/// What became of a line.
+/// Association of one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Association<S> {
-    /// It is this wall of the map, by number.
+    /// The line is a wall of the map.
     Wall {
-        /// Which one.
+        /// Index of the wall.
         number: usize,
-        /// What the filter is to be told.
+        /// Measurement for the filter.
         sighting: LineMeasurement<S>,
     },
-    /// It may be any of several walls, and saying which would be guessing.
+    /// Several walls explain the line about equally well.
     Ambiguous,
-    /// No wall of the map explains it.
+    /// No wall of the map explains the line.
     Unknown,
 }
 
-/// What became of all lines of a scan.
+/// Associations of all lines of a scan.
 #[derive(Clone, Copy, Debug)]
 pub struct Associations<S> {
     associations: [Association<S>; MAX_LINES],
@@ -52,19 +52,19 @@ pub struct Associations<S> {
 }
 
 impl<S: Float> Associations<S> {
-    /// No lines.
+    /// No associations.
     pub(super) fn new() -> Self {
         Self { associations: [Association::Unknown; MAX_LINES], len: 0 }
     }
 }
 
 impl<S> Associations<S> {
-    /// The association of each line, in their order.
+    /// Association of each line, in the order of the lines.
     pub fn as_slice(&self) -> &[Association<S>] {
         &self.associations[..self.len]
     }
 
-    /// The sightings of the lines that were matched.
+    /// Measurements of the lines with a wall.
     pub fn measurements(&self) -> impl Iterator<Item = &LineMeasurement<S>> {
         self.as_slice().iter().filter_map(|association| match association {
             Association::Wall { sighting, .. } => Some(sighting),
@@ -74,25 +74,25 @@ impl<S> Associations<S> {
 }
 
 impl<S: Float> Default for LineAssociator<S> {
-    /// The gate at 99.9 %, and walls distinguished where one is 100 times as likely as the other.
+    /// Gate at 99.9 %; the best wall must be 100 times as likely as the second best.
     fn default() -> Self {
         Self { gate: Gate::new(0.999), ambiguity_margin: S::from_f64(9.2) }
     }
 }
 
-/// A line whose wall is not decided yet.
+/// A line without an association so far.
 #[derive(Clone, Copy)]
 struct PendingLine<S> {
-    /// What the filter would be told; its wall is filled in.
+    /// Measurement of the line; its wall is filled in.
     seen: LineMeasurement<S>,
-    /// The walls it may be, by number.
+    /// Indices of the candidate walls.
     candidates: FixedVec<usize, MAX_CANDIDATES>,
-    /// There were more walls than can be held: all are asked again when the belief is sharper.
+    /// More candidates exist than fit. All walls are tested again when the belief is sharper.
     overflowed: bool,
     beams: u16,
 }
 
-/// What can be said of an open line now.
+/// Decision on a pending line with the present belief.
 enum Selection {
     None,
     Unique(usize),
@@ -100,12 +100,12 @@ enum Selection {
 }
 
 impl<S: Float> LineAssociator<S> {
-    /// Matches `lines` with `walls`, given what is believed of the pose at the time of the scan.
+    /// Associates `lines` with `walls`, given the belief at the time of the scan.
     ///
-    /// The line that most beams see and that can be one wall only is taken first; what it says of the pose sharpens
-    /// the gates of those that are left. So walls that are close together or parallel are distinguished by their
-    /// neighbours where the belief alone cannot. A wall is given away once. Lines for which two walls are left are
-    /// [`Association::Ambiguous`].
+    /// The line with the most beams and a unique wall is associated first. Its measurement sharpens the belief and so
+    /// the gates of the remaining lines. Walls that are close or parallel are thus distinguished by their neighbors
+    /// where the prior belief alone cannot distinguish them. Each wall is associated once. Lines with two candidate
+    /// walls left are [`Association::Ambiguous`].
     pub fn associate(
         &self,
         ekf: &Ekf<S>,
@@ -164,14 +164,14 @@ impl<S: Float> LineAssociator<S> {
     }
 }
 
-/// The walls as the belief of the moment has them.
+/// The walls and the present belief during association.
 struct AssociationState<'a, S> {
     associator: &'a LineAssociator<S>,
     ekf: &'a Ekf<S>,
     belief: Belief<S>,
     body_from_laser: &'a Pose<Body, Laser, S>,
     walls: &'a [Wall<S>],
-    /// Walls that lines were given, by number.
+    /// Indices of the walls that are associated.
     assigned: FixedVec<usize, MAX_LINES>,
 }
 
@@ -184,7 +184,7 @@ impl<S: Float> AssociationState<'_, S> {
         pending
     }
 
-    /// Notes which walls the line may be.
+    /// Collects the candidate walls of the line.
     fn collect_candidates(&self, pending: &mut PendingLine<S>, line: &ExtractedLine<S>) {
         pending.candidates.clear();
         pending.overflowed = false;
@@ -231,7 +231,7 @@ impl<S: Float> AssociationState<'_, S> {
         self.belief = self.ekf.correct(self.belief, &innovation, self.associator.gate.threshold(2)).belief;
     }
 
-    /// The ends of the line in the map, and how far off they may be.
+    /// End points of the line in the map, and their uncertainty \[m].
     fn segment_in_map(&self, line: &ExtractedLine<S>) -> ([Point<Map, S>; 2], S) {
         let map_from_laser = self.belief.pose * *self.body_from_laser;
         let (nx, ny) = line.line.normal();
@@ -244,12 +244,12 @@ impl<S: Float> AssociationState<'_, S> {
         (ends.map(|t| map_from_laser * Point::new(r * nx - t * ny, r * ny + t * nx)), margin)
     }
 
-    /// The normalised innovation of the line as this wall; `None` outside the gate or beside the wall.
+    /// Normalized innovation of the line as this wall; `None` outside the gate or without overlap.
     fn nis(&self, pending: &PendingLine<S>, number: usize, ends: [Point<Map, S>; 2], margin: S) -> Option<S> {
         let wall = self.walls.get(number)?;
         let threshold = self.associator.gate.threshold(2);
         let sighting = LineMeasurement { wall: *wall.line(), ..pending.seen };
-        // The direction alone is never farther off than direction and distance together, and is cheap to ask for.
+        // The innovation of the direction alone is never larger than that of direction and distance, and is cheap.
         let turned =
             (sighting.seen.direction - (sighting.wall.direction - self.belief.pose.heading)).radians();
         let half_turns = (turned * S::from_f64(FRAC_1_PI)).round();
@@ -264,9 +264,9 @@ impl<S: Float> AssociationState<'_, S> {
 }
 
 impl<S: Float> ExtractedLine<S> {
-    /// The line as seen from the body, with a wall still to be named.
+    /// Transforms the line to the body frame; the wall is filled in later.
     ///
-    /// From a laser at (x, y) in the body, r grows by x·cos ψ + y·sin ψ, which mixes the error of ψ into that of r.
+    /// With a laser at (x, y) in the body, r grows by x·cos ψ + y·sin ψ, which mixes the error of ψ into that of r.
     fn in_body_frame(&self, body_from_laser: &Pose<Body, Laser, S>) -> LineMeasurement<S> {
         let seen = *body_from_laser * self.line;
         let (nx, ny) = seen.normal();

@@ -1,4 +1,4 @@
-//! From a scan to the lines of its walls: the pipeline.
+//! Extraction of wall lines from a scan: the pipeline.
 
 use crate::geometry::{Angle, Laser, Line};
 use crate::scalar::Float;
@@ -11,62 +11,62 @@ use super::merge::{WallCandidate, merge, reclaim_orphans};
 use super::scan::{RangeFinder, Scan, ScanError};
 use super::segment::{MAX_REDUCED_CHI2, MAX_SEGMENTS, find};
 
-/// The most lines of one scan.
+/// Maximum number of lines of one scan.
 pub const MAX_LINES: usize = MAX_SEGMENTS;
 
-/// The fewest beams of a line.
+/// Minimum number of beams of a line.
 const MIN_BEAMS: f64 = 6.0;
 
-/// The vaguest direction of a line \[rad]: beyond it (r, ψ) is no longer linear in what the beams say.
+/// Maximum standard deviation of a direction \[rad]. Beyond it (r, ψ) is not linear in the beams.
 const MAX_DIRECTION_STD: f64 = 0.08;
 
-/// The shortest line \[m]: what is shorter is as likely a leg as a wall, and two legs on one line are no longer.
+/// Minimum length of a line \[m]. Shorter lines are as likely legs as walls; two legs on one line are no longer.
 const MIN_LENGTH: f64 = 0.25;
 
-/// A wall as one scan sees it.
+/// A wall line in one scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExtractedLine<S> {
-    /// Where it is; its distance is positive, so its normal points away from the laser.
+    /// The line. Its distance is positive: the normal points away from the laser.
     pub line: Line<Laser, S>,
     /// Variance of the distance r \[m²].
     pub distance_variance: S,
     /// Variance of the direction ψ \[rad²].
     pub direction_variance: S,
-    /// Covariance of the two \[m·rad].
+    /// Covariance of distance and direction \[m·rad].
     pub covariance: S,
-    /// From where to where it was seen: distances from the foot of the perpendicular, to its left \[m].
+    /// Visible extent: positions of both ends from the foot of the perpendicular, positive left \[m].
     pub extent: (S, S),
-    /// How many beams see it.
+    /// Number of beams on the line.
     pub beams: u16,
-    /// χ² of these beams per degree of freedom: 1 where wall and laser are what they are said to be.
+    /// χ² of the beams per degree of freedom: 1 where wall and laser agree with their noise models.
     pub reduced_chi2: S,
 }
 
-/// How many lines were found and then refused, by reason.
+/// Counts of rejected lines, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RejectedLines {
-    /// Too few beams are sure to see it, for how steeply they meet it.
+    /// Too few unambiguous beams for the angle of incidence.
     pub too_few_beams: u16,
-    /// Its beams do not lie on a straight line.
+    /// The beams do not lie on a straight line.
     pub not_straight: u16,
-    /// It is too short, or its direction too uncertain.
+    /// The line is too short, or its direction too uncertain.
     pub too_uncertain: u16,
 }
 
-/// What a scan says of the walls.
+/// Lines of one scan.
 #[derive(Clone, Copy, Debug)]
 pub struct LineExtraction<'a, S> {
-    /// The lines, in the order of the beams.
+    /// Lines, in the order of the beams.
     pub lines: &'a [ExtractedLine<S>],
-    /// How many more were refused.
+    /// Counts of the rejected lines.
     pub rejected: RejectedLines,
-    /// For each beam that came back, in order: its number in the scan and the line it belongs to.
+    /// The beams with a return, in order.
     beams: &'a [Beam<S>],
     wall_of_beam: &'a [u8],
 }
 
 impl<S: Float> LineExtraction<'_, S> {
-    /// For each beam on a line: its number in the scan, and that of the line.
+    /// Index in the scan and index of the line, for each beam on a line.
     pub fn beams(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let owned =
             self.beams.iter().zip(self.wall_of_beam).filter(|(_, wall_of_beam)| **wall_of_beam != UNASSIGNED);
@@ -74,10 +74,10 @@ impl<S: Float> LineExtraction<'_, S> {
     }
 }
 
-/// Finds lines in scans of up to `BEAMS` beams.
+/// Extracts lines from scans of up to `BEAMS` beams.
 ///
-/// It holds the memory that the work needs, about 40 bytes a beam in `f64`, and nothing from one scan to the next.
-/// The work is bounded by a constant times the number of beams times [`MAX_LINES`]; in rooms it is a few passes over
+/// The struct is workspace only, about 40 bytes a beam in `f64`; no state passes from one scan to the next.
+/// The work is bounded by a constant times the number of beams times [`MAX_LINES`]. In rooms it is a few passes over
 /// the beams.
 #[derive(Clone, Debug)]
 pub struct LineExtractor<S, const BEAMS: usize> {
@@ -93,7 +93,7 @@ impl<S: Float, const BEAMS: usize> Default for LineExtractor<S, BEAMS> {
 }
 
 impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
-    /// An extractor with nothing in it.
+    /// Extractor with an empty workspace.
     pub fn new() -> Self {
         let zero = S::from_f64(0.0);
         let empty = ExtractedLine {
@@ -108,10 +108,10 @@ impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
         Self { beams: [Beam::default(); BEAMS], wall_of_beam: [UNASSIGNED; BEAMS], lines: [empty; MAX_LINES] }
     }
 
-    /// The walls in `scan`. Beams without a return, or with one that is not a number, are as if not there.
+    /// Extracts the wall lines of `scan`. Beams without a return, or with a NaN range, are ignored.
     ///
     /// # Errors
-    /// [`ScanError`], before anything is looked at.
+    /// [`ScanError`] for a scan or laser that is invalid.
     pub fn extract(
         &mut self,
         laser: &RangeFinder<S>,
@@ -159,14 +159,14 @@ impl<S: Float, const BEAMS: usize> LineExtractor<S, BEAMS> {
     }
 }
 
-/// Why a line is refused.
+/// Reason for the rejection of a line.
 enum LineRejection {
     TooFewBeams,
     NotStraight,
     TooUncertain,
 }
 
-/// The line in (r, ψ) with its covariance, if it is one to rely on.
+/// The line in (r, ψ) with its covariance, if it passes all checks.
 fn validated<S: Float>(
     noise: &BeamNoise<S>,
     candidate: &WallCandidate<S>,
@@ -201,13 +201,14 @@ fn validated<S: Float>(
     if is_certain && longest >= S::from_f64(MIN_LENGTH) { Ok(seen) } else { Err(LineRejection::TooUncertain) }
 }
 
-/// The line in (r, ψ), with the covariance of (a, b) times `variance_scale`.
+/// Converts a line to (r, ψ), with the covariance of (a, b) times `variance_scale`.
 ///
-/// To first order ∂r = −r²·n·∂(a, b) and ∂ψ = r·t·∂(a, b), with n = (cos ψ, sin ψ) and t to its left. That is not enough
-/// for a short wall far beside the foot of its perpendicular: its beams know to a centimetre where it passes them and
-/// hardly which way it goes. Turned by δ about them, its distance changes by −l·δ − ½·r·δ², with l from the foot to them;
-/// the second term, of mean −½·r·σ² and variance ½·r²·σ⁴ for a normal δ, may be larger than the centimetre. With the first
-/// term only, lines of 8 beams in the loop world had a mean NEES of 2.7 for 2, and the filter that used them 3.16 for 3.
+/// To first order ∂r = −r²·n·∂(a, b) and ∂ψ = r·t·∂(a, b), with n = (cos ψ, sin ψ) and t to its left. First order is
+/// insufficient for a short wall far from the foot of its perpendicular: its beams fix its position to a centimeter
+/// and its direction hardly. Turned by δ about the beams, its distance changes by −l·δ − ½·r·δ², with l from the foot
+/// to the beams. The second term has the mean −½·r·σ² and the variance ½·r²·σ⁴ for a normal δ, and may exceed the
+/// centimeter. With the first term only, lines of 8 beams in the loop world had a mean NEES of 2.7 (expected 2). The
+/// filter that used them had 3.16 (expected 3).
 fn polar<S: Float>(
     candidate: &WallCandidate<S>,
     variance_scale: S,
@@ -240,10 +241,10 @@ fn polar<S: Float>(
     }
 }
 
-/// How many beams it takes to believe in a line.
+/// Minimum number of beams of a line.
 ///
-/// A wall met so steeply that bearing noise moves a range more than range noise does is easily made up from a few beams
-/// on either side of an edge: up to six more are asked for.
+/// At steep incidence, bearing noise moves a range more than range noise does. A false wall from a few beams on either
+/// side of an edge is then likely, and up to six more beams are required.
 fn min_beams<S: Float>(noise: &BeamNoise<S>, distance: S, extent: (S, S)) -> S {
     let middle = (extent.0 + extent.1) * S::from_f64(0.5);
     let beside = S::select(extent.0 * extent.1 < S::from_f64(0.0), S::from_f64(0.0), middle);

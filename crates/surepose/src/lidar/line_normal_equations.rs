@@ -1,4 +1,4 @@
-//! What beams say of a line: the normal equations of weighted least squares in (a, b).
+//! Normal equations of weighted least squares for a line in (a, b).
 
 use crate::scalar::Float;
 
@@ -13,13 +13,13 @@ pub(super) struct LineNormalEquations<S> {
     ss: S,
     c: S,
     s: S,
-    /// How many beams.
+    /// Number of beams.
     pub count: u16,
-    /// Σ of their squared normalised residuals.
+    /// Sum of the squared normalized residuals of the beams.
     pub chi2: S,
 }
 
-/// The variances of an (a, b) that was estimated.
+/// Covariance of an estimated (a, b).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LineCovariance<S> {
     pub aa: S,
@@ -38,7 +38,7 @@ impl<S: Float> LineNormalEquations<S> {
         self.s = self.s + ws * value;
     }
 
-    /// Both together.
+    /// Sum of both normal equations.
     #[must_use]
     pub(super) fn merged(&self, other: &Self) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl<S: Float> LineNormalEquations<S> {
         }
     }
 
-    /// The (a, b) of least squares and its covariance, the inverse of the normal matrix.
+    /// Least-squares (a, b) and its covariance, the inverse of the normal matrix.
     #[inline]
     pub(super) fn solve(&self) -> (InverseRangeLine<S>, LineCovariance<S>) {
         let scale = S::from_f64(1.0) / (self.cc * self.ss - self.cs.squared());
@@ -64,8 +64,8 @@ impl<S: Float> LineNormalEquations<S> {
         (line, covariance)
     }
 
-    /// How much the step that [`LineNormalEquations::solve`] gives takes off χ², where the values are residuals: its
-    /// squared length in standard deviations.
+    /// Decrease of χ² by the step of [`LineNormalEquations::solve`], where the values are residuals. It equals the
+    /// squared length of the step in standard deviations.
     #[inline]
     pub(super) fn cost_reduction(&self, step: InverseRangeLine<S>) -> S {
         step.a * self.c + step.b * self.s
@@ -73,7 +73,7 @@ impl<S: Float> LineNormalEquations<S> {
 }
 
 impl<S: Float> LineCovariance<S> {
-    /// The variance of u at the bearing of `beam`.
+    /// Variance of u at the bearing of `beam`.
     #[inline]
     pub(super) fn at(&self, beam: &Beam<S>) -> S {
         self.aa * beam.cos.squared()
@@ -100,7 +100,7 @@ impl<S: Float> LineCovariance<S> {
     }
 }
 
-/// The χ² that `count` beams of one straight line exceed once in 1000 times.
+/// The 99.9 % quantile of χ² of `count` beams on one straight line.
 ///
 /// [WilsonHilferty1931]: (χ²/n)^⅓ is nearly normal with mean 1 − 2/(9n) and variance 2/(9n).
 #[inline]

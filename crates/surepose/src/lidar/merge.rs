@@ -1,4 +1,4 @@
-//! Walls from segments: one wall may be seen in several runs, before and behind what stands in front of it.
+//! Merging of collinear segments into walls that are visible in several runs.
 
 use crate::scalar::Float;
 
@@ -9,16 +9,16 @@ use super::inverse_range_line::InverseRangeLine;
 use super::line_normal_equations::{LineCovariance, LineNormalEquations};
 use super::segment::{LineSegments, MAX_SEGMENTS};
 
-/// Segments are of one line where their difference is below the 99.9 % quantile of χ² with 2 degrees of freedom.
+/// Threshold of collinear segments: the 99.9 % quantile of χ² with 2 degrees of freedom.
 const SAME_LINE_THRESHOLD: f64 = 13.8;
 
-/// How many standard deviations a left-over beam may be off the wall that takes it in.
+/// Gate of an orphan beam at the wall that reclaims it, in standard deviations.
 const GATE: f64 = 3.0;
 
-/// An orphan run of a wall has at least this many beams.
+/// Minimum number of beams in an orphan run.
 const MIN_ORPHANS: usize = 3;
 
-/// All that the scan says of one straight wall.
+/// Normal equations and line of one straight wall, from all its runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WallCandidate<S> {
     pub equations: LineNormalEquations<S>,
@@ -26,7 +26,7 @@ pub(super) struct WallCandidate<S> {
     pub covariance: LineCovariance<S>,
 }
 
-/// A run of beams that see the candidate numbered `wall`; both ends belong to it.
+/// A run of beams on the candidate of index `wall`; both ends are inclusive.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BeamRun {
     pub first: usize,
@@ -44,7 +44,7 @@ impl<S: Float> WallCandidate<S> {
     }
 }
 
-/// Joins the segments that are of one line.
+/// Merges collinear segments.
 pub(super) fn merge<S: Float>(segments: &LineSegments<S>) -> (WallCandidates<S>, BeamRuns) {
     let mut walls = WallCandidates::new();
     let mut runs = BeamRuns::new();
@@ -66,7 +66,7 @@ pub(super) fn merge<S: Float>(segments: &LineSegments<S>) -> (WallCandidates<S>,
     (walls, runs)
 }
 
-/// Offers the beams between the runs, too few to be a segment, to every wall.
+/// Assigns the beams between the runs, too few for a segment, to the walls on which they lie.
 pub(super) fn reclaim_orphans<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -90,7 +90,7 @@ pub(super) fn reclaim_orphans<S: Float>(
     }
 }
 
-/// The longest run among the beams `low..high` that lies on one of the walls, single beams off it stepped over.
+/// Longest run among the beams `low..high` that lies on one wall, across single beams off the wall.
 fn best_run<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],
@@ -120,10 +120,10 @@ fn best_run<S: Float>(
     best.1
 }
 
-/// Whether beams that lie where a wall may be still do so when they have their say in where it is.
+/// Whether beams on the extension of a wall remain on it after a fit that includes them.
 ///
-/// A short wall's line is vague far beyond its ends: two or three beams of anything lie on it there, each by itself, and
-/// one of them alone would turn it.
+/// The line of a short wall is uncertain far beyond its ends. Two or three beams of any object lie on it there, each by
+/// itself, and one alone would turn it.
 fn survives_refit<S: Float>(noise: &BeamNoise<S>, run: &[Beam<S>], wall: Option<&WallCandidate<S>>) -> bool {
     let Some(wall) = wall else { return false };
     let mut both = wall.equations;

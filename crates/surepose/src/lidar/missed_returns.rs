@@ -1,5 +1,5 @@
-//! Beams that did not come back, where a wall should have sent them back: a robot that was carried out of sight of all
-//! walls sees nothing that contradicts it.
+//! Beams without a return where the map predicts one. They are the only evidence against the pose of a robot that was
+//! moved out of sight of all walls.
 
 use crate::estimation::Belief;
 use crate::map::Wall;
@@ -9,17 +9,19 @@ use super::beam::Beam;
 use super::beam_subset::BeamSubset;
 use super::scan::{RangeFinder, Scan, ScanError};
 
-/// Up to this part of the longest range that came back, walls send beams back: farther ones may be too dark for that.
+/// Maximum distance of a wall that must return a beam, as a fraction of the longest return: farther walls may be too
+/// dark.
 const MAX_RANGE_FRACTION: f64 = 0.8;
 
-/// The beams of a scan that went into the void.
+/// The beams of a scan without a return.
 #[derive(Clone, Copy, Debug)]
 pub struct MissedReturns<S, const BEAMS: usize> {
     beams: BeamSubset<S, BEAMS>,
 }
 
 impl<S: Float, const BEAMS: usize> MissedReturns<S, BEAMS> {
-    /// The beams of `scan` that [`BeamSubset::from_scan`] left out because nothing came back; what is no number is broken, not silent.
+    /// Selects the beams of `scan` that [`BeamSubset::from_scan`] leaves out for lack of a return. NaN ranges count as
+    /// invalid, not as missing returns.
     ///
     /// # Errors
     /// [`ScanError`]; a scan may have any number of beams.
@@ -39,10 +41,10 @@ impl<S: Float, const BEAMS: usize> MissedReturns<S, BEAMS> {
         Ok(Self { beams })
     }
 
-    /// How many of them a wall should have sent back, seen from what is believed.
+    /// Number of beams that a wall should have returned, given the belief.
     ///
-    /// How far the laser sees is what it has just shown: none are missing from a scan in which nothing came back, which is
-    /// broken rather than elsewhere.
+    /// The range of the laser is taken from the returns of the same scan. A scan without any return counts 0: it
+    /// indicates a broken laser rather than a wrong pose.
     pub fn count(&self, belief: &Belief<S>, walls: &[Wall<S>]) -> u16 {
         let max_distance =
             S::from_f64(1.0).div_or_zero(S::from_f64(MAX_RANGE_FRACTION) * self.beams.max_range);
@@ -65,7 +67,7 @@ mod tests {
     use super::MissedReturns;
     use crate::lidar::{RangeFinder, Scan};
 
-    /// Walls 2 m ahead and, seen at 45° to the left, √2 m away; beams to the right, ahead and to the left, 45° apart.
+    /// Walls 2 m ahead and √2 m away at 45° to the left; beams to the right, ahead and to the left, 45° apart.
     fn missed_returns(ranges: &[f64; 5]) -> u16 {
         let laser = RangeFinder {
             body_from_laser: Pose::identity(),
@@ -83,12 +85,16 @@ mod tests {
     }
 
     #[test]
-    fn walls_send_beams_back_as_far_as_the_laser_was_seen_to_see() {
+    fn missed_returns_count_within_the_observed_range() {
         let void = f64::INFINITY;
         assert_eq!(missed_returns(&[5.0, void, void, void, void]), 2);
         assert_eq!(missed_returns(&[5.0, void, 2.0, void, void]), 1);
-        assert_eq!(missed_returns(&[2.0, void, void, void, void]), 1, "2 m may be too far, then");
-        assert_eq!(missed_returns(&[5.0, void, f64::NAN, f64::NAN, void]), 0, "broken is not silent");
-        assert_eq!(missed_returns(&[void; 5]), 0, "nothing shows that the laser sees at all");
+        assert_eq!(
+            missed_returns(&[2.0, void, void, void, void]),
+            1,
+            "2 m exceeds 0.8 of the longest return"
+        );
+        assert_eq!(missed_returns(&[5.0, void, f64::NAN, f64::NAN, void]), 0, "NaN ranges are invalid");
+        assert_eq!(missed_returns(&[void; 5]), 0, "a scan without returns counts 0");
     }
 }

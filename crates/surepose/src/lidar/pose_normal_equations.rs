@@ -1,11 +1,11 @@
-//! What beams say of the pose they were taken from: the normal equations of weighted least squares in (dx, dy, dθ).
+//! Normal equations of weighted least squares for a pose step (dx, dy, dθ).
 
 use crate::estimation::PoseMeasurement;
 use crate::geometry::{Body, Map, Pose};
 use crate::linalg::{InvalidCovariance, Matrix};
 use crate::scalar::Float;
 
-/// Σ w·jᵀj and Σ w·jᵀe over beams: the information on the pose, and that times the step they ask for.
+/// Σ w·jᵀj and Σ w·jᵀe over beams: the information on the pose, and the information times the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PoseNormalEquations<S> {
     information: Matrix<S, 3, 3>,
@@ -17,7 +17,7 @@ impl<S: Float> PoseNormalEquations<S> {
         Self { information: Matrix::zeros(), gradient: [S::from_f64(0.0); 3] }
     }
 
-    /// A beam whose residual e of variance 1/`weight` changes by `row` with the pose.
+    /// Adds a beam whose residual e of variance 1/`weight` changes by `row` with the pose.
     #[inline]
     pub(super) fn add(&mut self, row: [S; 3], residual: S, weight: S) {
         for i in 0..3 {
@@ -39,10 +39,10 @@ impl<S: Float> PoseNormalEquations<S> {
         }
     }
 
-    /// The pose that the beams ask for, if the step was taken from `near`.
+    /// Pose measurement from the sums, whose steps are relative to `near`.
     ///
     /// # Errors
-    /// [`InvalidCovariance`] where something is not finite.
+    /// [`InvalidCovariance`] for values that are not finite.
     pub(crate) fn solve(&self, near: Pose<Map, Body, S>) -> Result<PoseMeasurement<S>, InvalidCovariance> {
         PoseMeasurement::from_information(near, self.information, self.gradient)
     }

@@ -1,46 +1,46 @@
-//! A laser range finder and one turn of its mirror.
+//! Laser range finder model and scan.
 
 use core::f64::consts::{FRAC_PI_4, TAU};
 
 use crate::geometry::{Angle, Body, Laser, Pose};
 use crate::scalar::Float;
 
-/// A laser range finder: where it is mounted, and how well it measures.
+/// Mounting, noise and range limits of a laser range finder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeFinder<S> {
-    /// Where it is mounted.
+    /// Pose of the laser in the body frame.
     pub body_from_laser: Pose<Body, Laser, S>,
     /// Standard deviation of a range \[m], positive.
     pub range_std: S,
-    /// Standard deviation of the direction that a beam really takes \[rad], not negative.
+    /// Standard deviation of the direction of a beam \[rad], not negative.
     pub bearing_std: S,
-    /// Nearer returns are the housing's own \[m].
+    /// Minimum range \[m]; nearer returns are reflections of the housing.
     pub range_min: S,
-    /// Farther returns are none \[m]; lasers report "nothing" as a range beyond it, as NaN, infinite or zero.
+    /// Maximum range \[m]. Lasers report a missing return as a larger range, NaN, infinity or zero.
     pub range_max: S,
 }
 
-/// One turn of the mirror.
+/// One scan of the laser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scan<'a, S> {
     /// Direction of the first beam from the laser's x axis.
     pub angle_min: Angle<S>,
-    /// From one beam to the next \[rad], negative for a mirror that turns clockwise.
+    /// Angle from one beam to the next \[rad]; negative for a clockwise scan.
     pub angle_increment: S,
-    /// The range of every beam \[m].
+    /// Range of each beam \[m].
     pub ranges: &'a [S],
-    /// Reach and mounting of the laser, where the scan brings its own. `None` uses those of the scan processor.
+    /// Range limits and mounting of the laser; `None` uses those of the scan processor.
     pub geometry: Option<LaserGeometry<S>>,
 }
 
-/// Reach and mounting of the laser that took a scan.
+/// Range limits and mounting of the laser that took a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaserGeometry<S> {
-    /// Where the laser is mounted.
+    /// Pose of the laser in the body frame.
     pub body_from_laser: Pose<Body, Laser, S>,
-    /// Nearer returns are discarded \[m].
+    /// Minimum range \[m]; nearer returns are discarded.
     pub range_min: S,
-    /// Farther returns are discarded \[m].
+    /// Maximum range \[m]; farther returns are discarded.
     pub range_max: S,
 }
 
@@ -50,21 +50,21 @@ impl<'a, S> Scan<'a, S> {
         Self { angle_min, angle_increment, ranges, geometry: None }
     }
 
-    /// The scan with the reach and the mounting of the laser that took it.
+    /// Sets the range limits and the mounting of the laser that took the scan.
     #[must_use]
     pub fn with_geometry(self, geometry: LaserGeometry<S>) -> Self {
         Self { geometry: Some(geometry), ..self }
     }
 }
 
-/// Why a scan was not read at all.
+/// Reason for the rejection of a whole scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ScanError {
-    /// The laser's noise is not positive and finite, its reach is not positive, or its mounting is not finite.
+    /// The laser noise is not positive and finite, the range limits are not positive, or the mounting is not finite.
     InvalidLaser,
-    /// A bearing is not finite, the step is zero or beyond 45°, or the beams make more than one turn.
+    /// An angle is not finite, the increment is zero or beyond 45°, or the beams cover more than one turn.
     InvalidAngles,
-    /// There are more beams than the extractor has room for.
+    /// The scan has more beams than the capacity of the extractor.
     TooManyBeams,
 }
 
@@ -96,14 +96,14 @@ impl core::fmt::Display for ScanError {
 impl core::error::Error for ScanError {}
 
 impl<S: Float> Scan<'_, S> {
-    /// The direction of a beam from the laser's x axis.
+    /// Direction of a beam from the x axis of the laser.
     pub fn angle(&self, number: usize) -> Angle<S> {
         self.angle_min.rotated_by(self.angle_increment * S::from_f64(number as f64))
     }
 }
 
 impl<S: Float> RangeFinder<S> {
-    /// Whether a beam with this range came back from something.
+    /// Whether a beam of this range has a return.
     #[inline]
     pub(super) fn is_return(&self, range: S) -> bool {
         // A NaN compares false on both sides.
@@ -130,7 +130,7 @@ impl<S: Float> Scan<'_, S> {
         let step = self.angle_increment.abs();
         let count = self.ranges.len();
         let turn = step * S::from_f64(count as f64);
-        // One step more than a turn: some lasers give the first direction twice.
+        // One increment more than a turn is valid: some lasers report the first direction twice.
         let is_valid = self.angle_min.radians().is_finite()
             && step > S::from_f64(0.0)
             && step <= S::from_f64(FRAC_PI_4)

@@ -1,4 +1,4 @@
-//! A scan that was processed, for observers.
+//! A processed scan, for observers.
 
 use crate::estimation::Belief;
 use crate::map::MapView;
@@ -7,18 +7,18 @@ use crate::time::Stamp;
 use super::scan::{RangeFinder, Scan};
 use super::scan_processor::ScanObservation;
 
-/// A scan and what the scan processor made of it.
+/// A scan and the result of its processing.
 #[derive(Clone, Copy, Debug)]
 pub struct ScanEvent<'a, S> {
-    /// When the scan was taken.
+    /// Time of the scan.
     pub stamp: Stamp,
-    /// The laser that took it.
+    /// Laser that took the scan.
     pub laser: &'a RangeFinder<S>,
     /// The scan.
     pub scan: &'a Scan<'a, S>,
-    /// Lines and poses that the scan processor found in it.
+    /// Lines and poses that the scan processor extracted.
     pub observation: &'a ScanObservation<'a, S>,
-    /// The belief at `stamp`, after the scan corrected it.
+    /// Belief at `stamp`, after the correction by the scan.
     pub belief: Belief<S>,
     /// The map.
     pub map: &'a MapView<'a, S>,

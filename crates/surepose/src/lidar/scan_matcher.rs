@@ -1,8 +1,8 @@
-//! A scan laid on the walls of the map: for rooms in which few walls are long enough to be found without a map.
+//! Scan matching against the walls of the map, for rooms with few walls long enough for line extraction.
 //!
-//! [`LineExtractor`](super::LineExtractor) needs six beams and a quarter of a metre to believe in a wall. Offices, and
-//! halls full of furniture, have few of those in sight and many short faces. With a map, and a belief that is right to
-//! within half a metre, each beam can be given to the wall that it hit, and short faces count too.
+//! [`LineExtractor`](super::LineExtractor) requires six beams and a quarter of a meter for a wall. Offices and halls
+//! full of furniture have few such walls and many short faces. With a map, and a belief within half a meter of the
+//! truth, each beam can be associated with its wall, and short faces contribute as well.
 
 mod initial_beliefs;
 mod map_beam;
@@ -20,58 +20,58 @@ use crate::scalar::Float;
 use super::pose_normal_equations::PoseNormalEquations;
 use super::scan::{RangeFinder, Scan, ScanError};
 
-/// How often beams are given to walls anew, each time from the pose that the iteration before found.
+/// Number of iterations; each associates the beams with walls from the pose of the previous one.
 const MAX_ITERATIONS: usize = 6;
 
-/// In all iterations but this many at the end, the pose is taken to be twice as uncertain as it is found to be.
+/// Number of final iterations with the estimated covariance; earlier ones use twice the standard deviation.
 const FINAL_ITERATIONS: usize = 2;
 
-/// What is assumed when a scan is laid on walls.
+/// Parameters of scan matching.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanMatcher<S> {
-    /// How far off a wall may be, all its beams together.
+    /// Gate of the joint innovation of all beams on a wall.
     pub gate: Gate<S>,
-    /// The farthest that a beam may end from its wall, whatever the belief \[m].
+    /// Maximum distance of the end of a beam from its wall, whatever the belief \[m].
     pub max_correspondence_distance: S,
-    /// The fewest beams that make a wall count.
+    /// Minimum number of beams on a wall.
     pub min_beams_per_wall: u16,
-    /// The least part of the beams that must lie on walls, 0 to 1.
+    /// Minimum fraction of the beams on walls, 0 to 1.
     pub min_overlap: S,
-    /// Standard deviation of a wall's place, on top of what its own covariance says \[m].
+    /// Standard deviation of the position of a wall \[m], in addition to its own covariance.
     pub wall_offset_std: S,
-    /// Standard deviation of a wall's direction, on top of what its own covariance says \[rad].
+    /// Standard deviation of the direction of a wall \[rad], in addition to its own covariance.
     pub wall_direction_std: S,
-    /// Standard deviations of x \[m], y \[m] and θ \[rad] that all beams of a scan share.
+    /// Standard deviations of x \[m], y \[m] and θ \[rad] of the error common to all beams of a scan.
     pub scan_std: [S; 3],
 }
 
-/// What a scan says of the pose.
+/// Result of a match.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanMatchResult<S> {
-    /// The pose, as far as the walls in sight show it.
+    /// Pose measurement from the visible walls.
     pub fix: PoseMeasurement<S>,
-    /// How many walls took part.
+    /// Number of walls in the match.
     pub walls: u16,
-    /// How many beams lie on these.
+    /// Number of beams on these walls.
     pub beams: u16,
-    /// How many beams came back.
+    /// Number of beams with a return.
     pub returns: u16,
-    /// How many walls had beams but were outside the gate.
+    /// Number of walls with beams that lay outside the gate.
     pub rejected_walls: u16,
 }
 
-/// What came of laying a scan on walls.
+/// Outcome of a match.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScanMatch<S> {
-    /// It lies on them.
+    /// The scan matches the walls.
     Matched(ScanMatchResult<S>),
-    /// Too small a part of it does for it to be more than chance.
+    /// The fraction of matched beams is too small to exclude a chance match.
     LowOverlap(ScanMatchResult<S>),
-    /// No wall is where a beam ended.
+    /// No wall lies near the end of any beam.
     NoOverlap,
 }
 
-/// The workspace that laying scans of up to `BEAMS` beams on walls needs; it holds nothing from one scan to the next.
+/// Workspace for matching scans of up to `BEAMS` beams; it keeps no state from one scan to the next.
 #[derive(Clone, Debug)]
 pub struct ScanMatcherWorkspace<S, const BEAMS: usize> {
     beams: [MapBeam<S>; BEAMS],
@@ -83,35 +83,35 @@ impl<S: Float, const BEAMS: usize> Default for ScanMatcherWorkspace<S, BEAMS> {
     }
 }
 
-/// A scan to be laid on walls, and what is believed before.
+/// A scan to be matched, and the prior belief.
 struct MatchProblem<'a, S> {
     ekf: &'a Ekf<S>,
     belief: &'a Belief<S>,
     laser: &'a RangeFinder<S>,
     walls: &'a [Wall<S>],
-    /// The longest beam \[m].
+    /// Longest range \[m].
     max_range: S,
 }
 
-/// Where a scan came to lie.
+/// Converged pose of a match.
 struct Converged<S> {
-    /// How much beams and belief disagree there: squared normalised distances.
+    /// Misfit of beams and belief: sum of squared normalized residuals.
     cost: S,
     matched: ScanMatchResult<S>,
 }
 
 impl<S: Float> ScanMatcher<S> {
-    /// Lays `scan` on `walls`, starting at what is believed at the time of the scan.
+    /// Matches `scan` with `walls`, starting at the belief at the time of the scan.
     ///
-    /// Each iteration gives every beam to the nearest wall that it may have hit, fits an offset and a direction of each
-    /// wall to its beams, and moves the pose to where belief and walls agree best. Where the heading is so uncertain
-    /// that beams may start at wrong walls, this is done from several headings and the best agreement counts. The
-    /// belief serves to find the walls; the fix is what the walls say without it.
+    /// Each iteration associates every beam with the nearest plausible wall, and fits the offset and direction of each
+    /// wall to its beams. It then moves the pose to the best agreement of belief and walls. Where the heading
+    /// uncertainty permits wrong associations, several initial headings are tried and the best agreement is kept. The
+    /// belief only guides the association; the pose measurement does not include it.
     ///
     /// The work is bounded: six iterations for each of at most 21 headings, times beams times walls within reach.
     ///
     /// # Errors
-    /// [`ScanError`], before anything is looked at.
+    /// [`ScanError`] for a scan or laser that is invalid.
     pub fn match_scan<const BEAMS: usize>(
         &self,
         workspace: &mut ScanMatcherWorkspace<S, BEAMS>,
@@ -146,7 +146,7 @@ impl<S: Float> ScanMatcher<S> {
         })
     }
 
-    /// Lets the pose converge from `initial` within [`MAX_ITERATIONS`].
+    /// Iterates from `initial`, [`MAX_ITERATIONS`] times.
     fn iterate(
         &self,
         problem: &MatchProblem<'_, S>,
@@ -177,7 +177,7 @@ impl<S: Float> ScanMatcher<S> {
         result
     }
 
-    /// One iteration: which beams are on which walls, seen from `estimate`, and what these say of the pose.
+    /// Associates the beams with walls at `estimate`, and sums the information on the pose.
     fn associate(
         &self,
         problem: &MatchProblem<'_, S>,
@@ -224,7 +224,7 @@ impl<S: Float> ScanMatcher<S> {
     }
 }
 
-/// Sums over walls: the information on the pose, and that times the step they ask for.
+/// Sums over walls: the information on the pose, and the information times the step.
 struct WallSums<S> {
     equations: PoseNormalEquations<S>,
     walls: u16,

@@ -1,4 +1,4 @@
-//! From a scan to measurements of the pose, by one of three ways to know walls again.
+//! Scans to pose measurements, by one of three models.
 
 use crate::estimation::{Belief, Ekf, Measurement, PoseMeasurement};
 use crate::geometry::Pose;
@@ -11,50 +11,50 @@ use super::line_extractor::{LineExtraction, LineExtractor};
 use super::scan::{LaserGeometry, RangeFinder, Scan, ScanError};
 use super::scan_matcher::{ScanMatch, ScanMatcher, ScanMatcherWorkspace};
 
-/// How walls of the map are known again in a scan.
+/// Model by which a scan is compared with the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScanModel<S> {
-    /// Lines are found in it and matched: for places with long flat walls, and a map that has them exactly.
+    /// Lines are extracted and associated: for places with long flat walls and an exact map of them.
     Lines(LineAssociator<S>),
-    /// It is laid on the walls beam by beam, each on the nearest: for maps of few walls in cluttered rooms.
+    /// The scan is matched beam by beam with the nearest walls: for maps of few walls in cluttered rooms.
     ScanMatch(ScanMatcher<S>),
-    /// Each beam ends at the first wall in its way: for maps of many short walls, traced from a grid for instance.
+    /// Each beam ends at the first wall on its ray: for maps of many short walls, for example traced from a grid.
     BeamModel(BeamModelMatcher<S>),
 }
 
-/// Reads scans of up to `BEAMS` beams against the walls of the map.
+/// Compares scans of up to `BEAMS` beams with the walls of the map.
 ///
-/// It holds the workspace that the work needs, and nothing from one scan to the next.
+/// It owns the workspace and keeps no state from one scan to the next.
 #[derive(Clone, Debug)]
 pub struct ScanProcessor<S, const BEAMS: usize> {
-    /// What takes the scans.
+    /// Configured laser.
     pub laser: RangeFinder<S>,
-    /// How walls are known again.
+    /// Model of the comparison.
     pub model: ScanModel<S>,
     extractor: LineExtractor<S, BEAMS>,
     workspace: ScanMatcherWorkspace<S, BEAMS>,
 }
 
-/// What was seen in a scan.
+/// Result of processing one scan.
 #[derive(Clone, Copy, Debug)]
 pub struct ScanObservation<'a, S> {
-    /// The lines in it.
+    /// Extracted lines.
     pub extracted: LineExtraction<'a, S>,
-    /// Which walls they are; none are asked for where beams are.
+    /// Associations of the lines; empty for models other than [`ScanModel::Lines`].
     pub associations: Associations<S>,
-    /// How it lies on the walls, where beams are asked for.
+    /// Result of the scan match; `None` for models other than [`ScanModel::ScanMatch`].
     pub scan_match: Option<ScanMatch<S>>,
-    /// The pose by the beam model; `None` for other models, and where too few beams are hits.
+    /// Pose by the beam model; `None` for other models, and where too few beams are hits.
     pub fix: Option<PoseMeasurement<S>>,
 }
 
 impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
-    /// A processor for this laser.
+    /// Processor for this laser.
     pub fn new(laser: RangeFinder<S>, model: ScanModel<S>) -> Self {
         Self { laser, model, extractor: LineExtractor::new(), workspace: ScanMatcherWorkspace::default() }
     }
 
-    /// The laser that took `scan`: that of the processor, with the scan's own reach and mounting where it has them.
+    /// Laser that took `scan`: the configured one, with the range limits and mounting of the scan where present.
     pub fn laser_of(&self, scan: &Scan<'_, S>) -> RangeFinder<S> {
         let Some(LaserGeometry { body_from_laser, range_min, range_max }) = scan.geometry else {
             return self.laser;
@@ -62,10 +62,10 @@ impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
         RangeFinder { body_from_laser, range_min, range_max, ..self.laser }
     }
 
-    /// What `scan` says, given the belief of where the robot was when it was taken.
+    /// Processes `scan`, given the belief at the time of the scan.
     ///
     /// # Errors
-    /// [`ScanError`], before anything is looked at.
+    /// [`ScanError`] for a scan or laser that is invalid.
     pub fn process(
         &mut self,
         ekf: &Ekf<S>,
@@ -97,7 +97,7 @@ impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
 }
 
 impl<S: Float> ScanProcessor<S, 0> {
-    /// The processor of a robot without a laser: it reads no scan.
+    /// Processor of a robot without a laser; it processes no scan.
     pub fn disabled() -> Self {
         let zero = S::from_f64(0.0);
         let unmatched = RangeFinder {
@@ -112,7 +112,7 @@ impl<S: Float> ScanProcessor<S, 0> {
 }
 
 impl<S: Float> ScanObservation<'_, S> {
-    /// What the filter is to be told.
+    /// Measurements for the filter.
     pub fn measurements(&self) -> impl Iterator<Item = Measurement<S>> + '_ {
         let matched = match self.scan_match {
             Some(ScanMatch::Matched(matched)) => Some(matched.fix),

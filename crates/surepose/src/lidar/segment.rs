@@ -1,36 +1,26 @@
-//! The straight runs of a scan, in the order of its beams.
+//! Straight segments of a scan, in the order of its beams.
 
 use crate::scalar::Float;
 
 use super::beam::{Beam, BeamNoise};
 use super::fixed_vec::FixedVec;
-use super::grow::{WINDOW, count_inliers, grow, refit, seed};
-use super::inverse_range_line::InverseRangeLine;
+use super::grow::{LineSegment, WINDOW, count_inliers, grow, refit, seed};
 use super::line_normal_equations::{LineNormalEquations, chi2_limit};
 
-/// The most segments that are kept of one scan.
+/// Maximum number of segments of one scan.
 pub(super) const MAX_SEGMENTS: usize = 32;
 
-/// The fewest beams of a segment.
+/// Minimum number of beams of a segment.
 const MIN_BEAMS: u16 = 5;
 
-/// A segment left with fewer beams of its own than this loses them all to the line that explains the others.
+/// Minimum number of own beams of a segment; with fewer it is absorbed by the line that explains the others.
 const MIN_OWN_BEAMS: usize = 7;
 
-/// How much rougher than its noise a wall may be before it is none: χ² per degree of freedom.
+/// Maximum χ² per degree of freedom of a wall.
 ///
-/// Plaster, skirting boards and door frames are not straight to a laser's noise. The covariance of such a line is
-/// widened by its reduced χ² (see the fit); a curve or two walls under one line misfit by far more.
+/// Plaster, skirting boards and door frames deviate from a straight line by more than laser noise. The covariance of
+/// such a line is multiplied by its reduced χ² (see `fit`). Curves, and two walls under one line, misfit by far more.
 pub(super) const MAX_REDUCED_CHI2: f64 = 4.0;
-
-/// A run of beams on one line; both ends belong to it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LineSegment<S> {
-    pub first: usize,
-    pub last: usize,
-    pub equations: LineNormalEquations<S>,
-    pub line: InverseRangeLine<S>,
-}
 
 pub(super) type LineSegments<S> = FixedVec<LineSegment<S>, MAX_SEGMENTS>;
 
@@ -38,7 +28,7 @@ pub(super) type LineSegments<S> = FixedVec<LineSegment<S>, MAX_SEGMENTS>;
 pub(super) fn find<S: Float>(noise: &BeamNoise<S>, beams: &[Beam<S>]) -> LineSegments<S> {
     let mut segments = LineSegments::new();
     let mut start = 0;
-    // Where the segment before ends: its beams are its own.
+    // End of the previous segment, whose beams are not available to the next.
     let mut first_free = 0;
     while start + WINDOW <= beams.len() && !segments.is_full() {
         let end = start + WINDOW;
@@ -63,18 +53,18 @@ pub(super) fn find<S: Float>(noise: &BeamNoise<S>, beams: &[Beam<S>]) -> LineSeg
     segments
 }
 
-/// Whether so many beams of one line would misfit it so much.
+/// Whether the χ² of the segment is plausible for one straight line.
 fn is_straight<S: Float>(equations: &LineNormalEquations<S>) -> bool {
     let rough =
         S::from_f64(if equations.count < 20 { 0.0 } else { MAX_REDUCED_CHI2 * f64::from(equations.count) });
     equations.count >= MIN_BEAMS && equations.chi2 <= chi2_limit::<S>(equations.count).max(rough)
 }
 
-/// Takes the beams of the segments before that lie on this one's line, where these then have too few of their own.
+/// Takes over beams of the previous segments that lie on this line, where few of their own would remain.
 ///
-/// A steep line through a few beams on either side of an edge passes every test by itself. It starts before the
-/// wall behind it and so would keep that wall's first beams. So does a line round a corner whose near leg is short:
-/// where the segment before has enough beams of its own, those that both explain go to the one that more beams know.
+/// A steep line through a few beams on either side of an edge passes every test by itself. It starts before the wall
+/// behind it and so would keep the first beams of that wall. The same holds for a line around a corner with a short
+/// near leg. Where the previous segment keeps enough own beams, shared beams go to the line with more beams.
 fn resolve_overlap<S: Float>(
     noise: &BeamNoise<S>,
     beams: &[Beam<S>],

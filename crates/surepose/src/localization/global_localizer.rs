@@ -1,16 +1,17 @@
-//! Where am I, if I know nothing? From the walls in view to one pose, or to several as long as several explain them.
+//! Global localization: from visible walls to one pose, or to several poses that explain them equally well.
 //!
-//! Each scan proposes poses: two seen lines that cross, taken for two walls of the map, fix one; and where there is a
-//! [`DistanceField`] of the map, every pose of a lattice is tried, so that no place is overlooked. What explains the scan beam by
-//! beam becomes a hypothesis: a [`Belief`] of its own, which odometry carries and the beams correct,
-//! judged by how well the map explains what is seen from there ([`BeamSubset`]), now and in a few scans that are remembered.
-//! A place is found when one hypothesis explains them all and every other explains them far worse. Two places that look
-//! alike stay two: somebody has to move until they do not, to turn for instance.
+//! Each scan proposes poses. Two crossing lines, associated with two walls of the map, fix one pose. With a
+//! [`DistanceField`] of the map, every pose of a lattice is tried as well. A proposal that explains the scan beam by
+//! beam becomes a hypothesis with its own [`Belief`]. Odometry predicts it and the beams correct it. Its score is the
+//! agreement of the map with the present scan and with a few keyframes ([`BeamSubset`]).
+//! The robot is localized when one hypothesis explains all of them and every other explains them far worse. Poses at
+//! places that look alike remain ambiguous until the robot moves, for example turns, to where they differ.
 //!
-//! Memory is fixed: `N` hypotheses, `N` proposals, [`MAX_ODOMETRY_INCREMENTS`] increments of odometry, `FRAMES` scans. The work of a
-//! scan is bounded by [`MAX_LINE_PAIRS`] · (2 · walls)² proposals, nearly all refused by a comparison of directions, one
-//! [`BeamSubset::from`] for each that is not, up to 2 · `FRAMES` + 2 for each hypothesis and 5 · `FRAMES` + 5 for each new one.
-//! The lattice is tried each time a scan is worth remembering: at most 10⁴ look-ups for each of its places.
+//! Memory is fixed: `N` hypotheses, `N` proposals, [`MAX_ODOMETRY_INCREMENTS`] odometry increments, `FRAMES` keyframes.
+//! A scan makes at most [`MAX_LINE_PAIRS`] · (2 · walls)² proposals; a comparison of directions rejects nearly all.
+//! [`BeamSubset::evaluate`] runs once for each of the others, up to 2 · `FRAMES` + 2 times for each hypothesis, and 5 ·
+//! `FRAMES` + 5 times for each new one. The lattice is searched for each new keyframe: at most 10⁴ look-ups for each of
+//! its positions.
 
 mod correlative_search;
 mod hypothesis_evaluator;
@@ -20,12 +21,13 @@ mod odometry_buffer;
 mod top_candidates;
 
 use crate::estimation::{Belief, Ekf, HeadingMeasurement, WheelOdometry};
-use crate::geometry::{Angle, Body, Laser, Map, Pose};
-use crate::lidar::{BeamStats, BeamSubset, ExtractedLine, RangeFinder, Scan};
+use crate::geometry::{Body, Laser, Map, Pose};
+use crate::lidar::{BeamSubset, ExtractedLine, RangeFinder, Scan};
 use crate::linalg::Covariance;
 use crate::map::{DistanceField, Wall};
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
+pub use hypothesis_evaluator::Hypothesis;
 pub use line_pairs::MAX_LINE_PAIRS;
 pub use odometry_buffer::MAX_ODOMETRY_INCREMENTS;
 
@@ -34,39 +36,38 @@ use hypothesis_evaluator::HypothesisEvaluator;
 use keyframes::{BEAMS, KeyframeBuffer};
 use line_pairs::{HeadingPrior, for_each_line_pair_pose};
 use odometry_buffer::OdometryBuffer;
-use top_candidates::TopCandidates;
+use top_candidates::{MERGE_TOLERANCE, TopCandidates, is_near};
 
-/// Hypotheses nearer than this \[m], \[rad] are one.
-const MERGE_TOLERANCE: (f64, f64) = (0.2, 0.1);
-
-/// So many scans in a row that no hypothesis explains together with the remembered ones: these are of somewhere else.
+/// Maximum consecutive scans that no hypothesis explains together with the keyframes; then the keyframes are dropped.
 const MAX_UNEXPLAINED_SCANS: u16 = 15;
 
-/// How old a heading may be to be used for a scan \[s], and how far the robot may turn meanwhile \[rad].
+/// Maximum age of a heading measurement for a scan \[s], and maximum turn of the robot in that time \[rad].
 const HEADING_AGE: f64 = 0.2;
 const HEADING_TURN: f64 = 0.15;
 
-/// What must hold of the pose that is found.
+/// Acceptance criteria for the pose of the global search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcceptanceCriteria<S> {
-    /// It explains at least this part of the beams.
+    /// Minimum fraction of explained beams, 0 to 1.
     pub min_hit_ratio: S,
-    /// At most this part of the beams ends beyond the walls seen from it.
+    /// Maximum fraction of beams that end behind the walls, 0 to 1.
     pub max_behind_wall_ratio: S,
-    /// The robot's middle is at least so far from every wall \[m].
+    /// Minimum distance of the robot center from every wall \[m].
     pub min_clearance: S,
-    /// −2 log of the likelihood of all keyframes is larger by this much for every other hypothesis.
+    /// Minimum excess of −2 log likelihood over all keyframes, of every other hypothesis.
     pub min_margin: S,
-    /// And larger by this part of its own: what does not fit may fit elsewhere by chance.
+    /// Additional excess as a fraction of the −2 log likelihood of the best hypothesis: a misfit may fit elsewhere by
+    /// chance.
     pub min_relative_margin: S,
-    /// All this held for so many scans in a row.
+    /// Minimum number of consecutive scans that meet the criteria.
     pub min_scans: u16,
-    /// The robot turned by so much meanwhile \[rad]: what a half-circle of beams does not see may tell places apart.
+    /// Minimum turn of the robot since the first keyframe \[rad]. Places may differ only outside a field of view of
+    /// 180°.
     pub min_rotation: S,
 }
 
 impl<S: Float> Default for AcceptanceCriteria<S> {
-    /// Three fifths explained, among clutter that hides a fifth; e¹⁵ times as likely as any other, after a quarter turn.
+    /// 0.6 explained beams, amid clutter that hides 0.2; e¹⁵ times as likely as any other pose; a quarter turn.
     fn default() -> Self {
         Self {
             min_hit_ratio: S::from_f64(0.6),
@@ -80,29 +81,18 @@ impl<S: Float> Default for AcceptanceCriteria<S> {
     }
 }
 
-/// A pose that the robot may have.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hypothesis<S> {
-    /// Where, and how well that is known if it is there at all; at the time of the last scan.
-    pub belief: Belief<S>,
-    /// How the last scan and those in mind agree with the map from there.
-    pub stats: BeamStats<S>,
-    /// For how many scans it held.
-    pub scans: u16,
-}
-
-/// What is known of where the robot is.
+/// Status of the global search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GlobalStatus<S> {
-    /// No pose explains what is seen, or nothing that tells is seen.
+    /// No pose explains the scans, or the scans contain too little information.
     NoHypothesis,
-    /// This many poses may be it, or one that has not held for long enough.
+    /// Several hypotheses, or one that does not meet all criteria yet; their number.
     Ambiguous(usize),
-    /// There, at the time of the last scan.
+    /// Belief of the accepted hypothesis, at the time of the last scan.
     Localized(Belief<S>),
 }
 
-/// Looks for the pose with up to `N` hypotheses, held against up to `FRAMES` scans that are remembered.
+/// Global localizer with up to `N` hypotheses, evaluated with up to `FRAMES` keyframes.
 #[derive(Clone, Copy, Debug)]
 pub struct GlobalLocalizer<S, const N: usize = 24, const FRAMES: usize = 24> {
     ekf: Ekf<S>,
@@ -110,16 +100,16 @@ pub struct GlobalLocalizer<S, const N: usize = 24, const FRAMES: usize = 24> {
     hypotheses: [Option<Hypothesis<S>>; N],
     keyframes: KeyframeBuffer<S, FRAMES>,
     unexplained_scans: u16,
-    /// The hypothesis that is ahead of all others, by number, and for how many scans.
+    /// Index of the leading hypothesis, and the number of scans that it has led.
     leader: (usize, u16),
     odometry: OdometryBuffer<S>,
     heading: Option<Stamped<HeadingMeasurement<S>>>,
 }
 
 impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES> {
-    /// Knows nothing at `stamp`.
+    /// Localizer without hypotheses at `stamp`.
     pub fn new(ekf: Ekf<S>, criteria: AcceptanceCriteria<S>, stamp: Stamp) -> Self {
-        const { assert!(N > 0 && FRAMES > 0, "where nothing is held, nothing is found") };
+        const { assert!(N > 0 && FRAMES > 0, "`N` and `FRAMES`: capacity is 0, expected at least 1") };
         let odometry = OdometryBuffer::new(stamp);
         let keyframes = KeyframeBuffer::new();
         Self {
@@ -134,36 +124,36 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// Forgets every hypothesis: the robot may be anywhere.
+    /// Deletes every hypothesis: the robot may be anywhere.
     pub fn reset(&mut self, stamp: Stamp) {
         *self = Self::new(self.ekf, self.criteria, stamp);
     }
 
-    /// The robot rolled until `stamp`.
+    /// Adds the odometry up to `stamp`.
     pub fn on_odometry(&mut self, stamp: Stamp, travel: WheelOdometry<S>) {
         self.odometry.push(stamp, travel);
     }
 
-    /// The compass said something.
+    /// Sets the latest heading measurement.
     pub fn set_heading(&mut self, heading: Stamped<HeadingMeasurement<S>>) {
         if heading.value.heading.radians().is_finite() && heading.value.std > S::from_f64(0.0) {
             self.heading = Some(heading);
         }
     }
 
-    /// When the last scan was, for which the hypotheses and what is found hold.
+    /// Time of the last scan, for which the hypotheses and the status hold.
     pub fn stamp(&self) -> Stamp {
         self.odometry.start()
     }
 
-    /// The poses that may be it.
+    /// Candidate poses.
     pub fn hypotheses(&self) -> impl Iterator<Item = &Hypothesis<S>> {
         self.hypotheses.iter().flatten()
     }
 
-    /// A scan was taken at `stamp`, and `lines` were found in it.
+    /// Updates the hypotheses by a scan at `stamp` and the `lines` extracted from it.
     ///
-    /// A scan from before the last one, or one that cannot be read, changes nothing.
+    /// A scan older than the last one, or an invalid one, changes nothing.
     pub fn update(
         &mut self,
         stamp: Stamp,
@@ -217,14 +207,14 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         self.reset_stale_keyframes();
         self.leader = self.leading_hypothesis().map_or((0, 0), |(number, held)| {
             let scans = if number == self.leader.0 { self.leader.1.saturating_add(1) } else { 1 };
-            // Another hypothesis may have had this number before.
+            // The slot may have held another hypothesis before.
             (number, scans.min(held))
         });
         self.refine_leader(&evaluator);
         self.status()
     }
 
-    /// Puts the place that is found where all keyframes fit best: the last ones alone may leave it beside that.
+    /// Refines the leading pose with all keyframes; the last scans alone may leave a small error.
     fn refine_leader(&mut self, evaluator: &HypothesisEvaluator<'_, S, FRAMES>) {
         let GlobalStatus::Localized(belief) = self.status() else { return };
         if let Some(Some(found)) = self.hypotheses.get_mut(self.leader.0) {
@@ -232,7 +222,7 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// Forgets the remembered scans where nothing explains them together with those of now.
+    /// Drops the keyframes where no hypothesis explains them together with the present scans.
     fn reset_stale_keyframes(&mut self) {
         let enough = self.criteria.min_hit_ratio;
         let explained = self.hypotheses().any(|known| known.stats.hit_ratio() >= enough);
@@ -243,7 +233,7 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// What the compass allows at `stamp`.
+    /// Range of headings at `stamp` from the last heading measurement.
     fn heading_prior(&self, stamp: Stamp) -> HeadingPrior<S> {
         let new_hypothesis = self.heading.filter(|heading| stamp.since(heading.stamp).abs() <= HEADING_AGE);
         new_hypothesis.map_or(HeadingPrior::unconstrained(), |heading| {
@@ -252,11 +242,11 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         })
     }
 
-    /// Takes in what was proposed, the best in place of the worst.
+    /// Adds the candidates as hypotheses; a better one replaces the worst.
     fn add(&mut self, evaluator: &HypothesisEvaluator<'_, S, FRAMES>, candidates: &TopCandidates<S, N>) {
         for pose in candidates.poses() {
             let known = self.hypotheses().find(|known| is_same(known.belief.pose, pose));
-            // One that went astray does not stand in the way of a better one.
+            // A hypothesis with a poor fit does not block a better one nearby.
             if known.is_some_and(|known| known.stats.hit_ratio() >= self.criteria.min_hit_ratio) {
                 continue;
             }
@@ -281,8 +271,8 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// Of two hypotheses that came together the elder stays, which has counted more scans, unless the younger fits far
-    /// better; that takes its number over.
+    /// Merges hypotheses that converged. The one with more scans remains, unless the other fits far better; that one
+    /// then takes over its slot.
     fn merge(&mut self) {
         for i in 0..N {
             for j in 0..i {
@@ -301,7 +291,7 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// Drops what explains next to nothing, and what stands in a wall.
+    /// Drops hypotheses that explain too few beams, or that lie too close to a wall.
     fn drop_rejected(&mut self, walls: &[Wall<S>]) {
         let clearance = self.criteria.min_clearance;
         let is_rejected = |known: Hypothesis<S>| {
@@ -316,7 +306,7 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// What is known now.
+    /// Present status.
     pub fn status(&self) -> GlobalStatus<S> {
         let (number, scans) = self.leader;
         let is_held = scans >= self.criteria.min_scans.max(1)
@@ -328,7 +318,7 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
         }
     }
 
-    /// The number of the hypothesis that explains all that is in mind far better than every other, and for how many scans it held.
+    /// Index of the hypothesis that explains all scans far better than every other, and its number of scans.
     fn leading_hypothesis(&self) -> Option<(usize, u16)> {
         let criteria = &self.criteria;
         let costs = || self.hypotheses.iter().map(|slot| neg2_log_likelihood(slot.as_ref())).enumerate();
@@ -343,7 +333,7 @@ impl<S: Float, const N: usize, const FRAMES: usize> GlobalLocalizer<S, N, FRAMES
     }
 }
 
-/// The poses from which two lines of the scan lie on walls, and most of the beams do.
+/// Candidate poses from which two lines of the scan lie on walls and most beams are explained.
 fn line_pair_candidates<S: Float, const N: usize>(
     beams: &BeamSubset<S, BEAMS>,
     lines: &[ExtractedLine<S>],
@@ -363,16 +353,11 @@ fn line_pair_candidates<S: Float, const N: usize>(
     candidates
 }
 
-/// A free slot is worse than any hypothesis.
+/// Cost of a slot; a free slot is worse than any hypothesis.
 fn neg2_log_likelihood<S: Float>(slot: Option<&Hypothesis<S>>) -> f64 {
     slot.map_or(f64::INFINITY, |known| known.stats.neg2_log_likelihood.to_f64())
 }
 
 fn is_same<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>) -> bool {
     is_near(a, b, MERGE_TOLERANCE)
-}
-
-fn is_near<S: Float>(a: Pose<Map, Body, S>, b: Pose<Map, Body, S>, (far, turn): (f64, f64)) -> bool {
-    let turned: Angle<S> = a.heading - b.heading;
-    a.origin().distance(b.origin()) < S::from_f64(far) && turned.radians().abs() < S::from_f64(turn)
 }

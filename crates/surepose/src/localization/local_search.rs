@@ -1,37 +1,38 @@
-//! A robot that was displaced a little: the map still explains the scan, and so it is not lost, but from somewhere else.
+//! Local search for the pose of a robot that was displaced by a small distance.
 //!
-//! Walls that are a hand's breadth off are outside the gate of the filter and of the line associator, which therefore say nothing
-//! of them; and they are inside what a single beam may be off by. All beams together know better.
+//! A displacement of about 0.1 m puts walls outside the gates of the filter and of the line associator, so neither
+//! corrects it. The error of a single beam may be as large, but all beams together determine the displacement.
 
 use crate::estimation::{Belief, Ekf, PoseMeasurement};
 use crate::lidar::{BeamStats, BeamSubset};
 use crate::map::Wall;
 use crate::scalar::{Float, Scalar};
 
-/// How far off the robot is taken to be while its place settles, x and y \[m] and heading \[rad].
+/// Uncertainty of the pose in each iteration of the refinement, x and y \[m] and heading \[rad].
 const LINEARIZATION_STD: [[f64; 3]; 4] =
     [[0.15, 0.15, 0.1], [0.08, 0.08, 0.05], [0.03, 0.03, 0.02], [0.01, 0.01, 0.005]];
 
-/// How to detect a displacement, and what must hold of the place where the robot is found then.
+/// Parameters of the detection of a displacement, and acceptance criteria for the new pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalSearch<S> {
-    /// Standard deviations of x \[m], y \[m] and θ \[rad] that all beams of a scan share: how well the map is known.
+    /// Standard deviations of x \[m], y \[m] and θ \[rad] of the error common to all beams of a scan, mainly that of
+    /// the map.
     pub scan_std: [S; 3],
-    /// How far it may have been displaced, standard deviations of x \[m], y \[m] and θ \[rad].
+    /// Standard deviations of the displacement in x \[m], y \[m] and θ \[rad].
     pub prior_std: [S; 3],
-    /// The least part of the beams that is explained from where it is found.
+    /// Minimum fraction of explained beams at the new pose, 0 to 1.
     pub min_hit_ratio: S,
-    /// The largest part that ends beyond the walls.
+    /// Maximum fraction of beams that end behind the walls, 0 to 1.
     pub max_behind_wall_ratio: S,
-    /// By how much smaller −2 log of the likelihood is there than where it was believed to be.
+    /// Minimum decrease of −2 log likelihood from the believed to the new pose.
     pub min_improvement: S,
 }
 
 impl<S: Float> LocalSearch<S> {
-    /// For a map that is known as well as `scan_std` says.
+    /// Parameters for a map of the uncertainty `scan_std`.
     ///
-    /// A hand's breadth in each direction; seven tenths explained, among clutter that hides a fifth; a hundred times as
-    /// likely, as for walls to be told apart: that it was displaced, several scans have said before.
+    /// The displacement is about 0.1 m in each direction. The minimum of 0.7 explained beams allows for clutter that
+    /// hides a fifth. The likelihood ratio is 100, as for associations; the detection already requires several scans.
     pub fn from_scan_std(scan_std: [S; 3]) -> Self {
         Self {
             scan_std,
@@ -42,8 +43,8 @@ impl<S: Float> LocalSearch<S> {
         }
     }
 
-    /// How the scan agrees with the map where the robot is believed to be, and how far from there its beams together put
-    /// it: the normalised innovation squared of that, per row, 1 for a consistent filter.
+    /// Agreement of the scan with the map at the belief, and the innovation of the pose that its beams measure. The
+    /// latter is the normalized innovation squared per row, 1 for a consistent filter.
     pub fn evaluate<const BEAMS: usize>(
         &self,
         ekf: &Ekf<S>,
@@ -59,7 +60,7 @@ impl<S: Float> LocalSearch<S> {
         (stats, nis)
     }
 
-    /// Where near `belief` the robot is, if it was displaced: `None` where the scan is no better explained from there.
+    /// Pose of a displaced robot near `belief`; `None` where no pose explains the scan better.
     pub fn refine<const BEAMS: usize>(
         &self,
         ekf: &Ekf<S>,
@@ -70,7 +71,7 @@ impl<S: Float> LocalSearch<S> {
         let prior = Belief::new(belief.pose, self.prior_std);
         let mut found = prior;
         for std in LINEARIZATION_STD {
-            // Beams are laid on walls from where the robot seems to be by now, but what they say is said once.
+            // The beams are linearized at the present estimate, but their information enters only once.
             let near = Belief::new(found.pose, std.map(S::from_f64));
             let fix = self.inflated(&beams.measure_pose(&near, walls).1.ok()?);
             found = ekf.correct(prior, &fix.innovation(&prior), S::from_f64(f64::MAX)).belief;
@@ -112,7 +113,7 @@ mod tests {
         Ekf { drive: DiffDrive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc }
     }
 
-    /// The walls of the room (0, 0)–(4, 3), the first two of them along x.
+    /// Walls of the room (0, 0)–(4, 3), the first two of them along x.
     fn room() -> [Wall<f64>; 4] {
         let wall =
             |a: (f64, f64), b: (f64, f64)| Wall::between(Point::new(a.0, a.1), Point::new(b.0, b.1)).unwrap();
@@ -124,7 +125,7 @@ mod tests {
         ]
     }
 
-    /// What the 121 beams of a half-circle measure at (1, 1.2), looking along x, without noise.
+    /// Noise-free ranges of the 121 beams of a half-circle at (1, 1.2), heading along x.
     fn beams() -> BeamSubset<f64, 128> {
         let step = 1.5_f64.to_radians();
         let ranges: [f64; 121] = core::array::from_fn(|k| {
@@ -151,7 +152,7 @@ mod tests {
         for (x, y, degrees) in [(0.95, 1.2, 0.0), (1.0, 1.28, 0.0), (1.03, 1.16, 3.0)] {
             let displaced = belief(x, y, degrees);
             let (stats, nis) = local_search().evaluate(&ekf(), &beams(), &displaced, &room());
-            assert!(stats.hit_ratio() > 0.55, "single beams see little of it: {stats:?}");
+            assert!(stats.hit_ratio() > 0.55, "most beams stay inside their gates: {stats:?}");
             assert!(nis > 9.0, "{nis}");
             let found = local_search().refine(&ekf(), &beams(), &displaced, &room()).unwrap();
             assert!(found.pose.origin().distance(truth.origin()) < 1e-3, "{found:?}");
@@ -167,7 +168,7 @@ mod tests {
         assert_eq!(local_search().refine(&ekf(), &beams(), &belief(1.0, 1.2, 0.0), &room()), None);
     }
 
-    /// Two walls along x say nothing of x: it is as vague afterwards as a push may be long.
+    /// Two walls along x give no information on x: its standard deviation remains that of the displacement.
     #[test]
     fn corridor_leaves_its_axis_uncertain() {
         let walls = &room()[..2];

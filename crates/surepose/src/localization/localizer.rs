@@ -1,4 +1,4 @@
-//! The estimating half of a step: from sensor input to a supervised belief.
+//! Estimation half of a step: sensor input to a supervised belief.
 
 use crate::estimation::{
     Belief, DelayedEkf, Measurement, MeasurementOutcome, MeasurementStats, OdometryOutcome, RejectReason,
@@ -31,7 +31,7 @@ pub struct Localizer<
 > {
     estimator: DelayedEkf<S, HISTORY>,
     scan_processor: ScanProcessor<S, BEAMS>,
-    /// `None` estimates without supervision and relocalization.
+    /// `None` disables supervision and relocalization.
     monitor: Option<LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>>,
 }
 
@@ -48,7 +48,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         Self { estimator, scan_processor, monitor: Some(monitor) }
     }
 
-    /// Localizer that always trusts its estimate: for recordings whose reference judges it.
+    /// Localizer without supervision, for recordings that are evaluated against a reference.
     pub fn unsupervised(estimator: DelayedEkf<S, HISTORY>, scan_processor: ScanProcessor<S, BEAMS>) -> Self {
         Self { estimator, scan_processor, monitor: None }
     }
@@ -63,39 +63,39 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         &mut self.scan_processor
     }
 
-    /// The newest belief; meaningless while [`Localizer::health`] is [`Health::Lost`].
+    /// Newest belief; meaningless while [`Localizer::health`] is [`Health::Lost`].
     pub fn belief(&self) -> Belief<S> {
         self.estimator.belief()
     }
 
-    /// When the newest belief holds.
+    /// Time of the newest belief.
     pub fn stamp(&self) -> Stamp {
         self.estimator.stamp()
     }
 
-    /// What was accepted and what was rejected so far.
+    /// Counts of accepted and rejected measurements.
     pub fn measurement_stats(&self) -> &MeasurementStats {
         self.estimator.measurement_stats()
     }
 
-    /// How far the belief can be trusted now.
+    /// Present quality of the belief.
     pub fn health(&self) -> Health {
         let health = |monitor: &LocalizationMonitor<S, _, _>| monitor.health(self.stamp(), &self.belief());
         self.monitor.as_ref().map_or(Health::Healthy, health)
     }
 
-    /// What the wheels may do now.
+    /// Present safety action for the wheels.
     pub fn action(&self) -> SafetyAction {
         let action = |monitor: &LocalizationMonitor<S, _, _>| monitor.action(self.stamp(), &self.belief());
         self.monitor.as_ref().map_or(SafetyAction::Proceed, action)
     }
 
-    /// The monitor; `None` where the localizer is unsupervised.
+    /// Monitor; `None` for an unsupervised localizer.
     pub fn monitor(&self) -> Option<&LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>> {
         self.monitor.as_ref()
     }
 
-    /// Starts anew at `stamp` with a belief that is known to be right.
+    /// Restarts at `stamp` with a trusted belief.
     pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
         self.estimator.reset(stamp, belief);
         if let Some(monitor) = &mut self.monitor {
@@ -103,8 +103,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         }
     }
 
-    /// Takes the belief of a moment in the past as right and carries it to now with the odometry since. A moment outside the
-    /// history counts as now.
+    /// Restarts from a trusted belief of an earlier time and replays the odometry since then. A stamp outside the
+    /// history counts as the present time.
     pub fn reset_at(&mut self, stamp: Stamp, belief: Belief<S>) {
         self.estimator.reset_at(stamp, belief);
         let now = self.stamp();
@@ -121,12 +121,12 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         }
     }
 
-    /// Carries the belief to `input.stamp`: odometry predicts; each measurement and each scan, gated, corrects.
+    /// Advances the belief to `input.stamp`: odometry predicts; each measurement and each scan, gated, corrects.
     ///
-    /// `commanded` replaces odometry that is missing or rejected; [`WheelOdometry::from_command`] makes it from a command.
+    /// `commanded` replaces missing or rejected odometry; [`WheelOdometry::from_command`] computes it from a command.
     ///
-    /// The work is bounded: one filter step for odometry, at most `HISTORY` + 2 for each measurement and each wall in a
-    /// scan, and one extraction, one association and one comparison with the map for each scan.
+    /// The work is bounded. It is one filter step for odometry, and at most `HISTORY` + 2 for each measurement and each
+    /// wall in a scan. Each scan adds one extraction, one association and one comparison with the map.
     pub fn update(
         &mut self,
         input: &SensorInput<'_, S>,
@@ -179,7 +179,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         };
         let reported = reported.filter(|_| outcome == OdometryOutcome::Used);
         if reported.is_none() {
-            // A rejected prediction is counted.
+            // `predict_with` counts a rejection.
             let _counted = self.estimator.predict_with(stamp, commanded);
         }
         let used = reported.unwrap_or(commanded);
@@ -189,7 +189,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         observer.on_odometry(stamp, &used, outcome);
     }
 
-    /// Finds the walls of a scan on the map, from the belief at the time of the scan, and corrects by them.
+    /// Associates a scan with the map from the belief at its time, and corrects the belief by the walls.
     fn process_scan(
         &mut self,
         stamp: Stamp,
@@ -198,7 +198,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         observer: &mut impl LoopObserver<S>,
     ) {
         let Self { estimator, scan_processor, monitor } = self;
-        // A scan from before the history cannot be placed. It is counted, and so is one that cannot be read.
+        // A scan older than the history cannot be used. Such a scan is counted, as is an invalid one.
         let Ok(belief) = estimator.belief_at_or_reject(stamp) else { return };
         let laser = scan_processor.laser_of(scan);
         let Ok(observation) = scan_processor.process(estimator.ekf(), &belief, scan, map.walls) else {
@@ -217,7 +217,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         if let Some(monitor) = monitor.as_mut() {
             monitor.on_scan(estimator, &event);
         }
-        // After a relocalization the scan was taken from elsewhere.
+        // A relocalization changes the belief at the time of the scan.
         let belief = estimator.belief_at(stamp).unwrap_or(belief);
         observer.on_scan(&ScanEvent { belief, ..event });
     }

@@ -1,7 +1,7 @@
-//! Supervision of the estimate: is it still right, and if it is not, where is the robot?
+//! Supervision of the estimate, and relocalization of a displaced or lost robot.
 //!
-//! [`LocalizationMonitor`] joins the [`Supervisor`], which judges, with the two searches that correct the estimate: the
-//! [`LocalSearch`] around it for a robot that was pushed, and the [`GlobalLocalizer`] for one that is lost.
+//! [`LocalizationMonitor`] combines the [`Supervisor`], which evaluates the estimate, with two searches that correct
+//! it: [`LocalSearch`] for a displaced robot and [`GlobalLocalizer`] for a lost one.
 
 use crate::estimation::{
     Belief, DelayedEkf, Ekf, Measurement, MeasurementOutcome, OdometryOutcome, WheelOdometry,
@@ -15,27 +15,27 @@ use crate::time::{Stamp, Stamped};
 use super::global_localizer::{AcceptanceCriteria, GlobalLocalizer, GlobalStatus, Hypothesis};
 use super::local_search::LocalSearch;
 
-/// Beams of a scan that are compared with the map.
+/// Maximum number of beams of a scan that are compared with the map.
 const BEAMS: usize = 128;
 
-/// Constants of the monitor.
+/// Configuration of the monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MonitorConfig<S> {
     /// Thresholds of the supervisor.
     pub supervisor: SupervisorConfig<S>,
-    /// Conditions for accepting a pose that the global search found.
+    /// Criteria for accepting a pose of the global search.
     pub acceptance: AcceptanceCriteria<S>,
-    /// The search around the estimate and its conditions.
+    /// Parameters of the local search.
     pub local_search: LocalSearch<S>,
-    /// Standard deviations of x \[m], y \[m] and θ \[rad] that are added to the covariance of a pose that was found: what
-    /// the map is uncertain by beyond the beams' noise. 0 adds nothing.
+    /// Standard deviations of x \[m], y \[m] and θ \[rad] added to the covariance of a relocalized pose: the
+    /// uncertainty of the map beyond beam noise. 0 adds nothing.
     pub relocalization_std: [S; 3],
-    /// Time between two successes of the local search \[s]. A second success within it is taken for a lost robot.
+    /// Minimum time between two successes of the local search \[s]. A second success within it declares the robot lost.
     pub local_search_interval: f64,
 }
 
 impl<S: Float> Default for MonitorConfig<S> {
-    /// For a map whose walls are exact but for rounding, and sensors at 10 Hz.
+    /// Configuration for a map that is exact up to rounding, and sensors at 10 Hz.
     fn default() -> Self {
         let scan_std = [0.002, 0.002, 0.000_872_664_626].map(S::from_f64);
         Self {
@@ -58,7 +58,7 @@ pub struct LocalizationMonitor<S, const HYPOTHESES: usize, const KEYFRAMES: usiz
     supervisor: Supervisor<S>,
     global: GlobalLocalizer<S, HYPOTHESES, KEYFRAMES>,
     is_searching: bool,
-    /// When the local search last succeeded.
+    /// Time of the last success of the local search.
     last_push: Option<Stamp>,
     scan_updates: u32,
 }
@@ -79,7 +79,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         }
     }
 
-    /// Trusts the estimate again from `stamp` on, without history.
+    /// Trusts the estimate from `stamp` on and clears the history.
     pub fn reset(&mut self, stamp: Stamp) {
         self.supervisor = Supervisor::new(self.config.supervisor, stamp);
         self.is_searching = false;
@@ -93,12 +93,12 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         self.global.reset(now);
     }
 
-    /// How far the estimate can be trusted.
+    /// Quality of the estimate.
     pub fn health(&self, now: Stamp, belief: &Belief<S>) -> Health {
         self.supervisor.health(now, belief)
     }
 
-    /// What the wheels may do.
+    /// Safety action for the wheels.
     pub fn action(&self, now: Stamp, belief: &Belief<S>) -> SafetyAction {
         self.supervisor.action(now, belief)
     }
@@ -113,7 +113,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         self.scan_updates
     }
 
-    /// Takes in a stretch of odometry that ends at `stamp`: commanded wheel travel \[m], odometry in use, and the
+    /// Processes an odometry interval that ends at `stamp`: commanded wheel travel \[m], odometry in use, and the
     /// outcome of the measured odometry.
     pub(super) fn on_odometry(
         &mut self,
@@ -134,7 +134,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         }
     }
 
-    /// Takes in a measurement and its outcome.
+    /// Processes a measurement and its outcome.
     pub(super) fn on_measurement(&mut self, measured: &Stamped<Measurement<S>>, outcome: MeasurementOutcome) {
         self.supervisor.on_measurement(measured.stamp, outcome, measured.value.dimension());
         let is_scan = matches!(measured.value, Measurement::Line(_) | Measurement::Pose(_));
@@ -148,7 +148,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         }
     }
 
-    /// Compares a scan with the map, and relocalizes a robot that was pushed or is lost.
+    /// Compares a scan with the map, and relocalizes a displaced or lost robot.
     pub(super) fn on_scan<const N: usize>(
         &mut self,
         estimator: &mut DelayedEkf<S, N>,

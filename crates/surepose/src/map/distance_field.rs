@@ -1,22 +1,22 @@
-//! How far the nearest wall is, for each cell of the map: to try every pose there is, a look-up for a beam.
+//! Distance to the nearest wall for each cell of the map, for exhaustive pose search.
 
 use crate::geometry::{Map, Point};
 use crate::scalar::Float;
 
 use super::wall::Wall;
 
-/// The largest distance that a cell tells \[m], and how finely.
+/// Maximum distance that a cell stores \[m], and its resolution \[m].
 const MAX_DISTANCE: f64 = 0.508;
 const UNIT: f64 = 0.004;
 
-/// As far as a cell can tell, and the bit that says that nobody can be there.
+/// Bits of a cell: the maximum distance, and the flag of a cell that the robot cannot occupy.
 const FAR: u8 = 0x7f;
 const OCCUPIED: u8 = 0x80;
 
-/// Farther than so many cells nothing is distinguished: sums of a few are cells still.
+/// Maximum coordinate in cells; larger ones are clamped, so that sums of a few do not overflow.
 const MAX_CELLS_PER_AXIS: f64 = 1e8;
 
-/// Cells over a map, row by row from the lower left.
+/// Grid over a map, row by row from the lower left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridSpec<S> {
     origin: Point<Map, S>,
@@ -26,7 +26,7 @@ pub struct GridSpec<S> {
 }
 
 impl<S: Float> GridSpec<S> {
-    /// Cells of `resolution` \[m] over all of `walls`; none where there are no walls.
+    /// Grid with cells of `resolution` \[m] over all of `walls`; no cells where there are no walls.
     pub fn from_walls(walls: &[Wall<S>], resolution: S) -> Self {
         let mut corners: Option<[Point<Map, S>; 2]> = None;
         for end in walls.iter().flat_map(Wall::ends) {
@@ -50,12 +50,12 @@ impl<S: Float> GridSpec<S> {
         }
     }
 
-    /// How many cells there are.
+    /// Number of cells.
     pub fn cell_count(&self) -> usize {
         (self.columns as usize).saturating_mul(self.rows as usize)
     }
 
-    /// Draws `walls` into `cells`. Where `is_free_space` says no, nobody can be: what is outside, or solid.
+    /// Rasterizes `walls` into `cells`. A cell where `is_free_space` is false, outside or solid, is occupied.
     pub fn rasterize(
         &self,
         walls: &[Wall<S>],
@@ -95,54 +95,54 @@ impl<S: Float> GridSpec<S> {
         )
     }
 
-    /// A length in cells, of which there are never so many.
-    fn to_cells(&self, length: S) -> i32 {
+    /// Length in cells, rounded down and clamped.
+    fn to_cells(self, length: S) -> i32 {
         let steps =
             (length.to_f64() / self.resolution.to_f64()).clamp(-MAX_CELLS_PER_AXIS, MAX_CELLS_PER_AXIS);
-        // Towards −∞, as a cast alone does not.
+        // Rounds toward −∞, unlike a cast alone.
         steps as i32 - i32::from(steps < 0.0)
     }
 }
 
-/// Distances to the nearest wall over a map, drawn by [`GridSpec::rasterize`] into memory of the caller's.
+/// Distances to the nearest wall over a map, stored by [`GridSpec::rasterize`] in memory that the caller owns.
 #[derive(Clone, Copy, Debug)]
 pub struct DistanceField<'a, S> {
     grid: GridSpec<S>,
     cells: &'a [u8],
 }
 
-/// A column and a row, or steps from one cell to another.
+/// Column and row, or offsets between cells.
 pub(crate) type Cell = (i32, i32);
 
 impl<'a, S: Float> DistanceField<'a, S> {
-    /// What was drawn into `cells`; `None` where these are not as many as `grid` has.
+    /// Field over `cells`; `None` where their number differs from that of `grid`.
     pub fn from_cells(grid: GridSpec<S>, cells: &'a [u8]) -> Option<Self> {
         (cells.len() == grid.cell_count()).then_some(Self { grid, cells })
     }
 
-    /// The largest distance that a cell holds \[m].
+    /// Maximum distance that a cell stores \[m].
     pub(crate) fn max_distance() -> S {
         S::from_f64(MAX_DISTANCE)
     }
 
-    /// A length in the unit of [`DistanceField::distance`].
+    /// Length in the unit of [`DistanceField::distance`].
     pub(crate) fn units(length: S) -> u32 {
         (length.to_f64() / UNIT) as u32
     }
 
-    /// How far the wall nearest to a cell is, in units.
+    /// Distance from a cell to the nearest wall, in units.
     #[inline(always)]
     pub(crate) fn distance(&self, cell: Cell) -> u32 {
         u32::from(self.at(cell) & FAR)
     }
 
-    /// Whether the robot can be in a cell, its middle `clearance` from every wall \[m].
+    /// Whether the robot can occupy a cell with its center `clearance` \[m] from every wall.
     pub(crate) fn is_free(&self, cell: Cell, clearance: S) -> bool {
         self.at(cell) & OCCUPIED == 0
             && self.distance(cell) >= Self::units(clearance.min(Self::max_distance()))
     }
 
-    /// What was drawn; outside, no wall is near and nobody can be.
+    /// Stored cell value; outside the grid, far from walls and occupied.
     #[inline(always)]
     fn at(&self, (column, row): Cell) -> u8 {
         let GridSpec { columns, rows, .. } = self.grid;
@@ -161,18 +161,18 @@ impl<'a, S: Float> DistanceField<'a, S> {
             .flat_map(move |row| (0..columns).step_by(step).map(move |column| (column, row)))
     }
 
-    /// Returns the center of a cell.
+    /// Center of a cell.
     pub(crate) fn center(&self, (column, row): Cell) -> Point<Map, S> {
         self.grid.center(column as usize, row as usize)
     }
 
-    /// The cell of a point.
+    /// Cell that contains a point.
     pub(crate) fn cell_at(&self, point: Point<Map, S>) -> Cell {
         let low = self.grid.origin;
         (self.grid.to_cells(point.x - low.x), self.grid.to_cells(point.y - low.y))
     }
 
-    /// The steps that a length to the right and one upwards come to, rounded \[m].
+    /// Cell offset of a displacement to the right and up \[m], rounded.
     pub(crate) fn cells_of(&self, x: S, y: S) -> Cell {
         let half = S::from_f64(0.5) * self.grid.resolution;
         (self.grid.to_cells(x + half), self.grid.to_cells(y + half))

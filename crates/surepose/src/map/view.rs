@@ -1,13 +1,13 @@
-//! Borrowed map, as one step of the navigator sees it.
+//! Borrowed map for one step of the navigator.
 
 use super::{DistanceField, Wall};
 
-/// Walls of the map and, for the global search, the distances to them. The caller owns both.
+/// Walls of the map and, for the global search, their distance field. The caller owns both.
 #[derive(Clone, Copy, Debug)]
 pub struct MapView<'a, S> {
-    /// Walls of the map; empty where there is no map.
+    /// Walls of the map; empty without a map.
     pub walls: &'a [Wall<S>],
-    /// Distance field over the walls. `None` limits the global search to poses that two visible lines suggest.
+    /// Distance field over the walls. `None` limits the global search to poses from pairs of visible lines.
     pub distance_field: Option<DistanceField<'a, S>>,
 }
 

@@ -1,19 +1,19 @@
-//! Walls of the map: straight, thin, seen from both sides.
+//! Walls of the map: straight, thin, visible from both sides.
 
 use crate::geometry::{Line, Map, Point};
 use crate::scalar::{Float, Scalar};
 
-/// A wall of the map, between two points.
+/// Wall segment between two points of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall<S> {
     line: Line<Map, S>,
-    /// From where to where, along the left of the normal \[m].
+    /// Positions of both ends on the line, along the left of the normal \[m].
     extent: (S, S),
-    /// How well the map knows the line, see [`Wall::covariance`].
+    /// Covariance of the line, see [`Wall::covariance`].
     covariance: [S; 3],
 }
 
-/// The ends of a wall coincide, or are not finite.
+/// Error of a wall whose ends coincide or are not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InvalidWall;
 
@@ -26,7 +26,7 @@ impl core::fmt::Display for InvalidWall {
 impl core::error::Error for InvalidWall {}
 
 impl<S: Float> Wall<S> {
-    /// The wall between two points.
+    /// Wall between two points.
     ///
     /// # Errors
     /// [`InvalidWall`] where the points coincide or are not finite.
@@ -40,44 +40,44 @@ impl<S: Float> Wall<S> {
         Ok(Self { line, extent: (a.min(b), a.max(b)), covariance: [S::from_f64(0.0); 3] })
     }
 
-    /// The line it lies on.
+    /// Line through the wall.
     pub fn line(&self) -> &Line<Map, S> {
         &self.line
     }
 
-    /// The same wall, where the map knows its line only so well; see [`Wall::covariance`].
+    /// Sets the covariance of the line; see [`Wall::covariance`].
     #[must_use]
     pub fn with_covariance(self, covariance: [S; 3]) -> Self {
         Self { covariance, ..self }
     }
 
-    /// How well the map knows the line: variance of r \[m²], covariance of r and ψ \[m·rad], variance of ψ \[rad²].
+    /// Covariance of the line: variance of r \[m²], covariance of r and ψ \[m·rad], variance of ψ \[rad²].
     pub fn covariance(&self) -> [S; 3] {
         self.covariance
     }
 
-    /// How far from `point` the wall is at its nearest \[m].
+    /// Distance from `point` to the nearest point of the wall \[m].
     #[inline]
     pub(crate) fn distance(&self, point: Point<Map, S>) -> S {
         (self.line.distance_from(point).squared() + self.distance_beyond_ends(point).squared()).sqrt()
     }
 
-    /// How far beyond the wall's ends the foot of `point` lies \[m]; 0 beside the wall.
+    /// Distance of the foot of `point` beyond the ends of the wall \[m]; 0 beside the wall.
     #[inline]
     pub(crate) fn distance_beyond_ends(&self, point: Point<Map, S>) -> S {
         let a = along(&self.line, point);
         (self.extent.0 - a).max(a - self.extent.1).max(S::from_f64(0.0))
     }
 
-    /// Its ends.
+    /// End points.
     pub fn ends(&self) -> [Point<Map, S>; 2] {
         let (nx, ny) = self.line.normal();
         let r = self.line.distance;
         [self.extent.0, self.extent.1].map(|t| Point::new(r * nx - t * ny, r * ny + t * nx))
     }
 
-    /// Whether a straight line between two points crosses the wall; touching it counts. A line along the wall does not
-    /// cross it: its ends are close to the wall, which their distance tells.
+    /// Whether the segment between two points crosses or touches the wall. A segment along the wall does not cross it;
+    /// its ends are at distance 0 from the wall.
     pub fn crosses(&self, [from, to]: [Point<Map, S>; 2]) -> bool {
         let side = |a: Point<Map, S>, b: Point<Map, S>, p: Point<Map, S>| {
             (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
@@ -90,12 +90,12 @@ impl<S: Float> Wall<S> {
         (s != zero || e != zero) && is_opposite(s, e) && is_opposite(f, t)
     }
 
-    /// Its length \[m].
+    /// Length \[m].
     pub fn length(&self) -> S {
         self.extent.1 - self.extent.0
     }
 
-    /// How much of the stretch between two points lies beside the wall, its ends drawn out by `margin`: 0 to 1.
+    /// Fraction of the segment between two points that lies beside the wall, extended by `margin` \[m]: 0 to 1.
     pub(crate) fn overlap(&self, ends: [Point<Map, S>; 2], margin: S) -> S {
         let [a, b] = ends.map(|end| along(&self.line, end));
         let (low, high) = (a.min(b), a.max(b));
@@ -104,7 +104,7 @@ impl<S: Float> Wall<S> {
     }
 }
 
-/// Where on the line the foot of `point` lies: the distance to the left of the origin's foot \[m].
+/// Position of the foot of `point` on the line: distance from the foot of the origin, positive left \[m].
 #[inline]
 pub(crate) fn along<S: Scalar>(line: &Line<Map, S>, point: Point<Map, S>) -> S {
     let (nx, ny) = line.normal();

@@ -1,4 +1,4 @@
-//! Which measurements may touch the belief at all.
+//! Plausibility checks of measurements.
 
 use crate::estimation::outcome::RejectReason;
 use crate::scalar::Float;
@@ -8,11 +8,11 @@ use super::{
     RangeBearingMeasurement,
 };
 
-/// Distances beyond this \[m] are broken sensors, not places: their squares would drown the pose in rounding.
+/// Maximum distance \[m]. Larger values indicate a broken sensor, and their squares would cause rounding errors.
 const MAX_DISTANCE: f64 = 1e6;
 
 impl<S: Float> Measurement<S> {
-    /// Whether the values make sense by themselves, whatever the belief.
+    /// Checks the values for plausibility, independent of the belief.
     ///
     /// # Errors
     /// [`RejectReason::NotFinite`] or [`RejectReason::BadVariance`].
@@ -27,7 +27,7 @@ impl<S: Float> Measurement<S> {
     }
 }
 
-/// Every value is finite and no farther than a robot can be.
+/// Checks that every value is finite and at most the maximum distance.
 pub(crate) fn finite<S: Float>(values: &[S]) -> Result<(), RejectReason> {
     if values.iter().all(|v| v.is_finite() && v.abs() <= S::from_f64(MAX_DISTANCE)) {
         Ok(())
@@ -36,8 +36,8 @@ pub(crate) fn finite<S: Float>(values: &[S]) -> Result<(), RejectReason> {
     }
 }
 
-/// The variances that a sensor can have \[m², rad²]: standard deviations of a picometre and of a million kilometres. Quotients
-/// of what lies beyond overflow.
+/// Range of plausible variances \[m², rad²]: standard deviations of a picometer and of a million kilometers. Quotients
+/// of values outside overflow.
 const VARIANCE_RANGE: (f64, f64) = (1e-24, 1e18);
 
 fn positive<S: Float>(variances: &[S]) -> Result<(), RejectReason> {
@@ -48,7 +48,7 @@ fn positive<S: Float>(variances: &[S]) -> Result<(), RejectReason> {
 
 fn positive_definite<S: Float>(first: S, second: S, covariance: S) -> Result<(), RejectReason> {
     positive(&[first, second])?;
-    // As the innovation takes the one out of the other: what passes here is positive there.
+    // The innovation subtracts in the same way: what passes here is positive there.
     positive(&[second - covariance / first * covariance])
 }
 
@@ -84,7 +84,7 @@ impl<S: Float> PositionMeasurement<S> {
 impl<S: Float> PoseMeasurement<S> {
     fn check(&self) -> Result<(), RejectReason> {
         finite(&[self.pose.x, self.pose.y, self.pose.heading.radians()])?;
-        // Nothing known of any direction is no measurement; neither is what no sensor knows.
+        // A pose without information in any direction is invalid, as is one more precise than any sensor.
         let diagonal = [0, 1, 2].map(|i| self.information[(i, i)]);
         let any = diagonal.iter().any(|known| *known > S::from_f64(0.0));
         let possible = diagonal.iter().all(|known| *known <= S::from_f64(1.0 / VARIANCE_RANGE.0));

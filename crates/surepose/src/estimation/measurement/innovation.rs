@@ -14,7 +14,7 @@ pub struct Innovation<S, const M: usize> {
 }
 
 impl<S: Scalar> Innovation<S, 2> {
-    /// Two rows whose noise has this `covariance`, made independent.
+    /// Two rows with correlated noise of this `covariance`, decorrelated.
     ///
     /// With R = L D Lᵀ, the rows L⁻¹ν, L⁻¹H have the diagonal noise D and carry the same information.
     #[inline(always)]

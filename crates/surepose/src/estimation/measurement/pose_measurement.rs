@@ -1,4 +1,4 @@
-//! A pose that something else found, with directions it may know nothing of.
+//! Pose measurements, possibly without information in some directions.
 
 use crate::estimation::ekf::Belief;
 use crate::geometry::{Body, Map, Pose};
@@ -7,27 +7,27 @@ use crate::scalar::{Float, Scalar};
 
 use super::Innovation;
 
-/// A pose, and how much is known of it in each direction.
+/// A pose with its information matrix.
 ///
-/// The inverse of a covariance, the *information*, can say "nothing": in a corridor a scan knows the way across and the
-/// heading, but not the way along.
+/// The *information*, the inverse of a covariance, may be 0. In a corridor, for example, a scan gives the lateral
+/// position and the heading, but not the position along the corridor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseMeasurement<S> {
-    /// The pose; where nothing is known of a direction it may be anything in that direction.
+    /// Measured pose; arbitrary in directions without information.
     pub pose: Pose<Map, Body, S>,
-    /// The information on (x, y, θ) in the map frame \[1/m², 1/(m·rad), 1/rad²]: symmetric, positive semi-definite.
+    /// Information on (x, y, θ) in the map frame \[1/m², 1/(m·rad), 1/rad²]: symmetric, positive semi-definite.
     pub information: Matrix<S, 3, 3>,
 }
 
-/// Information that stands for none where a division needs one: a variance of 1e12.
+/// Lower bound of the information in divisions: a variance of 1e12.
 const INFORMATION_FLOOR: f64 = 1e-12;
 
-/// Least information that is any \[1/m², 1/rad²]: a direction known worse than to a kilometre is not known.
+/// Minimum information \[1/m², 1/rad²]. A direction with a standard deviation above a kilometer counts as unknown.
 ///
-/// Walls that run along an axis leave 1e-30 of it, by rounding; a step of rounding over that would leave the map.
+/// Walls along an axis leave 1e-30 along it by rounding. A step of rounding error over that would leave the map.
 const MIN_INFORMATION: f64 = 1e-6;
 
-/// So much of an entry of its diagonal is the rounding of what an information was made of.
+/// Rounding error of a diagonal entry, as a fraction of the information from which it was computed.
 const ROUNDING_TOLERANCE: f64 = 1e-6;
 
 impl<S: Scalar> PoseMeasurement<S> {
@@ -57,11 +57,11 @@ impl<S: Scalar> PoseMeasurement<S> {
         Innovation { residual, jacobian, variance }
     }
 
-    /// The same pose, where an error of these variances of x, y \[m²] and θ \[rad²] is added that all that was seen
-    /// shares: the time of a scan, or how the robot leaned.
+    /// Adds an error common to all data of the measurement, with these variances of x, y \[m²] and θ \[rad²]. Examples
+    /// are an error of the scan time and a tilt of the robot.
     ///
-    /// (Λ⁻¹ + σ²eeᵀ)⁻¹ = Λ − Λe·eᵀΛ/(σ⁻² + eᵀΛe) for each axis e: [ShermanMorrison1950], which needs no Λ⁻¹. On the axis
-    /// itself that is Λe/(1 + σ²eᵀΛe), without a difference of large numbers.
+    /// (Λ⁻¹ + σ²eeᵀ)⁻¹ = Λ − Λe·eᵀΛ/(σ⁻² + eᵀΛe) for each axis e: [ShermanMorrison1950], which needs no Λ⁻¹. On the
+    /// axis itself the result is Λe/(1 + σ²eᵀΛe), without a difference of large numbers.
     #[must_use]
     pub fn inflated(mut self, variances: [S; 3]) -> Self {
         for (axis, variance) in variances.into_iter().enumerate() {
@@ -79,7 +79,7 @@ impl<S: Scalar> PoseMeasurement<S> {
         self
     }
 
-    /// Puts an entry of the information, on either side of the diagonal.
+    /// Sets an entry of the information and its mirror image.
     fn set_symmetric(&mut self, row: usize, column: usize, entry: S) {
         self.information[(row, column)] = entry;
         self.information[(column, row)] = entry;
@@ -87,12 +87,12 @@ impl<S: Scalar> PoseMeasurement<S> {
 }
 
 impl<S: Float> PoseMeasurement<S> {
-    /// The measurement at which an information and its gradient add up to nothing more: Λ·(z − `near`) = `gradient`.
+    /// Measurement from an information and its gradient at `near`: Λ·(z − `near`) = `gradient`.
     ///
-    /// In directions without information the pose stays that of `near`.
+    /// In directions without information the pose remains that of `near`.
     ///
     /// # Errors
-    /// [`InvalidCovariance`] where the information of an axis is negative, or anything is not finite.
+    /// [`InvalidCovariance`] where the information of an axis is negative, or a value is not finite.
     pub fn from_information(
         near: Pose<Map, Body, S>,
         information: Matrix<S, 3, 3>,
@@ -123,10 +123,10 @@ impl<S: Float> PoseMeasurement<S> {
         Ok(Self { pose, information })
     }
 
-    /// Whether the information is one: finite, symmetric, and positive semi-definite as far as rounding tells.
+    /// Whether the information is finite, symmetric, and positive semi-definite up to rounding.
     ///
-    /// Where walls show nothing along them what is left along them is the rounding of what they show across, and of what was
-    /// [taken from it](PoseMeasurement::inflated), which may have been some ten thousand times as much.
+    /// Where walls give no information along them, the rounding error of the other directions and of the
+    /// [inflation](PoseMeasurement::inflated) remains. The inflation may have reduced the entries by a factor of 10⁴.
     pub(super) fn is_valid(&self) -> bool {
         let slack = S::from_f64(ROUNDING_TOLERANCE).max(S::EPSILON * S::from_f64(32768.0));
         let matrix = &self.information;
@@ -136,7 +136,7 @@ impl<S: Float> PoseMeasurement<S> {
         let LdlFactors { diagonal, pivot_threshold, remainder, .. } = LdlFactors::from_matrix(matrix, slack);
         (0..3).all(|j| {
             let is_pivot = remainder[j][j] >= -pivot_threshold[j] && remainder[j][j].is_finite();
-            // Next to nothing there is nothing: Λᵢⱼ² ≤ Λᵢᵢ·Λⱼⱼ.
+            // Beside a zero pivot all entries are zero: Λᵢⱼ² ≤ Λᵢᵢ·Λⱼⱼ.
             let most = |i: usize| S::from_f64(2.0) * pivot_threshold[j].sqrt() * size(i);
             let is_alone =
                 diagonal[j] > S::from_f64(0.0) || (j + 1..3).all(|i| remainder[i][j].abs() <= most(i));
@@ -146,20 +146,21 @@ impl<S: Float> PoseMeasurement<S> {
     }
 }
 
-/// A symmetric positive semi-definite matrix as L D Lᵀ.
+/// Factors L D Lᵀ of a symmetric positive semi-definite matrix.
 struct LdlFactors<S> {
     /// L, unit lower triangular.
     lower: [[S; 3]; 3],
     /// D.
     diagonal: [S; 3],
-    /// What a pivot must be more than: less is rounding only, or less than [`MIN_INFORMATION`], and 0 in D, and with it its column of L.
+    /// Threshold of a pivot. A smaller one is rounding, or less than [`MIN_INFORMATION`]; it is 0 in D, and so is its
+    /// column of L.
     pivot_threshold: [S; 3],
-    /// In the lower triangle, what was left of each column when its turn came.
+    /// Lower triangle: the remainder of each column before its elimination.
     remainder: [[S; 3]; 3],
 }
 
 impl<S: Scalar> LdlFactors<S> {
-    /// Those of `matrix`, where `rounding` of an entry of its diagonal is nothing.
+    /// Factorizes `matrix`; `rounding` is the relative error of its diagonal entries.
     fn from_matrix(matrix: &Matrix<S, 3, 3>, rounding: S) -> Self {
         let zero = S::from_f64(0.0);
         let mut remainder = matrix.0;

@@ -1,22 +1,23 @@
-//! Where to begin: a beam finds its wall only where the heading is right to a few degrees.
+//! Initial headings of a scan match: association is reliable only within a few degrees of the true heading.
 
 use crate::estimation::Belief;
 use crate::geometry::Pose;
 use crate::scalar::Float;
 
-/// The most headings that are tried on either side of the believed one.
+/// Maximum number of headings on either side of the believed one.
 const MAX_STEPS_PER_SIDE: u8 = 10;
 
-/// From one heading that is tried to the next \[rad]: at 5 m, the end of a beam moves by 0.3 m.
+/// Step between the headings \[rad]; at 5 m it moves the end of a beam by 0.3 m.
 const HEADING_STEP: f64 = 0.06;
 
-/// How many standard deviations of the heading are searched.
+/// Search width in standard deviations of the heading.
 const SEARCH_STD_DEVS: f64 = 3.0;
 
-/// Poses along the belief's ellipse, one for every [`HEADING_STEP`] of heading; the believed one alone where that is sure enough.
+/// Beliefs along the ellipse of the prior, one per [`HEADING_STEP`]; the prior alone where its heading is certain
+/// enough.
 ///
-/// Each one's position is the likeliest for its heading, and its covariance that of the belief if the heading were
-/// known to a step.
+/// The position of each is the most likely one for its heading. Its covariance is that of the prior, conditioned on a
+/// heading known to one step.
 pub(super) fn initial_beliefs<S: Float>(belief: &Belief<S>) -> impl Iterator<Item = Belief<S>> + use<S> {
     let belief = *belief;
     let variance = belief.covariance.entry(2, 2);

@@ -1,4 +1,4 @@
-//! The beams of a scan, placed on the map.
+//! Beams of a scan, projected to the map.
 
 use crate::estimation::Belief;
 use crate::geometry::{Laser, Map, Point, Pose};
@@ -6,31 +6,31 @@ use crate::lidar::scan::{RangeFinder, Scan};
 use crate::map::Wall;
 use crate::scalar::Float;
 
-/// No wall.
+/// Index of no wall.
 const UNASSIGNED: u16 = u16::MAX;
 
-/// How many standard deviations a beam may end from its wall.
+/// Gate of the distance of a beam from its wall, in standard deviations.
 const GATE: f64 = 3.0;
 
-/// How far a wall may reach beyond its end in the map \[m], and how much of a beam's own gate.
+/// Margin of a wall beyond its end in the map \[m], and the fraction of the gate of the beam that adds to it.
 const END_MARGIN: f64 = 0.05;
 const END_MARGIN_PER_GATE: f64 = 0.3;
 
-/// A beam that came back, and the wall it is given to.
+/// A beam with a return, and its associated wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapBeam<S> {
-    /// cos φ, sin φ of its bearing in the laser's frame.
+    /// cos φ, sin φ of the bearing in the laser frame.
     cos: S,
     sin: S,
-    /// Its range \[m].
+    /// Range \[m].
     pub range: S,
-    /// Where it ended on the map \[m].
+    /// End point on the map \[m].
     pub end: (S, S),
-    /// Its direction on the map.
+    /// Direction on the map.
     pub direction: (S, S),
-    /// How far from the end its wall may be \[m].
+    /// Maximum distance of the wall from the end point \[m].
     pub gate: S,
-    /// How far from the end the nearest wall is \[m].
+    /// Distance of the nearest wall from the end point \[m].
     distance_to_wall: S,
     wall: u16,
 }
@@ -52,7 +52,7 @@ impl<S: Float> Default for MapBeam<S> {
 }
 
 impl<S: Float> MapBeam<S> {
-    /// Gives the beam to this wall, if it is nearer than the one it has.
+    /// Associates the beam with this wall if it is nearer than the present one.
     #[inline]
     pub(super) fn try_associate(&mut self, number: u16, candidate: &Wall<S>) {
         let end = Point::new(self.end.0, self.end.1);
@@ -74,7 +74,7 @@ impl<S: Float> MapBeam<S> {
     }
 }
 
-/// Fills `beams` with what came back and says how many these are.
+/// Fills `beams` with the beams that have a return, and returns their number.
 pub(super) fn read_returns<S: Float>(
     laser: &RangeFinder<S>,
     scan: &Scan<'_, S>,
@@ -92,7 +92,7 @@ pub(super) fn read_returns<S: Float>(
     count
 }
 
-/// Puts the beams where they end if the robot is where it is `estimate`, and takes their walls away.
+/// Projects the beams from `estimate` to the map and clears their associations.
 pub(super) fn project<S: Float>(
     estimate: &Belief<S>,
     map_from_laser: Pose<Map, Laser, S>,
@@ -116,7 +116,7 @@ pub(super) fn project<S: Float>(
     }
 }
 
-/// How badly the beams fit the walls they were given to: their squared normalised distances, each bounded by the gate's.
+/// Sum of the squared normalized distances of the beams from their walls, each bounded by the gate.
 pub(super) fn total_cost<S: Float>(laser: &RangeFinder<S>, beams: &[MapBeam<S>]) -> S {
     let scale = S::from_f64(1.0) / laser.range_std.squared();
     let max_cost = S::from_f64(GATE * GATE);

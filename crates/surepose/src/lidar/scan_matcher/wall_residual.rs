@@ -1,4 +1,4 @@
-//! What the beams on one wall say of it, and so of the pose.
+//! Residual of the beams on one wall, and its information on the pose.
 
 use crate::estimation::Belief;
 use crate::lidar::scan::RangeFinder;
@@ -8,11 +8,11 @@ use crate::scalar::Float;
 
 use super::map_beam::MapBeam;
 
-/// How far off a wall of the map its beams are: by an offset at a point of the wall, and by a slope along it.
+/// Deviation of the beams from a wall of the map: offset at a point of the wall, and slope along it.
 ///
-/// With the residual e = n·Y − r of a beam that ends at Y, a = t·Y − a₀ along the wall, e ≈ o + s·a. A pose that is
-/// wrong by (dx, dy, dθ) changes o by n·(dx, dy) − b·dθ, where b is how far along the wall the point a₀ lies from the
-/// robot, and s by −dθ.
+/// With the residual e = n·Y − r of a beam that ends at Y, a = t·Y − a₀ along the wall, e ≈ o + s·a. A pose error
+/// (dx, dy, dθ) changes o by n·(dx, dy) − b·dθ and s by −dθ. Here b is the distance along the wall from the robot to
+/// the point a₀.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WallResidual<S> {
     normal: (S, S),
@@ -21,7 +21,7 @@ pub(super) struct WallResidual<S> {
     /// o \[m], s \[rad].
     offset: S,
     slope: S,
-    /// Their variances and covariance.
+    /// Variances and covariance of o and s.
     oo: S,
     os: S,
     ss: S,
@@ -29,10 +29,10 @@ pub(super) struct WallResidual<S> {
 }
 
 impl<S: Float> WallResidual<S> {
-    /// The face that `associated` beams see of `wall`; `None` where these are too few, or do not fix a line.
+    /// Residual of the `associated` beams at `wall`; `None` where these are too few, or do not fix a line.
     ///
-    /// A beam's weight falls with its distance, 1/(1 + (e/c)²)² of [GemanMcClure1987], where c is a third of its gate.
-    /// The variance is widened where the beams scatter by more than the laser's noise.
+    /// The weight of a beam falls with its distance, 1/(1 + (e/c)²)² of [GemanMcClure1987], where c is a third of its
+    /// gate. The variance is inflated where the beams scatter by more than the noise of the laser.
     pub(super) fn from_beams<'a>(
         laser: &RangeFinder<S>,
         estimate: &Belief<S>,
@@ -84,7 +84,7 @@ impl<S: Float> WallResidual<S> {
             lever: middle - robot,
             offset,
             slope,
-            // The wall's own doubt, from the foot of the map's origin to this point of the wall.
+            // Uncertainty of the wall itself, propagated from the foot of the map origin to this point of the wall.
             oo: waa * variance_scale + rr - S::from_f64(2.0) * middle * r_psi + middle.squared() * psi_psi,
             os: -(wa * variance_scale) - r_psi + middle * psi_psi,
             ss: w * variance_scale + psi_psi,
@@ -92,7 +92,7 @@ impl<S: Float> WallResidual<S> {
         })
     }
 
-    /// With more doubt about the place \[m²] and the direction \[rad²] of the wall.
+    /// Adds variance to the position \[m²] and the direction \[rad²] of the wall.
     pub(super) fn with_added_variance(self, offset: S, direction: S) -> Self {
         Self { oo: self.oo + offset, ss: self.ss + direction, ..self }
     }
@@ -101,7 +101,7 @@ impl<S: Float> WallResidual<S> {
         [[self.normal.0, self.normal.1, -self.lever], [S::from_f64(0.0), S::from_f64(0.0), -S::from_f64(1.0)]]
     }
 
-    /// (o, s) (H P Hᵀ + R)⁻¹ (o, s)ᵀ: how unlikely it is that this is the wall.
+    /// Normalized innovation squared of this association: (o, s) (H P Hᵀ + R)⁻¹ (o, s)ᵀ.
     pub(super) fn nis(&self, covariance: &Covariance<S, 3>) -> S {
         let h = self.jacobian();
         let spread = |u: &[S; 3], v: &[S; 3]| {
@@ -120,7 +120,7 @@ impl<S: Float> WallResidual<S> {
         squared / (oo * ss - os.squared())
     }
 
-    /// HᵀR⁻¹H, and −HᵀR⁻¹(o, s): the information on the pose, and the step it asks for times that.
+    /// HᵀR⁻¹H and −HᵀR⁻¹(o, s): the information on the pose, and the information times the step.
     pub(super) fn normal_equations(&self) -> (Matrix<S, 3, 3>, [S; 3]) {
         let h = self.jacobian();
         let scale = S::from_f64(1.0) / (self.oo * self.ss - self.os.squared());
@@ -139,5 +139,5 @@ impl<S: Float> WallResidual<S> {
     }
 }
 
-/// No beam is believed to lie closer to its wall than this \[m].
+/// Minimum standard deviation of a beam from its wall \[m].
 const MIN_STD: f64 = 0.01;

@@ -1,7 +1,7 @@
-//! Poses from trying all there are: so that what is not found is not overlooked, but does not explain what was seen.
+//! Exhaustive correlative search over all poses of the map.
 //!
-//! What is seen now and what is remembered becomes one template of rays around the robot. From every place of a lattice and in
-//! every heading its ends are looked up in the [`DistanceField`]; the best climb to where their ends lie nearest to walls.
+//! The present scan and the keyframes form one template of rays around the robot. For every position of a lattice and
+//! every heading, the ray ends are looked up in the [`DistanceField`]. Hill climbing refines the best poses.
 
 use core::f64::consts::TAU;
 
@@ -12,45 +12,45 @@ use crate::scalar::Float;
 use super::line_pairs::HeadingPrior;
 use super::top_candidates::TopCandidates;
 
-/// The most rays of a template, how many of them are a first sight, and how many parts a template is split into.
+/// Maximum number of rays of a template, and the stride of the coarse subset.
 const MAX_RAYS: usize = 128;
 const COARSE_STRIDE: usize = 4;
 
-/// The lattice: metres from place to place, and headings of a turn.
+/// Lattice spacing \[m], and number of headings per turn.
 const STEP: f64 = 0.2;
 const HEADINGS: usize = 60;
 
-/// A ray's credit where its end is on a wall; falling to 0 where it is as far away as the lattice may put it.
+/// Score of a ray that ends on a wall. It falls to 0 at the largest distance that the lattice spacing can cause.
 const MAX_SCORE: u32 = 256;
 
-/// The least mean credit, of full, at first sight and on the lattice.
+/// Minimum mean score, as a fraction of the maximum: in the coarse subset, and on the lattice.
 const MIN_COARSE_SCORE: f64 = 0.2;
 const MIN_SCORE: f64 = 0.3;
 
-/// Climbers, and how far apart they start \[m], \[rad].
+/// Maximum number of starts of the hill climbing, and their separation \[m], \[rad].
 const MAX_STARTS: usize = 160;
 const START_SEPARATION: (f64, f64) = (0.45, 0.25);
 
-/// Rays to where beams ended, seen from the robot.
+/// Ray ends in the body frame.
 pub(super) struct ScanTemplate<S> {
     rays: [(S, S); MAX_RAYS],
     len: usize,
 }
 
-/// A ray in cells, and what its end is worth there.
+/// A ray end in cells, and its score function.
 #[derive(Clone, Copy, Default)]
 struct Ray {
     end: Cell,
-    /// How much credit a unit of distance takes.
+    /// Decrease of the score per unit of distance.
     decay: u32,
 }
 
 impl<S: Float> ScanTemplate<S> {
-    /// An even selection of `ends`, of which there are `count`.
+    /// Even selection of `ends`, which are `count` in number.
     pub(super) fn from_points(ends: impl Iterator<Item = Point<Body, S>>, count: usize) -> Self {
         let mut template = Self { rays: [(S::from_f64(0.0), S::from_f64(0.0)); MAX_RAYS], len: 0 };
         for (k, end) in ends.enumerate() {
-            // The next one of so many, evenly over all.
+            // The selection is spread evenly over all ends.
             let due = k * MAX_RAYS / count.max(MAX_RAYS) >= template.len;
             if let Some(slot) = template.rays.get_mut(template.len).filter(|_| due) {
                 *slot = (end.x, end.y);
@@ -83,7 +83,7 @@ impl<S: Float> ScanTemplate<S> {
         best.sorted().for_each(&mut visit);
     }
 
-    /// Tries every place of the lattice in one heading.
+    /// Evaluates every position of the lattice at one heading.
     fn search_heading(
         &self,
         field: &DistanceField<'_, S>,
@@ -114,7 +114,7 @@ impl<S: Float> ScanTemplate<S> {
         }
     }
 
-    /// Climbs from `pose` to where the ends lie nearest to walls, in ever smaller steps.
+    /// Climbs from `pose` to a local optimum of the score, in ever smaller steps.
     fn hill_climb(
         &self,
         field: &DistanceField<'_, S>,
@@ -151,7 +151,7 @@ impl<S: Float> ScanTemplate<S> {
         (pose, score)
     }
 
-    /// The rays in cells, and what they are worth where the place may be off by `place` \[m] and the heading by `turn`.
+    /// Rays in cells, with scores for a position uncertainty `place` \[m] and a heading uncertainty `turn` \[rad].
     fn rays_at(&self, field: &DistanceField<'_, S>, heading: Angle<S>, place: S, turn: S) -> [Ray; MAX_RAYS] {
         let (sin, cos) = heading.sin_cos();
         let mut rays = [Ray::default(); MAX_RAYS];
@@ -184,7 +184,7 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
-    /// A room of 5 × 4 m with a plate, and points on its walls as a robot at `pose` sees them.
+    /// A room of 5 × 4 m with a plate, and points on its walls as seen from `pose`.
     fn room(
         pose: Pose<crate::geometry::Map, crate::geometry::Body, f64>,
     ) -> (Vec<Wall<f64>>, Vec<Point<crate::geometry::Body, f64>>) {
@@ -242,7 +242,7 @@ mod tests {
         assert!(DistanceField::from_cells(grid, &cells[1..]).is_none());
     }
 
-    /// A beam may be as long as a number can be.
+    /// Beams of the largest finite length are valid.
     #[test]
     fn unbounded_ranges_yield_finite_poses() {
         let (walls, mut seen) = room(Pose::new(3.33, 1.27, crate::geometry::Angle::from_degrees(-133.0)));

@@ -1,27 +1,38 @@
-//! One scan, held against the map from the places that it may have been taken at.
+//! Evaluation and refinement of hypotheses with the present scan and the keyframes.
 
 use crate::estimation::{Belief, Ekf};
 use crate::geometry::{Body, Map, Pose};
-use crate::lidar::{BeamSubset, PoseNormalEquations};
+use crate::lidar::{BeamStats, BeamSubset, PoseNormalEquations};
 use crate::map::Wall;
 use crate::scalar::Float;
 
-use super::Hypothesis;
 use super::keyframes::{BEAMS, KeyframeBuffer};
 
-/// How far a proposal may be off, x and y \[m] and heading \[rad]: ten times what two lines leave open, so that the
-/// lines, which are counted again when the hypothesis starts, count a hundredth twice.
+/// A candidate pose of the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hypothesis<S> {
+    /// Pose and its covariance under this hypothesis, at the time of the last scan.
+    pub belief: Belief<S>,
+    /// Agreement of the last scan and the keyframes with the map.
+    pub stats: BeamStats<S>,
+    /// Number of scans that the hypothesis has lasted.
+    pub scans: u16,
+}
+
+/// Standard deviation of a proposal, x and y \[m] and heading \[rad]: ten times that of a pose from two lines. The
+/// lines count again when the hypothesis starts; the factor limits the double counting to 1 %.
 const PROPOSAL_STD: [f64; 3] = [0.15, 0.15, 0.05];
 
-/// How far off a proposal is taken to be while it settles, step by step.
+/// Pose uncertainty in each iteration of the refinement of a proposal.
 const LINEARIZATION_STD: [[f64; 3]; 3] = [[0.1, 0.1, 0.03], [0.05, 0.05, 0.02], [0.05, 0.05, 0.02]];
 
-/// How far off the place that was found may be, and is taken to be while it settles.
+/// Standard deviation of an accepted pose before the final refinement, and the pose uncertainty in each of its
+/// iterations.
 const PRIOR_STD: [f64; 3] = [0.15, 0.15, 0.1];
 const FINAL_LINEARIZATION_STD: [[f64; 3]; 4] =
     [[0.1, 0.1, 0.03], [0.05, 0.05, 0.02], [0.02, 0.02, 0.01], [0.01, 0.01, 0.005]];
 
-/// One scan, and what it is held against.
+/// The present scan, the keyframes and the map.
 pub(super) struct HypothesisEvaluator<'a, S, const FRAMES: usize> {
     pub ekf: Ekf<S>,
     pub walls: &'a [Wall<S>],
@@ -30,7 +41,7 @@ pub(super) struct HypothesisEvaluator<'a, S, const FRAMES: usize> {
 }
 
 impl<S: Float, const FRAMES: usize> HypothesisEvaluator<'_, S, FRAMES> {
-    /// The hypothesis that the robot is where `belief` says, corrected and judged.
+    /// Corrects `belief` by the scan and evaluates the agreement with all scans.
     pub(super) fn evaluate(&self, belief: Belief<S>, scans: u16) -> Hypothesis<S> {
         let mut equations = PoseNormalEquations::new();
         let pose = belief.pose;
@@ -42,7 +53,7 @@ impl<S: Float, const FRAMES: usize> HypothesisEvaluator<'_, S, FRAMES> {
         Hypothesis { belief, stats, scans }
     }
 
-    /// Near `pose`, where all keyframes fit best; as vague as proposals are.
+    /// Refines `pose` with all keyframes; the covariance is that of a proposal.
     pub(super) fn refine(&self, mut pose: Pose<Map, Body, S>) -> Belief<S> {
         for uncertain in LINEARIZATION_STD {
             let uncertain = Belief::new(pose, uncertain.map(S::from_f64));
@@ -55,12 +66,12 @@ impl<S: Float, const FRAMES: usize> HypothesisEvaluator<'_, S, FRAMES> {
         Belief::new(pose, PROPOSAL_STD.map(S::from_f64))
     }
 
-    /// The place near `pose` that all keyframes ask for, each as far as odometry still ties it to now.
+    /// Refines an accepted `pose` with all keyframes, each weighted by the odometry drift since then.
     pub(super) fn refine_accepted(&self, pose: Pose<Map, Body, S>) -> Belief<S> {
         let prior = Belief::new(pose, PRIOR_STD.map(S::from_f64));
         let mut found = prior;
         for uncertain in FINAL_LINEARIZATION_STD {
-            // Beams are laid on walls from where the robot seems to be by now, but what they say is said once.
+            // The beams are linearized at the present estimate, but their information enters only once.
             let near = Belief::new(found.pose, uncertain.map(S::from_f64));
             let now = self.beams.measure_pose(&near, self.walls).1.ok();
             found = now.into_iter().chain(self.keyframes.pose_measurements(&near, self.walls)).fold(
@@ -74,7 +85,7 @@ impl<S: Float, const FRAMES: usize> HypothesisEvaluator<'_, S, FRAMES> {
     }
 
     fn corrected(&self, belief: Belief<S>, equations: &PoseNormalEquations<S>) -> Belief<S> {
-        // What is not finite pulls nowhere.
+        // Where the equations are not finite, the belief is unchanged.
         equations.solve(belief.pose).map_or(belief, |fix| {
             self.ekf.correct(belief, &fix.innovation(&belief), S::from_f64(f64::MAX)).belief
         })

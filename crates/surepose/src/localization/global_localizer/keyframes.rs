@@ -1,4 +1,4 @@
-//! Scans to remember: a few, from different headings, so that what was seen before a turn still counts after it.
+//! Keyframes: a few scans from different headings, so that scans before a turn still contribute.
 
 use crate::estimation::{Belief, Ekf, PoseMeasurement, WheelOdometry};
 use crate::geometry::{Body, Map, Point, Pose};
@@ -8,43 +8,43 @@ use crate::linalg::Covariance;
 use crate::map::Wall;
 use crate::scalar::Float;
 
-/// Beams of a scan that are looked at: enough that a plate 15° wide counts five.
+/// Number of beams of a keyframe; a plate 15° wide has at least five.
 pub(super) const BEAMS: usize = 64;
 
-/// A scan is worth remembering where the robot turned \[rad] or moved \[m] by this much since the last one.
+/// Minimum turn \[rad] or displacement \[m] of the robot between keyframes.
 const MIN_ROTATION: f64 = 0.25;
 const MIN_TRANSLATION: f64 = 0.4;
 
-/// How far the pose of now may be off, on top of what odometry may have drifted since: x, y \[m] and heading \[rad].
+/// Standard deviation of the present pose in addition to odometry drift: x, y \[m] and heading \[rad].
 const POSE_STD: [f64; 3] = [0.02, 0.02, 0.006];
 
-/// Odometry that drifted by more than this \[m], \[rad] is put right on the way back, scan by scan.
+/// Odometry drift \[m], \[rad] beyond which the path back is realigned scan by scan.
 const REALIGN_DRIFT: (f64, f64) = (0.03, 0.012);
 
-/// Odometry that drifted by more than this \[m], \[rad] lays scans on each other no longer.
+/// Odometry drift \[m], \[rad] beyond which scans are no longer registered with each other.
 const MAX_DRIFT: (f64, f64) = (0.15, 0.06);
 
-/// The last scans that differ.
+/// Ring buffer of keyframes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KeyframeBuffer<S, const FRAMES: usize> {
-    /// A ring: the next scan goes to `next`.
+    /// The next keyframe is stored at `next`.
     keyframes: [Option<Keyframe<S>>; FRAMES],
     next: usize,
-    /// How far the robot turned meanwhile, there and back counting twice \[rad].
+    /// Absolute turn of the robot since the first keyframe \[rad]; both directions add up.
     rotation: S,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Keyframe<S> {
     beams: BeamSubset<S, BEAMS>,
-    /// Where the robot was then, seen from where it is now.
+    /// Pose of the robot at the keyframe, relative to the present pose.
     now_from_then: Pose<Body, Body, S>,
-    /// What odometry may have drifted since then, and until the next one of these scans.
+    /// Odometry drift since the keyframe, and from it to the next keyframe.
     drift: OdometryDrift<S>,
     link: OdometryDrift<S>,
 }
 
-/// Variances of the place, along each axis \[m²], and of the heading \[rad²].
+/// Variances of the position, along each axis \[m²], and of the heading \[rad²].
 #[derive(Clone, Copy, Debug)]
 struct OdometryDrift<S> {
     position: S,
@@ -60,7 +60,7 @@ impl<S: Float> OdometryDrift<S> {
         Self { position: self.position + other.position, heading: self.heading + other.heading }
     }
 
-    /// More of it, on the way from a scan so far away: what the heading is off by swings the place.
+    /// Adds the drift of `step` at the distance `away` \[m]: a heading error also displaces the keyframe.
     fn grown(self, step: Self, away: S) -> Self {
         self.plus(Self { position: step.position + step.heading * away.squared(), heading: step.heading })
     }
@@ -69,7 +69,7 @@ impl<S: Float> OdometryDrift<S> {
         self.position > S::from_f64(position).squared() || self.heading > S::from_f64(heading).squared()
     }
 
-    /// With what the pose itself may be off by.
+    /// Covariance including the uncertainty of the pose itself.
     fn covariance(&self) -> Covariance<S, 3> {
         let [x, y, heading] = POSE_STD.map(|off| S::from_f64(off).squared());
         Covariance::from_variances([x + self.position, y + self.position, heading + self.heading])
@@ -81,7 +81,7 @@ impl<S: Float, const FRAMES: usize> KeyframeBuffer<S, FRAMES> {
         Self { keyframes: [None; FRAMES], next: 0, rotation: S::from_f64(0.0) }
     }
 
-    /// The robot moved on.
+    /// Updates the relative poses and the drift by odometry.
     pub(super) fn on_odometry(&mut self, ekf: &Ekf<S>, travel: &WheelOdometry<S>) {
         let motion = ekf.drive.motion_from_travel(travel.travel);
         let step = ekf.predict(Belief::new(Pose::identity(), [S::from_f64(0.0); 3]), *travel).covariance;
@@ -102,17 +102,17 @@ impl<S: Float, const FRAMES: usize> KeyframeBuffer<S, FRAMES> {
         }
     }
 
-    /// Where in the ring the scan is that was kept so many scans ago.
+    /// Ring index of the keyframe before the last `ago` ones.
     fn slot_of(&self, ago: usize) -> usize {
         (self.next + 2 * FRAMES - 1 - ago) % FRAMES
     }
 
-    /// How far the robot turned since the first scan \[rad].
+    /// Absolute turn of the robot since the first keyframe \[rad].
     pub(super) fn rotation(&self) -> S {
         self.rotation
     }
 
-    /// Keeps the scan of now, if it shows something else than the last one that was kept; whether it did.
+    /// Stores the present scan if it differs enough from the last keyframe; returns whether it was stored.
     pub(super) fn insert_if_new(&mut self, beams: &BeamSubset<S, BEAMS>) -> bool {
         let last = self.keyframes[self.slot_of(0)];
         let is_new = last.is_none_or(|last| {
@@ -133,18 +133,18 @@ impl<S: Float, const FRAMES: usize> KeyframeBuffer<S, FRAMES> {
         is_new
     }
 
-    /// The scans that odometry still lays on each other.
+    /// Keyframes within the drift limit.
     fn well_registered(&self) -> impl Iterator<Item = &Keyframe<S>> {
         self.keyframes.iter().flatten().filter(|keyframe| !keyframe.drift.exceeds(MAX_DRIFT))
     }
 
-    /// Where their beams ended, seen from where the robot is now.
+    /// End points of their beams in the present body frame.
     pub(super) fn endpoints(&self) -> impl Iterator<Item = Point<Body, S>> + '_ {
         self.well_registered()
             .flat_map(|keyframe| keyframe.beams.endpoints().map(|end| keyframe.now_from_then * end))
     }
 
-    /// What they say of a robot near `pose`, added to `equations`.
+    /// Adds their information on a robot near `pose` to `equations`.
     pub(super) fn linearize(
         &self,
         pose: Pose<Map, Body, S>,
@@ -158,8 +158,8 @@ impl<S: Float, const FRAMES: usize> KeyframeBuffer<S, FRAMES> {
         }
     }
 
-    /// The pose of now that each asks for, the robot being near what is believed: blurred by what odometry may have drifted
-    /// since.
+    /// Measurements of the present pose from each keyframe, linearized near the belief and inflated by the odometry
+    /// drift.
     pub(super) fn pose_measurements<'a>(
         &'a self,
         near: &'a Belief<S>,
@@ -174,11 +174,11 @@ impl<S: Float, const FRAMES: usize> KeyframeBuffer<S, FRAMES> {
         })
     }
 
-    /// How the remembered scans agree with the map if the robot is at `pose` now.
+    /// Agreement of the keyframes with the map if the robot is at `pose` now.
     ///
-    /// The way is walked back from scan to scan. Where odometry has drifted since the last one that was put right, the
-    /// scan itself says where on the map it was taken, as far as odometry lets it, and what odometry was off by counts
-    /// as misfit: so the way may be long, and a place where nothing fits that way is none.
+    /// The path is followed backward from keyframe to keyframe. Where the drift since the last alignment exceeds the
+    /// limit, the keyframe itself is aligned with the map within the drift. The correction counts as misfit. The path
+    /// may therefore be long, and a wrong pose still misfits.
     pub(super) fn evaluate(&self, ekf: &Ekf<S>, pose: Pose<Map, Body, S>, walls: &[Wall<S>]) -> BeamStats<S> {
         let mut sum = BeamStats::default();
         let (mut at, mut drift) = (pose, OdometryDrift::zero());

@@ -1,27 +1,27 @@
-//! Poses from two lines that cross: as many as there are pairs of walls that could be them.
+//! Candidate poses from two crossing lines and all pairs of walls that may match them.
 
 use crate::geometry::{Angle, Body, Laser, Map, Point, Pose};
 use crate::lidar::ExtractedLine;
 use crate::map::Wall;
 use crate::scalar::Float;
 
-/// The most pairs of lines that are tried in a scan: four of the lines that most beams see.
+/// Maximum number of line pairs of a scan: all pairs of the four lines with the most beams.
 pub const MAX_LINE_PAIRS: usize = 6;
 
-/// The most lines that pairs are made of.
+/// Maximum number of lines that form pairs.
 const MAX_LINES: usize = 4;
 
-/// The least sine of the angle between two lines that fix a pose.
+/// Minimum sine of the angle between two lines that fix a pose.
 const MIN_CROSSING_SINE: f64 = 0.4;
 
-/// How far the angle between two walls may be off \[rad], on top of three standard deviations of the lines'.
+/// Tolerance of the angle between two walls \[rad], in addition to three standard deviations of the lines.
 const ANGLE_TOLERANCE: f64 = 0.03;
 
-/// How much of a line must lie where the wall is, and how far the wall may reach beyond its end in the map \[m].
+/// Minimum fraction of a line that overlaps its wall, and margin of the wall beyond its end in the map \[m].
 const MIN_COVERAGE: f64 = 0.8;
 const END_MARGIN: f64 = 0.2;
 
-/// Which headings are possible.
+/// Range of possible headings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HeadingPrior<S>(Option<(Angle<S>, S)>);
 
@@ -65,7 +65,7 @@ pub(super) fn for_each_line_pair_pose<S: Float>(
     }
 }
 
-/// The lines that most beams see.
+/// The lines with the most beams.
 fn most_seen<S: Float>(lines: &[ExtractedLine<S>]) -> [Option<&ExtractedLine<S>>; MAX_LINES] {
     let mut best: [Option<&ExtractedLine<S>>; MAX_LINES] = [None; MAX_LINES];
     for line in lines {
@@ -85,7 +85,7 @@ struct Pair<'a, S> {
     second: &'a ExtractedLine<S>,
 }
 
-/// A wall seen from one of its sides: its line with the normal away from there.
+/// One side of a wall: its line with the normal that points away from the viewer.
 struct Side<'a, S> {
     wall: &'a Wall<S>,
     normal: (S, S),
@@ -102,7 +102,7 @@ fn sides<S: Float>(walls: &[Wall<S>]) -> impl Iterator<Item = Side<'_, S>> {
 }
 
 impl<S: Float> Pair<'_, S> {
-    /// The sine of the angle from the first line to the second.
+    /// Sine of the angle from the first line to the second.
     fn crossing(&self) -> S {
         cross(self.first.line.normal(), self.second.line.normal())
     }
@@ -114,11 +114,11 @@ impl<S: Float> Pair<'_, S> {
         let reach = S::from_f64(3.0) * variance.sqrt() + S::from_f64(ANGLE_TOLERANCE);
         let share = first.direction_variance.div_or_zero(variance);
         for a in sides(walls).filter(|side| is_long_enough(side.wall, first)) {
-            // The turn that takes the first line's normal to the wall's: its cosine and sine.
+            // Rotation from the normal of the first line to that of the wall: cosine and sine.
             let turn = (dot(first.line.normal(), a.normal), cross(first.line.normal(), a.normal));
             let expected = turned(second.line.normal(), turn);
             for b in sides(walls) {
-                // The sine of how far the second wall is turned from there; small, so as good as the angle.
+                // Sine of the deviation of the second wall from its expected direction; small, so close to the angle.
                 let off = cross(expected, b.normal);
                 if off.abs() > reach || dot(expected, b.normal) < S::from_f64(0.0) {
                     continue;
@@ -126,7 +126,7 @@ impl<S: Float> Pair<'_, S> {
                 if !is_long_enough(b.wall, second) {
                     continue;
                 }
-                // p·n = r_map − r_seen for both walls: the wall's line as the pose has it.
+                // p·n = r_map − r_seen for both walls.
                 let determinant = cross(a.normal, b.normal);
                 let (ra, rb) = (a.distance - first.line.distance, b.distance - second.line.distance);
                 let x = (ra * b.normal.1 - rb * a.normal.1) / determinant;
@@ -161,7 +161,7 @@ fn cross<S: Float>(a: (S, S), b: (S, S)) -> S {
     a.0 * b.1 - a.1 * b.0
 }
 
-/// A vector turned by an angle of which cosine and sine are given.
+/// Rotates a vector by an angle given as cosine and sine.
 fn turned<S: Float>(v: (S, S), turn: (S, S)) -> (S, S) {
     (turn.0 * v.0 - turn.1 * v.1, turn.1 * v.0 + turn.0 * v.1)
 }

@@ -1,14 +1,14 @@
-//! What odometry said since the last scan: scans come late, and the hypotheses stay at the time of the last one.
+//! Odometry since the last scan. Scans arrive late, and the hypotheses hold at the time of the last scan.
 
 use crate::estimation::WheelOdometry;
 use crate::kinematics::WheelPair;
 use crate::scalar::Float;
 use crate::time::Stamp;
 
-/// The most increments that are kept apart: over a second at 50 Hz. What comes on top is added to the last one.
+/// Maximum number of separate increments: over a second at 50 Hz. Further odometry is added to the last increment.
 pub const MAX_ODOMETRY_INCREMENTS: usize = 64;
 
-/// Increments of odometry, oldest first.
+/// Odometry increments, oldest first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OdometryBuffer<S> {
     start: Stamp,
@@ -16,7 +16,7 @@ pub(super) struct OdometryBuffer<S> {
     len: usize,
 }
 
-/// The travels up to a moment.
+/// Increments up to a stamp.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OdometryIncrements<S> {
     travels: [WheelOdometry<S>; MAX_ODOMETRY_INCREMENTS],
@@ -34,12 +34,12 @@ impl<S: Float> OdometryBuffer<S> {
         Self { start: stamp, increments: [(stamp, zero()); MAX_ODOMETRY_INCREMENTS], len: 0 }
     }
 
-    /// When it starts.
+    /// Start time of the buffer.
     pub(super) fn start(&self) -> Stamp {
         self.start
     }
 
-    /// The robot rolled until `stamp`; what goes back in time or is not finite is left out.
+    /// Adds odometry up to `stamp`; values that go back in time or are not finite are ignored.
     pub(super) fn push(&mut self, stamp: Stamp, travel: WheelOdometry<S>) {
         let end = self.len.checked_sub(1).map_or(self.start, |last| self.increments[last].0);
         let parts = [travel.travel.right, travel.travel.left, travel.variance.right, travel.variance.left];
@@ -54,7 +54,8 @@ impl<S: Float> OdometryBuffer<S> {
         }
     }
 
-    /// Takes off what lies before `stamp`, splitting the increment in which it falls; the buffer starts there then.
+    /// Removes and returns the odometry before `stamp`, splitting the increment that contains it. The buffer then
+    /// starts there.
     pub(super) fn take_until(&mut self, stamp: Stamp) -> OdometryIncrements<S> {
         let mut taken = OdometryIncrements { travels: [zero(); MAX_ODOMETRY_INCREMENTS], len: 0 };
         let mut begin = self.start;

@@ -1,14 +1,15 @@
-//! The best proposals of a scan.
+//! The best distinct candidate poses of a scan.
 
-use crate::geometry::{Body, Map, Pose};
+use crate::geometry::{Angle, Body, Map, Pose};
 use crate::scalar::Float;
 
-use super::{MERGE_TOLERANCE, is_near};
+/// Distance \[m] and turn \[rad] below which hypotheses count as one.
+pub(super) const MERGE_TOLERANCE: (f64, f64) = (0.2, 0.1);
 
-/// Up to `N` poses that differ, each with its cost.
+/// Up to `N` distinct poses, each with its cost.
 pub(super) struct TopCandidates<S, const N: usize> {
     slots: [Option<Candidate<S>>; N],
-    /// Nearer than this \[m], \[rad] they do not differ.
+    /// Distance \[m] and turn \[rad] below which two poses count as one.
     separation: (f64, f64),
 }
 
@@ -27,7 +28,7 @@ impl<S: Float, const N: usize> TopCandidates<S, N> {
         Self { slots: [None; N], separation }
     }
 
-    /// Keeps the best proposals, of those that are the same the best one.
+    /// Inserts a candidate if it is among the best; of poses that count as one, the best is kept.
     pub(super) fn insert(&mut self, pose: Pose<Map, Body, S>, cost: S) {
         let separation = self.separation;
         let is_known =
@@ -43,19 +44,29 @@ impl<S: Float, const N: usize> TopCandidates<S, N> {
         }
     }
 
-    /// The poses that were kept, the best first.
+    /// The stored poses, best first.
     pub(super) fn sorted(mut self) -> impl Iterator<Item = Pose<Map, Body, S>> {
         self.slots.sort_unstable_by(|a, b| rank(a.as_ref()).total_cmp(&rank(b.as_ref())));
         self.slots.into_iter().flatten().map(|known| known.pose)
     }
 
-    /// The poses that were kept.
+    /// The stored poses, in any order.
     pub(super) fn poses(&self) -> impl Iterator<Item = Pose<Map, Body, S>> + '_ {
         self.slots.iter().flatten().map(|known| known.pose)
     }
 }
 
-/// A free slot is worse than any proposal.
+/// Cost of a slot; a free slot is worse than any candidate.
 fn rank<S: Float>(slot: Option<&Candidate<S>>) -> f64 {
     slot.map_or(f64::INFINITY, |known| known.cost.to_f64())
+}
+
+/// Whether two poses differ by less than `far` \[m] and `turn` \[rad].
+pub(super) fn is_near<S: Float>(
+    a: Pose<Map, Body, S>,
+    b: Pose<Map, Body, S>,
+    (far, turn): (f64, f64),
+) -> bool {
+    let turned: Angle<S> = a.heading - b.heading;
+    a.origin().distance(b.origin()) < S::from_f64(far) && turned.radians().abs() < S::from_f64(turn)
 }
