@@ -99,7 +99,7 @@ impl NodeDriver {
             }
             Some(odometry) => odometry.add(&controller, at)?,
         };
-        Ok(travel.map(|travel| self.step(at, Odometry::Travel(travel))))
+        Ok(travel.map(|travel| self.step(at, Odometry::WheelTravel(travel))))
     }
 
     /// Takes in a measurement. Without a map, scans are dropped.

@@ -64,7 +64,7 @@ pub(crate) fn main() -> ExitCode {
 
         // The command replaces odometry that is missing. Here none is missing.
         let commanded = WheelOdometry::from_command(rolled);
-        let odometry = Odometry::Travel(reported);
+        let odometry = Odometry::WheelTravel(reported);
         let readings = arrived.as_slice();
         let input = SensorInput { stamp, odometry, readings };
         with_sensor.update(&input, commanded, &MapView::empty(), &mut ());

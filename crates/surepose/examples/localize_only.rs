@@ -68,7 +68,7 @@ pub(crate) fn main() -> Result<ExitCode, Box<dyn Error>> {
             (0..BEAMS).map(|beam| range(&walls, truth, beam) + RANGE_STD * noise.draw()).collect();
         let scan = SensorReading::Scan(Scan::new(Angle::from_radians(-PI), BEAM_STEP, &ranges));
         let readings = [Stamped::new(stamp, scan)];
-        let input = SensorInput { stamp, odometry: Odometry::Travel(travel), readings: &readings };
+        let input = SensorInput { stamp, odometry: Odometry::WheelTravel(travel), readings: &readings };
         let belief = localizer.update(&input, WheelOdometry::from_command(travel), &map, &mut ());
 
         let health = localizer.health();

@@ -59,7 +59,7 @@ pub(crate) fn main() -> Result<ExitCode, Box<dyn Error>> {
     for tick in 0_u32.. {
         let time = f64::from(tick) * PERIOD;
         let stamp = Stamp::from_seconds(time);
-        let input = SensorInput { stamp, odometry: Odometry::Travel(travel), readings: &[] };
+        let input = SensorInput { stamp, odometry: Odometry::WheelTravel(travel), readings: &[] };
         let report = navigator.step(&map, &input);
         if tick % 50 == 0 || report.result.is_some() {
             println!(

@@ -40,7 +40,7 @@
 //! let (mut truth, mut travel, mut result) = (belief.pose, WheelPair::zero(), None);
 //! for tick in 0..1500 {
 //!     let stamp = Stamp::from_seconds(f64::from(tick) * period);
-//!     let report = navigator.step(&map, &SensorInput { stamp, odometry: Odometry::Travel(travel), readings: &[] });
+//!     let report = navigator.step(&map, &SensorInput { stamp, odometry: Odometry::WheelTravel(travel), readings: &[] });
 //!     let twist = report.command.map_or(Twist::zero(), |command| command.twist);
 //!     travel = drive.wheel_speeds_from_twist(twist).scaled(period);
 //!     truth = truth.integrate(twist.integrate_for(period), Integration::Arc);

@@ -9,15 +9,16 @@
 
 mod config;
 mod goal;
+mod observers;
 mod report;
 
 use goal::ActiveGoal;
+use observers::Observers;
 
 use crate::control::ControllerState;
 use crate::estimation::{Belief, WheelOdometry};
 use crate::geometry::{Goal, Map, Pose};
 use crate::kinematics::{Twist, WheelPair};
-use crate::lidar::ScanEvent;
 use crate::localization::{Localizer, LoopObserver, Odometry, SensorInput};
 use crate::map::MapView;
 use crate::safety::{BlockReason, FaultReason, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
@@ -103,12 +104,11 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let mut report = StepReport::new(input.stamp, belief, health, action);
 
         // How should it move, and how fast may it?
-        let ended = match self.goal {
-            Some(goal) => self.drive(goal, map, &mut report),
-            None => {
-                report.command = self.brake(input.stamp);
-                None
-            }
+        let ended = if let Some(goal) = self.goal {
+            self.drive(goal, map, &mut report)
+        } else {
+            report.command = self.brake(input.stamp);
+            None
         };
         report.result = self.result.take().or(ended);
         report
@@ -125,9 +125,9 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
     ) -> Result<Option<GoalResult>, NoRoomAtGoal<S>> {
         let at_goal = Pose::new(map_from_goal.x, map_from_goal.y, map_from_goal.heading);
         let required = self.config.collision.wall_clearance;
-        match self.config.collision.distance_to_walls(at_goal, map.walls) {
-            Some(clearance) if clearance < required => return Err(NoRoomAtGoal { clearance, required }),
-            _ => {}
+        let clearance = self.config.collision.distance_to_walls(at_goal, map.walls);
+        if let Some(clearance) = clearance.filter(|clearance| *clearance < required) {
+            return Err(NoRoomAtGoal { clearance, required });
         }
         let ended = self.end_goal(GoalResult::Preempted);
         self.rest_until = None;
@@ -343,13 +343,13 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
 
     /// The odometry of this step, or NaN, which the filter rejects and counts, where no wheel can have turned so fast.
     fn plausible(&self, input: &SensorInput<'_, S>) -> Odometry<S> {
-        let Odometry::Travel(travel) = input.odometry else { return input.odometry };
+        let Odometry::WheelTravel(travel) = input.odometry else { return input.odometry };
         let controller = &self.config.controller;
         let elapsed = S::from_f64(input.stamp.since(self.localizer.stamp()));
         let fastest = controller.limits.wheel_speed * S::from_f64(MAX_SPEED_RATIO);
         let is_plausible = travel.max_abs() <= fastest * elapsed.max(controller.period);
         let nan = S::from_f64(f64::NAN);
-        if is_plausible { input.odometry } else { Odometry::Travel(WheelPair::new(nan, nan)) }
+        if is_plausible { input.odometry } else { Odometry::WheelTravel(WheelPair::new(nan, nan)) }
     }
 
     /// What the wheels were commanded since the last step, in case odometry is missing or rejected. Wheels that belong to another
@@ -362,7 +362,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
             return WheelOdometry::from_command(speeds.scaled(elapsed));
         }
         match input.odometry {
-            Odometry::Travel(travel) if (travel.right + travel.left).is_finite() => {
+            Odometry::WheelTravel(travel) if (travel.right + travel.left).is_finite() => {
                 self.localizer.estimator().wheel_odometry(input.stamp, travel)
             }
             Odometry::WithVariance(odometry)
@@ -375,35 +375,5 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
                 WheelOdometry { travel: WheelPair::zero(), variance: WheelPair::new(most, most) }
             }
         }
-    }
-}
-
-/// The obstacle monitor beside the caller's observer.
-struct Observers<'a, S, O, const BEAMS: usize> {
-    obstacles: &'a mut ObstacleMonitor<S, BEAMS>,
-    observer: &'a mut O,
-}
-
-impl<S: Float, O: LoopObserver<S>, const BEAMS: usize> LoopObserver<S> for Observers<'_, S, O, BEAMS> {
-    fn on_odometry(
-        &mut self,
-        stamp: Stamp,
-        odometry: &WheelOdometry<S>,
-        outcome: crate::estimation::OdometryOutcome,
-    ) {
-        self.observer.on_odometry(stamp, odometry, outcome);
-    }
-
-    fn on_measurement(
-        &mut self,
-        measurement: &Stamped<crate::estimation::Measurement<S>>,
-        outcome: crate::estimation::MeasurementOutcome,
-    ) {
-        self.observer.on_measurement(measurement, outcome);
-    }
-
-    fn on_scan(&mut self, event: &ScanEvent<'_, S>) {
-        self.obstacles.on_scan(event);
-        self.observer.on_scan(event);
     }
 }

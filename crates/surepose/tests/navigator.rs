@@ -257,7 +257,7 @@ proptest! {
                 Stamped::new(at(now + lateness), scan(&seen)),
                 Stamped::new(at(now), SensorReading::Measurement(Measurement::Heading(compass))),
             ];
-            let odometry = Odometry::Travel(WheelPair::new(right, left));
+            let odometry = Odometry::WheelTravel(WheelPair::new(right, left));
             let report = navigator.step(&map, &SensorInput { stamp: at(now), odometry, readings: &readings });
             let twist = report.command.map_or(Twist::zero(), |command| command.twist);
             let speeds = DRIVE.wheel_speeds_from_twist(twist);

@@ -106,7 +106,7 @@ pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
         });
         let readings = [compass, sighting]
             .map(|measurement| Stamped::new(stamp, SensorReading::Measurement(measurement)));
-        let input = SensorInput { stamp, odometry: Odometry::Travel(rolled), readings: &readings };
+        let input = SensorInput { stamp, odometry: Odometry::WheelTravel(rolled), readings: &readings };
 
         clock();
         let report = navigator.step(&map, &input);

@@ -20,7 +20,7 @@ pub struct SensorInput<'a, S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Odometry<S> {
     /// Travel of each wheel rim \[m]; the noise model of the filter gives the variance.
-    Travel(WheelPair<S>),
+    WheelTravel(WheelPair<S>),
     /// Travel with its own variance.
     WithVariance(WheelOdometry<S>),
     /// No odometry: the filter predicts by the commanded twist, and the supervisor counts the time.

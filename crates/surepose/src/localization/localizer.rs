@@ -168,7 +168,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
     ) {
         let elapsed = stamp.since(self.stamp());
         let reported = match odometry {
-            Odometry::Travel(travel) => Some(self.estimator.wheel_odometry(stamp, travel)),
+            Odometry::WheelTravel(travel) => Some(self.estimator.wheel_odometry(stamp, travel)),
             Odometry::WithVariance(odometry) => Some(odometry),
             Odometry::Missing => None,
         };

@@ -145,7 +145,7 @@ impl<S: Float> CollisionConfig<S> {
     /// walls, `None` without walls.
     pub fn distance_to_walls(&self, pose: Pose<Map, Body, S>, walls: &[Wall<S>]) -> Option<S> {
         let distances = walls.iter().map(|wall| self.distance_to_wall(pose, wall));
-        let nearest = distances.reduce(|least, distance| least.min(distance))?;
+        let nearest = distances.reduce(S::min)?;
         let ends = || walls.iter().flat_map(Wall::ends);
         let is_between = |at: S, axis: &dyn Fn(Point<Map, S>) -> S| {
             ends().any(|end| axis(end) < at) && ends().any(|end| axis(end) > at)

@@ -104,7 +104,7 @@ impl<S: Float> Footprint<S> {
             Self::Polygon(polygon) if polygon.contains(segment[0]) => zero,
             Self::Polygon(polygon) => {
                 let distances = polygon.edges().map(|edge| segment_to_segment(edge, segment));
-                distances.fold(S::from_f64(f64::MAX), |least, distance| least.min(distance))
+                distances.fold(S::from_f64(f64::MAX), S::min)
             }
         }
     }
@@ -133,5 +133,5 @@ fn segment_to_segment<S: Float>(one: [Point<Body, S>; 2], other: [Point<Body, S>
     }
     let ends = [(one[0], other), (one[1], other), (other[0], one), (other[1], one)];
     let distances = ends.map(|(point, segment)| point_to_segment(point, segment));
-    distances.into_iter().fold(S::from_f64(f64::MAX), |least, distance| least.min(distance))
+    distances.into_iter().fold(S::from_f64(f64::MAX), S::min)
 }
