@@ -237,7 +237,7 @@ mod tests {
         let field = DistanceField::from_cells(grid, &cells).unwrap();
         let template = ScanTemplate::from_points(seen.iter().copied(), seen.len());
         template.correlative_search(&field, &HeadingPrior::unconstrained(), 0.3, |pose| {
-            assert!(pose.x < 2.6, "{pose:?}")
+            assert!(pose.x < 2.6, "{pose:?}");
         });
         assert!(DistanceField::from_cells(grid, &cells[1..]).is_none());
     }
@@ -257,7 +257,7 @@ mod tests {
         assert!(left < 0 && up > 0, "{left}, {up}");
         let template = ScanTemplate::from_points(seen.iter().copied(), seen.len());
         template.correlative_search(&field, &HeadingPrior::unconstrained(), 0.3, |pose| {
-            assert!(pose.x.is_finite(), "{pose:?}")
+            assert!(pose.x.is_finite(), "{pose:?}");
         });
     }
 }
