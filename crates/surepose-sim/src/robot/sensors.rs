@@ -22,7 +22,11 @@ pub fn with_sensor_input<T>(
     let scans =
         output.scans.iter().map(|scan| Stamped::new(scan.stamp, SensorReading::Scan(scan_view(&scan.value))));
     let readings: Vec<_> = headings.chain(scans).collect();
-    then(&SensorInput { stamp: output.stamp, odometry: Odometry::WheelTravel(output.rims), readings: &readings })
+    then(&SensorInput {
+        stamp: output.stamp,
+        odometry: Odometry::WheelTravel(output.rims),
+        readings: &readings,
+    })
 }
 
 /// A simulated scan as the core takes it.
