@@ -15,7 +15,7 @@ fn what_is_no_recording_is_named_with_exit_code_3() {
     assert_eq!(surepose(&["calibrate", "ticks", "no-such-recording.dat"]).code, 3);
     assert_eq!(surepose(&["calibrate", "tocks", &path]).code, 2);
     let mcap = surepose(&["calibrate", "mcap", &path]);
-    assert!(mcap.code == 3 && mcap.stderr.contains("this is no MCAP recording"), "{}", mcap.stderr);
+    assert!(mcap.code == 3 && mcap.stderr.contains("not an MCAP recording"), "{}", mcap.stderr);
 }
 
 /// Who is told that there are too few records counts them, and there are many.

@@ -1,4 +1,4 @@
-//! The core's constants from a configuration: the one place, so that every command runs the same loop.
+//! Builds the core's types from a configuration, for all commands.
 
 use std::f64::consts::PI;
 
@@ -14,42 +14,42 @@ use surepose::time::Stamp;
 
 use super::{Config, ValueSource};
 
-/// ε_P of the paper's law \[m]. Its local law takes over on all of ρ < ε_P and turns no wheel for the sideways error, so
-/// that ε_P may be no larger than the tolerance. [Tran2012] does not print it.
+/// ε_P of the paper's law \[m]. Its local law acts for ρ < ε_P and does not correct the lateral error, so
+/// ε_P must not exceed the tolerance. [Tran2012] does not print it.
 const PAPER_CAPTURE_RADIUS: f64 = 0.01;
 
-/// How the compass is mounted, and what it is worth.
+/// Offset, noise and latency of the compass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompassParameters {
     /// Standard deviation \[rad].
     pub std: f64,
-    /// What it reads when the robot faces along the map's x axis.
+    /// Reading at heading 0, along the map's x axis.
     pub offset: Angle<f64>,
-    /// How long a reading is under way \[s].
+    /// Latency of a reading \[s].
     pub latency: f64,
 }
 
-/// How the laser is mounted, and what it is worth.
+/// Extrinsics, noise and latency of the laser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaserParameters {
     /// Standard deviation of a range \[m].
     pub range_std: f64,
     /// Standard deviation of a beam's direction \[rad].
     pub bearing_std: f64,
-    /// Where it sits.
+    /// Pose of the laser on the body.
     pub body_from_laser: Pose<Body, Laser, f64>,
-    /// How long a scan is under way \[s].
+    /// Latency of a scan \[s].
     pub latency: f64,
-    /// How many beams it has.
+    /// Number of beams.
     pub beams: usize,
 }
 
-/// The names by which [`Config::fitted`] puts gains that nobody set.
+/// Preset names of [`Config::fitted`] for gains that are not set.
 const FITTED: &str = "fitted";
 const PAPER: &str = "paper";
 
 impl ValueSource {
-    /// What a value follows that nobody set and that has no default of its own; written down as set, it would no longer.
+    /// Source of a derived value that is not set; `None` for a value that is set or has a default.
     pub fn follows(&self) -> Option<&'static str> {
         match self {
             Self::Preset(FITTED) => Some("fitted to the period and the wheels"),
@@ -60,7 +60,7 @@ impl ValueSource {
 }
 
 impl Config {
-    /// The wheels' geometry: the mean of their radii and the ratio of the right one to the left one make the two.
+    /// Wheel geometry; the radii follow from their mean and the ratio right / left.
     pub fn drive(&self) -> DiffDrive<f64> {
         let ratio = self.number(&param::WHEEL_RADIUS_RATIO);
         let left = 2.0 * self.number(&param::WHEEL_RADIUS) / (1.0 + ratio);
@@ -70,8 +70,7 @@ impl Config {
         }
     }
 
-    /// These values, with the gains that nobody set fitted to the law, the period and the wheels, and the capture radius
-    /// to the law.
+    /// Fits gains that are not set to law, period and wheels, and the capture radius to the law.
     #[must_use]
     pub fn fitted(&self) -> Self {
         let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
@@ -100,7 +99,7 @@ impl Config {
         }
     }
 
-    /// Which end of the robot goes first.
+    /// Drive direction.
     pub fn direction(&self) -> Direction {
         match self.choice(&param::DIRECTION) {
             "forward" => Direction::Forward,
@@ -125,7 +124,7 @@ impl Config {
         }
     }
 
-    /// How these gains shrink for the wheels to follow, unless they are meant as they are.
+    /// Braking profile that reduces the gains to the wheel limits; `None` uses the gains as they are.
     pub fn braking(&self) -> Option<BrakingProfile<f64>> {
         let is_set = |gain| matches!(self.origin(gain), ValueSource::File { .. } | ValueSource::CommandLine);
         let evenly = match self.choice(&param::BRAKING) {
@@ -140,7 +139,7 @@ impl Config {
         }
     }
 
-    /// What the wheels can do.
+    /// Wheel limits.
     pub fn limits(&self) -> Limits<f64> {
         Limits {
             wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
@@ -148,7 +147,7 @@ impl Config {
         }
     }
 
-    /// The whole controller.
+    /// Controller.
     pub fn controller(&self) -> Controller<f64> {
         Controller {
             drive: self.drive(),
@@ -165,7 +164,7 @@ impl Config {
         }
     }
 
-    /// The filter's constants.
+    /// Constants of the filter.
     pub fn ekf(&self) -> Ekf<f64> {
         Ekf {
             drive: self.drive(),
@@ -182,7 +181,7 @@ impl Config {
         Gate::new(self.number(&param::GATE_PROBABILITY))
     }
 
-    /// The filter with its memory, starting at `stamp` with `belief`.
+    /// Delayed-state filter, starting at `stamp` with `belief`.
     pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> DelayedEkf<f64, N> {
         DelayedEkf::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
     }
@@ -208,13 +207,13 @@ impl Config {
         }
     }
 
-    /// Where the robot starts.
+    /// Start pose.
     pub fn start(&self) -> Pose<Map, Body, f64> {
         let heading = Angle::from_radians(self.number(&param::START_HEADING));
         Pose::new(self.number(&param::START_X), self.number(&param::START_Y), heading)
     }
 
-    /// Where it shall come to rest.
+    /// Goal pose.
     pub fn goal(&self) -> Pose<Map, Goal, f64> {
         let heading = Angle::from_radians(self.number(&param::GOAL_HEADING));
         Pose::new(self.number(&param::GOAL_X), self.number(&param::GOAL_Y), heading)

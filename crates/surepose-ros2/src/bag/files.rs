@@ -1,4 +1,4 @@
-//! Which files a recording has: one, or the parts in which rosbag2 splits a long one.
+//! Finds the files of a recording: one file, or the parts of a split recording.
 
 use std::path::{Path, PathBuf};
 
@@ -32,14 +32,14 @@ pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     Ok(parts.into_iter().map(|(_, path)| path).collect())
 }
 
-/// The name of a file of a recording without its extensions, that of the whole file's compression included.
+/// Name of a recording's file without its extensions, including that of a compression.
 fn name_of(path: &Path) -> Option<&str> {
     let name = path.file_name()?.to_str()?;
     let plain = [".zstd", ".zst", ".gz"].iter().find_map(|extension| name.strip_suffix(extension));
     plain.unwrap_or(name).strip_suffix(".mcap")
 }
 
-/// The name of the recording that a file is a part of, and which part.
+/// Name of the recording and number of the part.
 fn part_of(path: &Path) -> Option<(String, u64)> {
     let (name, number) = name_of(path)?.rsplit_once('_')?;
     Some((name.to_owned(), number.parse().ok()?))
