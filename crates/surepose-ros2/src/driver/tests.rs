@@ -2,15 +2,10 @@
 
 mod ride;
 
-use surepose::estimation::{HeadingMeasurement, Measurement};
+use ride::Ride;
 use surepose::geometry::{Angle, Body, Point, Pose};
-use surepose::kinematics::Integration;
-use surepose_sim::robot::Scenario;
-use surepose_sim::{Seed, World};
 
 use super::*;
-
-use ride::Ride;
 
 fn goal() -> Pose<Map, Goal, f64> {
     Pose::new(2.0, 2.0, Angle::from_degrees(30.0))
