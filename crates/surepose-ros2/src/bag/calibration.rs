@@ -49,11 +49,12 @@ pub struct Recorded {
     pub truncations: Vec<Truncation>,
 }
 
-/// Reads the recording at `path`, of which the topics are called as in `names`, of a base that takes its wheels for those
-/// of `config`: by these its odometry is turned back into how far they turned. `compass`: whether its headings count.
+/// Reads the recording at `path` with the topics of `names`, for calibration.
+///
+/// The wheel parameters of `config` convert odometry back to wheel travel. `compass`: whether headings are used.
 ///
 /// # Errors
-/// [`BagError`], where it is no recording, or is damaged.
+/// [`BagError`] for an unreadable or damaged recording.
 pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> Result<Recorded, BagError> {
     let required: &[Role] = if compass { &[Role::Scan, Role::Imu] } else { &[Role::Scan] };
     let bag = Bag::open(path, names, required)?;

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::BagError;
 
-/// The files of the recording at `path`, in the order of time: itself; or, in the folder that rosbag2 makes for it, the one that
-/// is there, or its parts `drive_0.mcap`, `drive_1.mcap` and so on.
+/// Files of the recording at `path`, in the order of time.
+///
+/// `path` is a file, or a folder of rosbag2 with one file or the parts `drive_0.mcap`, `drive_1.mcap` and so on.
 ///
 /// # Errors
-/// [`BagError::Unreadable`], and [`BagError::NotOneRecording`] where which files are meant is not plain.
+/// [`BagError::Unreadable`], and [`BagError::NotOneRecording`] for an ambiguous folder.
 pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);

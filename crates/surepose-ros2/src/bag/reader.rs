@@ -95,8 +95,9 @@ struct Part {
 }
 
 impl Bag {
-    /// The recording at `path`, or the one in that folder, with the topics of `names`; a topic that is the only one of its type may
-    /// have any name, but for the truth. Besides odometry those that are `required` must be there.
+    /// Opens the recording at `path`, a file or a folder with one recording, with the topics of `names`.
+    ///
+    /// Except for the truth, a topic that is the only one of its type may have any name. Odometry and `required` topics must exist.
     ///
     /// # Errors
     /// [`BagError`] for an unreadable, damaged or ambiguous recording.

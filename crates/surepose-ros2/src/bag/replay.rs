@@ -21,9 +21,10 @@ use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Notice};
 
-/// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
-/// that of the reference; where there is none either, the robot looks for itself on the map. `notify` receives each
-/// [`Notice`]: where the laser sits, and which files are cut short.
+/// Replays the recording at `path` with the topics of `names`.
+///
+/// Without a start in `settings`, the start is that of the reference, or else from global localization. `notify` receives each
+/// [`Notice`]: laser extrinsics and truncated files.
 ///
 /// # Errors
 /// [`BagError`] for an unreadable or damaged recording.
