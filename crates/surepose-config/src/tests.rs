@@ -59,9 +59,9 @@ fn a_wrong_unit_is_converted_for_the_user() {
     );
 }
 
-/// The table's defaults are what nobody sees: gains that are not set are fitted. They had better be the same.
+/// Gains that are not set are fitted; the defaults of the table must equal them.
 #[test]
-fn the_defaults_of_the_gains_are_the_fitted_ones() {
+fn default_gains_equal_the_fitted_gains() {
     let (default, fitted) = (Config::default(), Config::default().fitted());
     for gain in [&param::K_V, &param::K_ALPHA, &param::H, &param::K_THETA] {
         let (default, fitted) = (default.number(gain), fitted.number(gain));

@@ -83,7 +83,7 @@ fn no_room(clearance: f64, needed: f64) -> String {
 }
 
 /// Largest coordinate \[m].
-const FARTHEST: f64 = 1e4;
+const MAX_COORDINATE: f64 = 1e4;
 
 /// Tolerance of a quaternion's squared length.
 const SQUARED_LENGTH_SLACK: f64 = 0.1;
@@ -133,7 +133,7 @@ pub fn pose_of<To: Frame, From: Frame>(pose: &message::Pose) -> Result<Pose<To, 
     if !x.is_finite() || !y.is_finite() {
         return Err(MessageError::NotFinite);
     }
-    if x.abs().max(y.abs()) > FARTHEST {
+    if x.abs().max(y.abs()) > MAX_COORDINATE {
         return Err(MessageError::FarAway);
     }
     Ok(Pose::new(x, y, heading_of(&pose.orientation)?))

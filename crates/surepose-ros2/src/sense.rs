@@ -11,7 +11,7 @@ use crate::extrinsics::LaserExtrinsics;
 use crate::message::{Imu, LaserScan, Odometry};
 
 /// Longest range of a laser \[m].
-const FARTHEST: f64 = 200.0;
+const MAX_RANGE: f64 = 200.0;
 
 /// Pose of an odometry message.
 ///
@@ -41,8 +41,8 @@ pub(crate) fn scan(
     let scan = driver::LaserScan {
         angle_min,
         angle_increment,
-        range_min: known(message.range_min).unwrap_or(0.0).min(FARTHEST),
-        range_max: known(message.range_max).unwrap_or(FARTHEST).min(FARTHEST),
+        range_min: known(message.range_min).unwrap_or(0.0).min(MAX_RANGE),
+        range_max: known(message.range_max).unwrap_or(MAX_RANGE).min(MAX_RANGE),
         body_from_laser,
         ranges: message.ranges.into_iter().map(f64::from).collect(),
     };

@@ -193,8 +193,7 @@ impl Gathering {
         *self.recorded.skipped.entry(why).or_default() += 1;
     }
 
-    /// In the order of time, for messages are recorded as they arrive; and only what odometry was there for, which a stamp
-    /// that nobody filled in is not.
+    /// Sorts the data by time, and drops measurements before the first odometry, including those with an unset stamp.
     fn finished(mut self) -> Recorded {
         let Recorded { mut recording, options, mut skipped, truncations, .. } = self.recorded;
         let CalibrationRecording { ticks, scans, headings, .. } = &mut recording;

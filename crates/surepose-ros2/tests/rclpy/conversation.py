@@ -1,7 +1,7 @@
 """Tests the node with ROS 2: `conversation.py SUREPOSE`, with the rclpy wheels in the environment.
 
-Starts `SUREPOSE ros2 --simulate`, and speaks to it as RViz and Nav2's users do. What the wheels lack (nav2_msgs,
-tf2_msgs) is tried where somebody has built it, and said to be skipped where not. Fails by assertion.
+Starts `SUREPOSE ros2 --simulate`, and uses the topics, service and action of RViz and Nav2. Tests that need nav2_msgs or
+tf2_msgs, which the wheels lack, run if these are installed and are reported as skipped otherwise. Fails by assertion.
 """
 
 import math
