@@ -1,4 +1,4 @@
-//! The closed loop on a microcontroller, and the same on the host: `cargo xtask microcontroller` compares their bits.
+//! Closed loop on a microcontroller and on the host; `cargo xtask microcontroller` compares their bits.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

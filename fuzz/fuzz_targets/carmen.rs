@@ -1,4 +1,4 @@
-//! Any bytes are a CARMEN log, or an error.
+//! Parses arbitrary bytes as a CARMEN log; valid ranges are positive.
 
 #![no_main]
 

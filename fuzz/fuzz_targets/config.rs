@@ -1,4 +1,4 @@
-//! Any bytes are a configuration, or an error.
+//! Parses arbitrary bytes as a configuration file.
 
 #![no_main]
 

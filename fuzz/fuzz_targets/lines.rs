@@ -1,4 +1,4 @@
-//! Any bytes are lines, or an error with a line: plain text and gzip alike.
+//! Reads arbitrary bytes as lines of plain text or gzip.
 
 #![no_main]
 

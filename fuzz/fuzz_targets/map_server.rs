@@ -1,4 +1,4 @@
-//! Any bytes describe a map, or are an error.
+//! Parses arbitrary bytes as the description of a map_server map.
 
 #![no_main]
 

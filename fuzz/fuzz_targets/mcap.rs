@@ -1,11 +1,10 @@
-//! Any bytes are a recording in MCAP, or an error; the driver takes what it says.
+//! Replays arbitrary bytes as an MCAP recording; every input gives a report or an error.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use surepose_config::{Config, ScanMethod};
 use surepose_ros2::{Names, NodeDriverSettings, bag};
-use surepose_sim::robot::ScanMethod;
 
 fuzz_target!(|bytes: &[u8]| {
     let path = std::env::temp_dir().join(format!("surepose-fuzz-{}.mcap", std::process::id()));

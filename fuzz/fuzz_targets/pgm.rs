@@ -1,4 +1,4 @@
-//! Any bytes are a grey image, or an error.
+//! Parses arbitrary bytes as a PGM image; the pixel count matches its size.
 
 #![no_main]
 

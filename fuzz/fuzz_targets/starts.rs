@@ -1,4 +1,4 @@
-//! Any bytes are a list of start poses, at least one and all finite, or an error.
+//! Parses arbitrary bytes as start poses; a valid list has at least one, all finite.
 
 #![no_main]
 

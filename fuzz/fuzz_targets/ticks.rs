@@ -1,4 +1,4 @@
-//! Any bytes are a log of ticks and ranges, or an error.
+//! Parses arbitrary bytes as a log of encoder ticks and ranges.
 
 #![no_main]
 

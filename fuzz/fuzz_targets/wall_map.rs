@@ -1,4 +1,4 @@
-//! Any bytes are a wall map that can be written and read back, or an error.
+//! Parses arbitrary bytes as a wall map; a valid map survives a round trip.
 
 #![no_main]
 

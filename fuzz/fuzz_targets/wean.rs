@@ -1,4 +1,4 @@
-//! Any bytes are a Wean Hall log, or an error.
+//! Parses arbitrary bytes as a Wean Hall log.
 
 #![no_main]
 

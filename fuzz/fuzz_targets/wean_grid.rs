@@ -1,4 +1,4 @@
-//! Any bytes are a Wean Hall grid, or an error.
+//! Parses arbitrary bytes as a Wean Hall grid.
 
 #![no_main]
 

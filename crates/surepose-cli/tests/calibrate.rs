@@ -15,7 +15,7 @@ fn malformed_recording_exits_with_3() {
     assert_eq!(surepose(&["calibrate", "ticks", "no-such-recording.dat"]).code, 3);
     assert_eq!(surepose(&["calibrate", "tocks", &path]).code, 2);
     let mcap = surepose(&["calibrate", "mcap", &path]);
-    assert!(mcap.code == 3 && mcap.stderr.contains("this is no MCAP recording"), "{}", mcap.stderr);
+    assert!(mcap.code == 3 && mcap.stderr.contains("not an MCAP recording"), "{}", mcap.stderr);
 }
 
 /// The error names the cause, not a lack of records, of which there are many.

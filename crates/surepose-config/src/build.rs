@@ -1,4 +1,4 @@
-//! Builds the constants of the core from a configuration, in one place for all commands.
+//! Builds the core's types from a configuration, for all commands.
 
 use std::f64::consts::PI;
 
@@ -14,44 +14,42 @@ use surepose::time::Stamp;
 
 use super::{Config, ValueSource};
 
-/// ε_P of the law of the paper \[m]. Its local law is active for all ρ < ε_P and does not correct the lateral error, so
-/// ε_P may not exceed the position tolerance. [Tran2012] does not give a value.
+/// ε_P of the paper's law \[m]. Its local law acts for ρ < ε_P and does not correct the lateral error, so
+/// ε_P must not exceed the tolerance. [Tran2012] does not print it.
 const PAPER_CAPTURE_RADIUS: f64 = 0.01;
 
-/// Parameters of the compass.
+/// Offset, noise and latency of the compass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompassParameters {
     /// Standard deviation of the heading \[rad].
     pub std: f64,
-    /// Reading when the robot faces along the x axis of the map.
+    /// Reading at heading 0, along the map's x axis.
     pub offset: Angle<f64>,
-    /// Delay between measurement and arrival \[s].
+    /// Latency of a reading \[s].
     pub latency: f64,
 }
 
-/// Parameters of the laser.
+/// Extrinsics, noise and latency of the laser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaserParameters {
     /// Standard deviation of a range \[m].
     pub range_std: f64,
     /// Standard deviation of a beam direction \[rad].
     pub bearing_std: f64,
-    /// Pose of the laser in the robot frame.
+    /// Pose of the laser on the body.
     pub body_from_laser: Pose<Body, Laser, f64>,
-    /// Delay between scan and arrival \[s].
+    /// Latency of a scan \[s].
     pub latency: f64,
     /// Number of beams.
     pub beams: usize,
 }
 
-/// Preset names for gains set by [`Config::fitted`].
+/// Preset names of [`Config::fitted`] for gains that are not set.
 const FITTED: &str = "fitted";
 const PAPER: &str = "paper";
 
 impl ValueSource {
-    /// Returns what a fitted value is derived from; `None` for other values.
-    ///
-    /// A fitted value that is written to a file as set would no longer be fitted.
+    /// Source of a derived value that is not set; `None` for a value that is set or has a default.
     pub fn follows(&self) -> Option<&'static str> {
         match self {
             Self::Preset(FITTED) => Some("fitted to the period and the wheels"),
@@ -62,7 +60,7 @@ impl ValueSource {
 }
 
 impl Config {
-    /// Returns the kinematics; both wheel radii follow from their mean and their ratio.
+    /// Wheel geometry; the radii follow from their mean and the ratio right / left.
     pub fn drive(&self) -> DiffDrive<f64> {
         let ratio = self.number(&param::WHEEL_RADIUS_RATIO);
         let left = 2.0 * self.number(&param::WHEEL_RADIUS) / (1.0 + ratio);
@@ -72,8 +70,7 @@ impl Config {
         }
     }
 
-    /// Returns these values with unset gains fitted to the law, the period and the wheels, and the capture radius fitted to
-    /// the law.
+    /// Fits gains that are not set to law, period and wheels, and the capture radius to the law.
     #[must_use]
     pub fn fitted(&self) -> Self {
         let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
@@ -102,7 +99,7 @@ impl Config {
         }
     }
 
-    /// Returns the travel direction.
+    /// Drive direction.
     pub fn direction(&self) -> Direction {
         match self.choice(&param::DIRECTION) {
             "forward" => Direction::Forward,
@@ -127,7 +124,7 @@ impl Config {
         }
     }
 
-    /// Returns the braking profile that limits the gains; `None` if the gains are used unchanged.
+    /// Braking profile that reduces the gains to the wheel limits; `None` uses the gains as they are.
     pub fn braking(&self) -> Option<BrakingProfile<f64>> {
         let is_set = |gain| matches!(self.origin(gain), ValueSource::File { .. } | ValueSource::CommandLine);
         let evenly = match self.choice(&param::BRAKING) {
@@ -142,7 +139,7 @@ impl Config {
         }
     }
 
-    /// Returns the wheel limits.
+    /// Wheel limits.
     pub fn limits(&self) -> Limits<f64> {
         Limits {
             wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
@@ -150,7 +147,7 @@ impl Config {
         }
     }
 
-    /// Returns the controller.
+    /// Controller.
     pub fn controller(&self) -> Controller<f64> {
         Controller {
             drive: self.drive(),
@@ -167,7 +164,7 @@ impl Config {
         }
     }
 
-    /// Returns the constants of the filter.
+    /// Constants of the filter.
     pub fn ekf(&self) -> Ekf<f64> {
         Ekf {
             drive: self.drive(),
@@ -184,7 +181,7 @@ impl Config {
         Gate::new(self.number(&param::GATE_PROBABILITY))
     }
 
-    /// Returns the filter with its history, initialized with `belief` at `stamp`.
+    /// Delayed-state filter, starting at `stamp` with `belief`.
     pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> DelayedEkf<f64, N> {
         DelayedEkf::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
     }
@@ -210,13 +207,13 @@ impl Config {
         }
     }
 
-    /// Returns the start pose.
+    /// Start pose.
     pub fn start(&self) -> Pose<Map, Body, f64> {
         let heading = Angle::from_radians(self.number(&param::START_HEADING));
         Pose::new(self.number(&param::START_X), self.number(&param::START_Y), heading)
     }
 
-    /// Returns the goal pose.
+    /// Goal pose.
     pub fn goal(&self) -> Pose<Map, Goal, f64> {
         let heading = Angle::from_radians(self.number(&param::GOAL_HEADING));
         Pose::new(self.number(&param::GOAL_X), self.number(&param::GOAL_Y), heading)

@@ -1,4 +1,4 @@
-//! The navigator from a configuration: the one place, so that every program runs the same step.
+//! Builds the navigator from a configuration, for all programs.
 
 use surepose::estimation::Belief;
 use surepose::lidar::{BeamModelMatcher, LineAssociator, RangeFinder, ScanModel, ScanProcessor};
@@ -10,38 +10,38 @@ use surepose::time::Stamp;
 
 use super::Config;
 
-/// Events that the filter remembers: over a second of odometry at 50 Hz with headings and walls at 10 Hz.
+/// Events in the filter's history: over a second of odometry at 50 Hz with headings and walls at 10 Hz.
 pub const HISTORY: usize = 128;
 
-/// The largest number of beams of a scan.
+/// Largest number of beams of a scan.
 pub const MAX_BEAMS: usize = 4096;
 
-/// Localizer of a robot or of the simulated one.
+/// Localizer of a real or simulated robot.
 pub type RobotLocalizer = Localizer<f64, HISTORY, MAX_BEAMS>;
 
-/// Navigator of a robot or of the simulated one.
+/// Navigator of a real or simulated robot.
 pub type RobotNavigator = Navigator<f64, HISTORY, MAX_BEAMS>;
 
-/// How scans are compared with the map.
+/// Method that matches scans with the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScanMethod {
-    /// Lines are extracted and associated: for places with long flat walls and a map that has them exactly.
+    /// Lines are extracted and associated: for buildings with long flat walls and an exact map.
     #[default]
     Lines,
     /// Every beam is compared with the map: for maps of many short walls, traced from a grid for instance.
     Beams,
 }
 
-/// What of a navigator is known only where it is built.
+/// Setup of a navigator that is not in the configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NavigatorSetup {
-    /// How scans are compared with the map.
+    /// Method that matches scans with the map.
     pub scan_method: ScanMethod,
     /// Whether the robot has a laser and a map to compare its scans with.
     pub has_laser: bool,
     /// Whether any sensor but odometry measures the pose.
     pub is_aided: bool,
-    /// Distance from the robot's middle that stays free of obstacles \[m]. 0 disables the obstacle check; `None` takes
+    /// Distance from the robot's center that stays free of obstacles \[m]. 0 disables the obstacle check; `None` takes
     /// half the wheel separation and 10 cm.
     pub safety_radius: Option<f64>,
     /// Whether a reached pose is held until the next goal.
@@ -58,8 +58,8 @@ impl ScanMethod {
         }
     }
 
-    /// What a pose that was found is uncertain by beyond its covariance: beams that are given to the wrong one of two steps
-    /// in a wall are so together.
+    /// Standard deviations added to a pose from relocalization: x \[m], y \[m], heading \[rad]. They cover correlated
+    /// association errors.
     fn relocalization_std(self) -> [f64; 3] {
         match self {
             Self::Lines => [0.0; 3],
@@ -70,8 +70,8 @@ impl ScanMethod {
     fn model(self) -> ScanModel<f64> {
         match self {
             Self::Lines => ScanModel::Lines(LineAssociator::default()),
-            // What puts one scan off, a beam given to the wrong of two walls a cell apart, puts the next ones off as well: of a
-            // scan by itself 3 cm and 0.3° would do, and four in a row count as one.
+            // Association errors are correlated over about four scans, so the standard deviations of an independent scan,
+            // 3 cm and 0.3°, are doubled.
             Self::Beams => ScanModel::BeamModel(BeamModelMatcher {
                 min_hit_ratio: 0.4,
                 scan_std: [0.06, 0.06, 0.6_f64.to_radians()],
@@ -80,20 +80,20 @@ impl ScanMethod {
     }
 }
 
-/// Nearer returns are the robot's own \[m].
+/// Shortest range; shorter returns are from the robot itself \[m].
 const MIN_RANGE: f64 = 0.05;
 
-/// Farther returns are discarded \[m].
+/// Longest range; longer returns are discarded \[m].
 const MAX_RANGE: f64 = 80.0;
 
-/// A second success of the local search within this time \[s] means a lost robot: six scans, and a few that agree by chance.
+/// Smallest time between two successes of the local search \[s]; a shorter one means a lost robot.
 const LOCAL_SEARCH_INTERVAL: f64 = 0.8;
 
 /// Distance beyond half the wheel separation that stays free of obstacles \[m].
 const OBSTACLE_CLEARANCE: f64 = 0.1;
 
 impl Config {
-    /// The navigator of a robot, with `belief` at `stamp`.
+    /// Builds the navigator with `belief` at `stamp`.
     pub fn navigator(
         &self,
         setup: &NavigatorSetup,
@@ -108,7 +108,7 @@ impl Config {
         })
     }
 
-    /// The localizer of a robot without supervision: for experiments that judge the estimate alone.
+    /// Builds a localizer without supervision, for experiments on the estimate alone.
     pub fn unsupervised_localizer(
         &self,
         scan_method: ScanMethod,
@@ -120,7 +120,7 @@ impl Config {
         })
     }
 
-    /// Distance from the robot's middle that stays free of obstacles unless it is given \[m].
+    /// Default distance from the robot's center that stays free of obstacles \[m].
     pub fn default_safety_radius(&self) -> f64 {
         0.5 * self.drive().wheel_separation + OBSTACLE_CLEARANCE
     }
@@ -175,7 +175,7 @@ impl Config {
                 stop_std: self.number(&param::STOP_STD),
                 ..SupervisorConfig::default()
             },
-            // A robot that has turned in place has room for its wheels.
+            // A robot that turns in place needs clearance for its wheels.
             acceptance: AcceptanceCriteria {
                 min_clearance: 0.5 * self.drive().wheel_separation,
                 ..AcceptanceCriteria::default()
@@ -187,10 +187,10 @@ impl Config {
     }
 }
 
-/// Runs `build` on a thread with room for a navigator on its stack, from where it is moved to the heap.
+/// Runs `build` on a thread with a stack of 32 MiB.
 ///
 /// Without allocation the core keeps all buffers, half a megabyte, in the value itself, and an unoptimized build copies it
-/// several times. A thread that cannot be started leaves the work to the caller's.
+/// several times. If no thread starts, `build` runs on the caller's.
 fn on_large_stack<T: Send>(build: impl Fn() -> T + Sync) -> T {
     const STACK: usize = 32 << 20;
     let built = std::thread::scope(|scope| {

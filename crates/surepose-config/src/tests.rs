@@ -59,7 +59,7 @@ fn wrong_unit_suffix_is_converted() {
     );
 }
 
-/// Unset gains are fitted, so the defaults of the table are unused; they must still agree.
+/// Gains that are not set are fitted; the defaults of the table must equal them.
 #[test]
 fn default_gains_equal_the_fitted_gains() {
     let (default, fitted) = (Config::default(), Config::default().fitted());

@@ -1,8 +1,7 @@
 //! The node without ROS: odometry, headings, scans and goals in, beliefs and velocity commands out.
 //!
-//! [`NodeDriver`] feeds the core's [`Navigator`](surepose::navigator::Navigator) from messages. Time is that of the odometry's
-//! stamps: with each control period of it the driver steps. So a bag that is played slowly, or a simulator with a clock
-//! of its own, gives what the robot gave.
+//! [`NodeDriver`] feeds the core's [`Navigator`](surepose::navigator::Navigator) from messages. Its time is that of the
+//! odometry stamps; it steps once per control period. The result does not depend on the speed at which a bag is played.
 
 mod measurement_queue;
 mod odometry_accumulator;
@@ -33,27 +32,27 @@ pub use settings::{NodeDriverSettings, START_STD};
 /// Outcome of one step.
 #[derive(Clone, Copy, Debug)]
 pub struct DriverReport {
-    /// When.
+    /// Time of the step.
     pub stamp: Stamp,
-    /// The estimate; meaningless while the robot is lost.
+    /// Estimate; meaningless while the robot is lost.
     pub belief: Belief<f64>,
-    /// Where the frame of odometry lies on the map.
+    /// Pose of the odometry frame on the map.
     pub map_from_odom: Pose<Map, Odom, f64>,
-    /// How far the belief can be trusted.
+    /// Health of the estimate.
     pub health: Health,
-    /// What the supervisor lets the wheels do.
+    /// Action of the supervisor.
     pub action: SafetyAction,
-    /// Commanded twist; `None` where the wheels are free for another controller.
+    /// Commanded twist; `None` if the node publishes no command.
     pub command: Option<Twist<f64>>,
-    /// The goal as the robot sees it; `None` without a goal.
+    /// Goal relative to the robot; `None` without a goal.
     pub navigation: Option<NavigationVariables<f64>>,
-    /// What blocks the robot; `None` where nothing does.
+    /// Reason of a stop for an obstacle; `None` if the path is free.
     pub blocked_by: Option<BlockReason>,
-    /// How the goal ended, in the step in which it did.
+    /// Result of the goal, in the step in which it ended.
     pub result: Option<GoalResult>,
 }
 
-/// The navigator of a robot that speaks in messages.
+/// Drives the navigator from messages.
 #[derive(Clone, Debug)]
 pub struct NodeDriver {
     settings: NodeDriverSettings,
@@ -65,7 +64,7 @@ pub struct NodeDriver {
 }
 
 impl NodeDriver {
-    /// Driver that has received nothing yet.
+    /// Creates a driver that has received no message.
     pub fn new(settings: NodeDriverSettings) -> Self {
         let map =
             settings.map.as_ref().map_or_else(|| OwnedMap::from_walls(Vec::new()), OwnedMap::from_wall_map);
@@ -75,11 +74,11 @@ impl NodeDriver {
         Self { navigator, map, queue: MeasurementQueue::default(), odometry: None, settings }
     }
 
-    /// Takes in a pose of odometry, and steps where a control period is over.
+    /// Adds an odometry pose, and steps at the end of a control period.
     ///
     /// # Errors
-    /// [`MessageError::OutOfOrder`] for a stamp that is not later than the last one, unless it is so much earlier that the clock
-    /// was set back: then everything starts anew from the estimate.
+    /// [`MessageError::OutOfOrder`] for a stamp that is not later than the last one. A stamp that is over 1 s earlier means
+    /// that the clock was set back: the loop restarts from the estimate.
     pub fn on_odometry(
         &mut self,
         at: Stamped<Pose<Odom, Body, f64>>,
@@ -92,7 +91,7 @@ impl NodeDriver {
                 return Ok(None);
             }
             Some(odometry) if odometry.is_set_back(at.stamp) => {
-                // The navigator ends the goal and starts time anew; no travel is known over the jump.
+                // The navigator ends the goal and resets its time; the travel over the jump is unknown.
                 *odometry = OdometryAccumulator::new(at);
                 self.queue = MeasurementQueue::default();
                 Some(surepose::kinematics::WheelPair::zero())
@@ -102,14 +101,14 @@ impl NodeDriver {
         Ok(travel.map(|travel| self.step(at, Odometry::WheelTravel(travel))))
     }
 
-    /// Takes in a measurement. Without a map, scans are dropped.
+    /// Queues a measurement. Without a map, scans are dropped.
     pub fn add_measurement(&mut self, message: Stamped<SensorMessage>) {
         if self.has_map() || message.value.scan().is_none() {
             self.queue.put(message);
         }
     }
 
-    /// Sets the pose of a moment that the filter remembers, or else the pose now.
+    /// Sets the pose at a stamp within the filter's history, or else the current pose.
     pub fn set_pose(&mut self, belief: Stamped<Belief<f64>>) {
         self.settings.start = Some(belief.value);
         if self.odometry.is_some() {
@@ -118,7 +117,7 @@ impl NodeDriver {
         }
     }
 
-    /// Declares the pose unknown, so that the robot looks for it. Without a map the estimate stays.
+    /// Starts global localization. Without a map the estimate stays.
     pub fn start_global_localization(&mut self) {
         if self.has_map() {
             self.settings.start = None;
@@ -128,10 +127,10 @@ impl NodeDriver {
         }
     }
 
-    /// Drives to `goal` from now on, and returns how the goal before ended.
+    /// Sets a new goal, and returns the result of the previous one.
     ///
     /// # Errors
-    /// [`MessageError::InsufficientClearance`], where a wall of the map is too close; the goal before stays.
+    /// [`MessageError::InsufficientClearance`] if a wall of the map is too close; the previous goal stays active.
     pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<Option<GoalResult>, MessageError> {
         let accepted = self.navigator.set_goal(&self.map.view(), goal);
         accepted.map_err(|no_room| MessageError::InsufficientClearance {
@@ -140,13 +139,14 @@ impl NodeDriver {
         })
     }
 
-    /// Cancels the goal, and brakes.
+    /// Cancels the goal and brakes.
     pub fn cancel(&mut self) -> Option<GoalResult> {
         self.navigator.cancel_goal()
     }
 
-    /// Handles odometry that is `age` \[s] old by the wall clock: whether rest must be commanded for that, and how the goal
-    /// ended.
+    /// Handles odometry that is `age` \[s] old by the wall clock.
+    ///
+    /// Returns whether the node must command rest, and the result of a goal that ended.
     pub fn on_odometry_timeout(&mut self, age: f64) -> (bool, Option<GoalResult>) {
         if !self.is_odometry_timed_out(age) {
             return (false, None);
@@ -156,13 +156,13 @@ impl NodeDriver {
         let reason = AbortReason::Fault(FaultReason::OdometryTimeout);
         let ended = if gives_up { self.navigator.abort_goal(reason) } else { None };
         if gives_up {
-            // Rest was commanded: nothing is left to brake.
+            // Rest was commanded: the braking is complete.
             self.navigator.on_odometry_timeout();
         }
         (must_rest, ended)
     }
 
-    /// Whether a command is due: a goal is active, or the robot comes to rest after one.
+    /// Whether the navigator commands the wheels: for an active goal, or to brake after one.
     pub fn is_commanding(&self) -> bool {
         self.navigator.commands_wheels()
     }
@@ -177,7 +177,7 @@ impl NodeDriver {
         self.navigator.goal().is_some()
     }
 
-    /// A wall of the map on the straight line to `goal`: the law does not go round it.
+    /// First wall on the straight line to `goal`, which the control law does not avoid.
     pub fn wall_on_straight_path(&self, goal: Pose<Map, Goal, f64>) -> Option<&Wall<f64>> {
         let here = self.belief().pose.origin();
         self.map.walls().iter().find(|wall| wall.crosses([here, goal.origin()]))
@@ -188,17 +188,17 @@ impl NodeDriver {
         self.navigator.localizer().belief()
     }
 
-    /// What was accepted and what was rejected so far.
+    /// Counts of accepted and rejected measurements.
     pub fn measurement_stats(&self) -> &MeasurementStats {
         self.navigator.localizer().measurement_stats()
     }
 
-    /// Number of messages that were dropped because odometry did not reach their stamps.
+    /// Number of messages dropped because odometry did not reach their stamps.
     pub fn dropped(&self) -> u64 {
         self.queue.dropped()
     }
 
-    /// When the estimate holds.
+    /// Time of the estimate.
     pub fn belief_stamp(&self) -> Stamp {
         self.navigator.localizer().stamp()
     }
@@ -217,7 +217,7 @@ impl NodeDriver {
         !self.map.walls().is_empty()
     }
 
-    /// The belief to start with; `None` for a robot that looks for its pose. Without a map the map starts at the robot.
+    /// Initial belief; `None` starts global localization. Without a map, the robot's pose is the map's origin.
     fn initial_belief(&self) -> Option<Belief<f64>> {
         let origin = Belief::new(Pose::identity(), [0.0; 3]);
         self.settings.start.or_else(|| (!self.has_map()).then_some(origin))

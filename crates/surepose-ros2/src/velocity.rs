@@ -13,7 +13,7 @@ pub(crate) const NAME: &str = "cmd_vel";
 pub(crate) const STAMPED: (&str, &str) = ("geometry_msgs", "TwistStamped");
 pub(crate) const BARE: (&str, &str) = ("geometry_msgs", "Twist");
 
-/// Gives commands.
+/// Publisher of velocity commands.
 pub(crate) enum CmdVelPublisher {
     Stamped(Publisher<TwistStamped>),
     Bare(Publisher<message::Twist>),
@@ -29,7 +29,7 @@ impl CmdVelPublisher {
         })
     }
 
-    /// How the body with the frame `base` shall move.
+    /// Publishes a twist of the body with the frame `base`.
     pub(crate) fn command(&self, stamp: Stamp, base: &str, twist: Twist<f64>) {
         let twist = twist_message(twist);
         match self {

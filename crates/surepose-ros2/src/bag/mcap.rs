@@ -1,4 +1,4 @@
-//! MCAP records, read front to back: those that ROS 2 messages follow from, and no others.
+//! Reads the MCAP records of ROS 2 messages sequentially.
 //!
 //! The format is MCAP version 0, <https://mcap.dev/spec>. A file is a magic number and records of opcode, length and
 //! content; a chunk is a record that holds records, compressed or not. Every length is checked before its use, memory is
@@ -23,10 +23,10 @@ use content::Content;
 /// First and last bytes of a file.
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// Longest record that is passed over, such as an attachment \[bytes\].
+/// Longest record that is skipped, such as an attachment \[bytes\].
 const MAX_SKIPPED_LENGTH: u64 = 1 << 40;
 
-/// Opcodes, by the names of the specification. All others are passed over.
+/// Opcodes, by the names of the specification. All others are skipped.
 pub(super) mod opcode {
     pub(crate) const FOOTER: u8 = 0x02;
     pub(crate) const SCHEMA: u8 = 0x03;
@@ -74,7 +74,7 @@ impl Limits {
 
 /// Reads the records of `input` up to the end of its data, those in chunks as well, and passes them to `consume`.
 ///
-/// A file that is cut short yields the records before the cut.
+/// A truncated file yields the records before the cut.
 ///
 /// # Errors
 /// [`ReadError`].
@@ -179,7 +179,7 @@ impl<R: Read, E, F: FnMut(Record<'_>) -> Result<(), E>> Reader<R, F> {
         self.advance(read, length, result.map(|_| ()))
     }
 
-    /// Passes over `length` bytes. `false`: the file ends before.
+    /// Skips `length` bytes. `false`: the file ends before.
     fn skip(&mut self, length: u64) -> Result<bool, ReadError<E>> {
         let mut left = length;
         while left > 0 {
@@ -197,7 +197,7 @@ impl<R: Read, E, F: FnMut(Record<'_>) -> Result<(), E>> Reader<R, F> {
         Ok(true)
     }
 
-    /// Counts what was `read` of the bytes that were `required`. A compressed file that is cut short ends at the cut.
+    /// Counts what was `read` of the bytes that were `required`. A truncated compressed file ends at the cut.
     fn advance(
         &mut self,
         read: u64,

@@ -1,4 +1,4 @@
-//! The driver on a recording, judged by its truth where it has one.
+//! Replays a recording with the driver, and evaluates its estimates against the truth.
 
 use std::path::Path;
 use std::time::Instant;
@@ -21,12 +21,13 @@ use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Notice};
 
-/// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
-/// that of the reference; where there is none either, the robot looks for itself on the map. `notify` receives each
-/// [`Notice`]: where the laser sits, and which files are cut short.
+/// Replays the recording at `path` with the topics of `names`.
+///
+/// Without a start in `settings`, the start is that of the reference, or else from global localization. `notify` receives each
+/// [`Notice`]: laser extrinsics and truncated files.
 ///
 /// # Errors
-/// [`BagError`], where it is no recording, or is damaged.
+/// [`BagError`] for an unreadable or damaged recording.
 pub fn replay(
     path: &Path,
     settings: &NodeDriverSettings,
@@ -68,10 +69,10 @@ pub fn replay(
                 }
                 laser_extrinsics
                     .and_then(|laser_extrinsics| sense::scan(scan, laser_extrinsics))
-                    .map(|heard| driver.add_measurement(heard))
+                    .map(|message| driver.add_measurement(message))
             }
             BagMessage::Imu(imu) if hears_compass => {
-                sense::heading(&imu, &compass).map(|heard| driver.add_measurement(heard))
+                sense::heading(&imu, &compass).map(|message| driver.add_measurement(message))
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
@@ -83,7 +84,7 @@ pub fn replay(
     Ok(report)
 }
 
-/// What is known of the recording's truth, and how far the estimates were from it.
+/// Reference poses of the recording, and the errors of the estimates.
 struct Judge<'a> {
     reference: Reference<'a>,
     score: ErrorAccumulator,

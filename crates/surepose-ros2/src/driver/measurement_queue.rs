@@ -1,4 +1,4 @@
-//! What sensors said, kept until odometry has come to where it was measured.
+//! Queues measurements until odometry reaches their stamps.
 
 use std::collections::VecDeque;
 
@@ -8,34 +8,34 @@ use surepose::lidar::{LaserGeometry, Scan};
 use surepose::localization::SensorReading;
 use surepose::time::{Stamp, Stamped};
 
-/// What a sensor said.
+/// Measurement or scan of a sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SensorMessage {
-    /// Something that the filter understands as it is.
+    /// Measurement for the filter.
     Measurement(Measurement<f64>),
     /// A scan.
     Scan(LaserScan),
 }
 
-/// One turn of a laser.
+/// Scan with the geometry of its laser.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaserScan {
-    /// Direction of the first beam from the laser's x axis \[rad].
+    /// Angle of the first beam from the laser's x axis \[rad].
     pub angle_min: f64,
-    /// From one beam to the next \[rad].
+    /// Angle between adjacent beams \[rad].
     pub angle_increment: f64,
-    /// The range of every beam \[m]; infinite where nothing came back.
+    /// Range of each beam \[m]; infinite without a return.
     pub ranges: Vec<f64>,
-    /// Nearer returns are the housing's \[m].
+    /// Shortest valid range \[m].
     pub range_min: f64,
-    /// Farther ones are none \[m].
+    /// Longest valid range \[m].
     pub range_max: f64,
-    /// Where the laser sits.
+    /// Pose of the laser on the body.
     pub body_from_laser: Pose<Body, Laser, f64>,
 }
 
 impl SensorMessage {
-    /// The message as the core takes it.
+    /// Converts the message to the core's reading.
     pub(super) fn reading(message: &Stamped<Self>) -> Stamped<SensorReading<'_, f64>> {
         let reading = match &message.value {
             Self::Measurement(measurement) => SensorReading::Measurement(*measurement),
@@ -50,7 +50,7 @@ impl SensorMessage {
         Stamped::new(message.stamp, reading)
     }
 
-    /// The scan, if it is one.
+    /// Scan of the message; `None` for a measurement.
     pub(super) fn scan(&self) -> Option<&LaserScan> {
         match self {
             Self::Scan(scan) => Some(scan),
@@ -59,10 +59,10 @@ impl SensorMessage {
     }
 }
 
-/// The most that is kept: a second of a compass at 100 Hz and scans at 40 Hz.
+/// Largest number of queued messages: 1 s of headings at 100 Hz and scans at 40 Hz.
 const CAPACITY: usize = 140;
 
-/// Signals that odometry has not come to yet.
+/// Messages with stamps later than the odometry.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeasurementQueue {
     waiting: VecDeque<Stamped<SensorMessage>>,
@@ -70,23 +70,23 @@ pub(super) struct MeasurementQueue {
 }
 
 impl MeasurementQueue {
-    /// Keeps a signal; the oldest one goes where there is no room.
-    pub(super) fn put(&mut self, heard: Stamped<SensorMessage>) {
+    /// Adds a message; a full queue drops its oldest one.
+    pub(super) fn put(&mut self, message: Stamped<SensorMessage>) {
         if self.waiting.len() >= CAPACITY {
             self.waiting.pop_front();
             self.dropped = self.dropped.saturating_add(1);
         }
-        self.waiting.push_back(heard);
+        self.waiting.push_back(message);
     }
 
-    /// Takes out what was measured until `stamp`, in the order in which it arrived.
+    /// Removes and returns the messages up to `stamp`, in the order of arrival.
     pub(super) fn until(&mut self, stamp: Stamp) -> Vec<Stamped<SensorMessage>> {
-        let (due, early) = self.waiting.drain(..).partition::<Vec<_>, _>(|heard| heard.stamp <= stamp);
+        let (due, early) = self.waiting.drain(..).partition::<Vec<_>, _>(|message| message.stamp <= stamp);
         self.waiting = early.into();
         due
     }
 
-    /// How many went for want of room.
+    /// Number of messages dropped from a full queue.
     pub(super) fn dropped(&self) -> u64 {
         self.dropped
     }

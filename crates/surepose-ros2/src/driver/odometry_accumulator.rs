@@ -1,4 +1,4 @@
-//! From odometry's poses to how far the rims rolled in a period.
+//! Converts odometry poses to the travel of the wheels per control period.
 
 use surepose::control::Controller;
 use surepose::geometry::{Body, Frame, Pose};
@@ -7,43 +7,44 @@ use surepose::time::{Stamp, Stamped};
 
 use crate::convert::MessageError;
 
-/// The frame in which odometry counts: it starts anywhere, and drifts.
+/// Odometry frame of REP 105: arbitrary origin, with drift.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Odom;
 
 impl Frame for Odom {}
 
-/// A stamp that is earlier than the last one by so much \[s] is of a clock that was set back.
+/// Smallest step back of the stamps that means a clock that was set back \[s].
 const CLOCK_SET_BACK: f64 = 1.0;
 
-/// A period is over if less than this part of the time between two odometries is left of it.
+/// A period ends if less than this fraction of the odometry period remains of it.
 const NEAREST: f64 = 0.5;
 
-/// What odometry said since the last tick.
+/// Odometry since the last step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OdometryAccumulator {
     last: Stamped<Pose<Odom, Body, f64>>,
     ticked: Stamp,
-    /// So far the rims rolled since then \[m]; NaN where that cannot be said.
+    /// Travel of the wheels since then \[m]; NaN after an odometry jump.
     rims: WheelPair<f64>,
 }
 
 impl OdometryAccumulator {
-    /// The first odometry.
+    /// Starts at the first odometry.
     pub(crate) fn new(at: Stamped<Pose<Odom, Body, f64>>) -> Self {
         Self { last: at, ticked: at.stamp, rims: WheelPair::zero() }
     }
 
-    /// Whether a stamp says that the clock was set back.
+    /// Whether `stamp` means that the clock was set back.
     pub(crate) fn is_set_back(&self, stamp: Stamp) -> bool {
         stamp.since(self.last.stamp) < -CLOCK_SET_BACK
     }
 
-    /// Takes in odometry, and gives the way of the rims \[m] since the last tick if it is time for one. It is NaN, which the
-    /// filter refuses and counts, where odometry jumped.
+    /// Adds an odometry pose; at the end of a period, returns the travel of the wheels \[m] since the last step.
+    ///
+    /// The travel is NaN after an odometry jump; the filter rejects and counts it. `None`: the period is not over.
     ///
     /// # Errors
-    /// [`MessageError::OutOfOrder`].
+    /// [`MessageError::OutOfOrder`] for a stamp that is not later than the last one.
     pub(crate) fn add(
         &mut self,
         controller: &Controller<f64>,

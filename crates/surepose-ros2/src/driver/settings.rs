@@ -1,33 +1,33 @@
-//! What a driver is told before it flies.
+//! Settings of the driver.
 
 use surepose::estimation::Belief;
 use surepose_config::{Config, NavigatorSetup, ScanMethod};
 use surepose_io::wall_map::WallMap;
 
-/// How well a start that somebody named is known: standard deviations of x, y \[m] and heading \[rad].
+/// Uncertainty of a configured start pose: standard deviations of x, y \[m] and heading \[rad].
 pub const START_STD: [f64; 3] = [0.1, 0.1, 0.1];
 
-/// What the driver flies by.
+/// Configures a driver.
 #[derive(Clone, Debug)]
 pub struct NodeDriverSettings {
-    /// The robot, its law and its filter.
+    /// Configuration of robot, control law and filter.
     pub config: Config,
-    /// The walls, where they are known; without them the map is what odometry starts in.
+    /// Wall map; `None` starts the map frame at the first odometry pose.
     pub map: Option<WallMap>,
-    /// How scans are laid on them.
+    /// Method that matches scans with the map.
     pub scan_method: ScanMethod,
-    /// Where the robot starts and how well that is known; without it, and with walls, it looks for itself.
+    /// Initial belief; `None` with a map starts global localization.
     pub start: Option<Belief<f64>>,
-    /// Whether it hears a compass.
+    /// Whether the driver uses headings of a compass.
     pub compass: bool,
-    /// The robot stops before what its laser sees, and no map knows, so near to the way of its middle \[m]; 0 for not at all.
+    /// Distance from the path of the robot's center at which unmapped obstacles stop it \[m]; 0 disables the check.
     pub safety_radius: f64,
-    /// Whether a pose that was reached is held, and taken up again after a push, until another goal or a cancel.
+    /// Whether the robot holds a reached goal pose until the next goal or a cancel.
     pub hold: bool,
 }
 
 impl NodeDriverSettings {
-    /// For the robot of `scenario`, which has its map, its start and all sensors.
+    /// Creates the settings for the robot of `scenario`, with its map, its start and all sensors.
     #[cfg(feature = "simulate")]
     pub fn in_scenario(scenario: &surepose_sim::robot::Scenario) -> Self {
         Self {
@@ -41,7 +41,7 @@ impl NodeDriverSettings {
         }
     }
 
-    /// What the navigator is built from.
+    /// Setup of the navigator.
     pub(super) fn navigator_setup(&self) -> NavigatorSetup {
         NavigatorSetup {
             scan_method: self.scan_method,

@@ -1,137 +1,18 @@
-//! The driver in the simulated world, with odometry at its own rate, without ROS.
+//! Tests of the driver in the simulated world, at several odometry rates, without ROS.
 
-use surepose::estimation::{HeadingMeasurement, Measurement};
+mod ride;
+
+use ride::Ride;
 use surepose::geometry::{Angle, Body, Point, Pose};
-use surepose::kinematics::Integration;
-use surepose_sim::robot::Scenario;
-use surepose_sim::{Seed, World};
 
 use super::*;
-
-/// A world whose robot takes the driver's commands.
-#[derive(Clone)]
-struct Ride {
-    driver: NodeDriver,
-    world: World,
-    odometry: Pose<Odom, Body, f64>,
-    cmd_vel: Twist<f64>,
-    /// Stamps start here \[s].
-    origin: f64,
-    /// From one odometry to the next \[s].
-    dt: f64,
-    ended: Option<GoalResult>,
-    blocked_by: Option<BlockReason>,
-    /// Something that is on no map stands so far before the robot \[m].
-    obstacle: Option<f64>,
-    /// The laser says nothing.
-    laser_fails: bool,
-}
-
-impl Ride {
-    fn new(start_is_known: bool, dt: f64) -> Self {
-        let scenario = Scenario::default();
-        let mut settings = NodeDriverSettings::in_scenario(&scenario);
-        if !start_is_known {
-            settings.start = None;
-        }
-        Self {
-            driver: NodeDriver::new(settings),
-            world: World::new(scenario.world(), scenario.start(), Seed(1)),
-            // It counts from where nobody knows.
-            odometry: Pose::new(7.0, -3.0, Angle::from_degrees(100.0)),
-            cmd_vel: Twist::zero(),
-            origin: 1.7e9,
-            dt,
-            ended: None,
-            blocked_by: None,
-            obstacle: None,
-            laser_fails: false,
-        }
-    }
-
-    /// Replaces the driver by one with other settings.
-    fn configure(&mut self, change: impl FnOnce(&mut NodeDriverSettings)) {
-        let mut settings = self.driver.settings.clone();
-        change(&mut settings);
-        self.driver = NodeDriver::new(settings);
-    }
-
-    fn stamp(&self, moment: Stamp) -> Stamp {
-        Stamp::from_seconds(self.origin).after(moment.seconds())
-    }
-
-    /// One odometry, with all that is sensed meanwhile.
-    fn step(&mut self) -> Option<DriverReport> {
-        let drive = self.world.model().drive;
-        let sensed = self.world.step(drive.wheel_rates_from_twist(self.cmd_vel), self.dt);
-        for heading in &sensed.headings {
-            let compass = HeadingMeasurement { heading: heading.value, std: 0.1_f64.to_radians() };
-            let heard = SensorMessage::Measurement(Measurement::Heading(compass));
-            self.driver.add_measurement(Stamped::new(self.stamp(heading.stamp), heard));
-        }
-        for scan in sensed.scans.iter().filter(|_| !self.laser_fails) {
-            let mut ranges = scan.value.ranges.clone();
-            let middle = ranges.len() / 2;
-            for (number, range) in ranges.iter_mut().enumerate() {
-                if let Some(obstacle) = self.obstacle.filter(|_| number.abs_diff(middle) < 8) {
-                    *range = range.min(obstacle);
-                }
-            }
-            let heard = SensorMessage::Scan(LaserScan {
-                angle_min: scan.value.angle_min,
-                angle_increment: scan.value.angle_increment,
-                ranges,
-                range_min: 0.05,
-                range_max: 30.0,
-                body_from_laser: Pose::identity(),
-            });
-            self.driver.add_measurement(Stamped::new(self.stamp(scan.stamp), heard));
-        }
-        self.odometry = self.odometry.integrate(drive.motion_from_travel(sensed.rims), Integration::Arc);
-        let report = self.driver.on_odometry(Stamped::new(self.stamp(sensed.stamp), self.odometry)).unwrap();
-        if let Some(report) = &report {
-            // As a base that has no time-out of its own.
-            self.cmd_vel = report.command.unwrap_or(self.cmd_vel);
-            self.ended = self.ended.or(report.result);
-            self.blocked_by = report.blocked_by;
-        }
-        report
-    }
-
-    /// Lives for so many seconds, or until the goal ends.
-    fn live(&mut self, seconds: f64) {
-        let until = self.world.now().after(seconds);
-        while self.world.now() < until && self.ended.is_none() {
-            self.step();
-        }
-    }
-
-    /// Meets something that stands `ahead` \[m], for so many seconds or until the goal ends, and says how far it got.
-    fn meet(&mut self, ahead: f64, seconds: f64) -> f64 {
-        let (before, until) = (self.world.pose().origin(), self.world.now().after(seconds));
-        let mut gone = 0.0;
-        while self.world.now() < until && self.ended.is_none() {
-            self.obstacle = Some(ahead - gone);
-            self.step();
-            gone = self.world.pose().origin().distance(before);
-        }
-        gone
-    }
-
-    /// How far the robot truly is from `goal` \[m] and \[°].
-    fn error(&self, goal: Pose<Map, Goal, f64>) -> (f64, f64) {
-        let pose = self.world.pose();
-        let turn = (pose.heading - goal.heading).degrees().abs();
-        (pose.origin().distance(goal.origin()), turn)
-    }
-}
 
 fn goal() -> Pose<Map, Goal, f64> {
     Pose::new(2.0, 2.0, Angle::from_degrees(30.0))
 }
 
 #[test]
-fn it_parks_by_odometry_of_any_rate_and_origin() {
+fn robot_parks_with_any_odometry_rate_and_origin() {
     for dt in [0.02, 0.05, 0.1] {
         let mut ride = Ride::new(true, dt);
         ride.live(0.5);
@@ -145,7 +26,7 @@ fn it_parks_by_odometry_of_any_rate_and_origin() {
 }
 
 #[test]
-fn where_odometry_is_on_the_map_is_said() {
+fn map_from_odom_is_reported() {
     let mut ride = Ride::new(true, 0.05);
     ride.driver.set_goal(goal()).unwrap();
     let mut last = None;
@@ -159,7 +40,7 @@ fn where_odometry_is_on_the_map_is_said() {
 }
 
 #[test]
-fn a_robot_that_does_not_know_where_it_is_finds_out_and_parks() {
+fn robot_with_unknown_start_localizes_globally_and_parks() {
     let mut ride = Ride::new(false, 0.05);
     ride.live(0.5);
     ride.driver.set_goal(goal()).unwrap();
@@ -172,7 +53,7 @@ fn a_robot_that_does_not_know_where_it_is_finds_out_and_parks() {
 }
 
 #[test]
-fn goals_end_once_and_the_wheels_rest() {
+fn goals_end_once_and_wheels_stop() {
     let mut ride = Ride::new(true, 0.05);
     ride.live(0.2);
     ride.driver.set_goal(goal()).unwrap();
@@ -185,16 +66,16 @@ fn goals_end_once_and_the_wheels_rest() {
         std::iter::repeat_with(|| ride.step()).take(60).flatten().map(|report| report.command).collect();
     let speeds: Vec<_> = commands.iter().map_while(|command| command.map(|twist| twist.v.abs())).collect();
     let (limits, period) = (ride.driver.controller().limits, ride.driver.controller().period);
-    assert!(speeds[0] > 0.0, "wheels brake no harder than they can: {speeds:?}");
+    assert!(speeds[0] > 0.0, "braking within the acceleration limit: {speeds:?}");
     for pair in speeds.windows(2) {
         assert!(pair[1] <= pair[0] && pair[0] - pair[1] <= limits.wheel_acceleration * period * 1.001);
     }
-    assert_eq!(speeds.last(), Some(&0.0), "and are told to rest");
-    assert_eq!(commands.last(), Some(&None), "and then are nobody's");
+    assert_eq!(speeds.last(), Some(&0.0), "the last command is rest");
+    assert_eq!(commands.last(), Some(&None), "no command after rest");
 }
 
 #[test]
-fn a_goal_in_a_wall_is_refused() {
+fn goal_in_a_wall_is_rejected() {
     let mut ride = Ride::new(true, 0.05);
     let inside_a_wall = ride.driver.settings.map.as_ref().unwrap().walls[0].from;
     let goal = Pose::new(inside_a_wall[0], inside_a_wall[1], Angle::zero());
@@ -206,7 +87,7 @@ fn a_goal_in_a_wall_is_refused() {
 fn odometry_timeout_stops_the_wheels_then_aborts_the_goal() {
     let mut ride = Ride::new(true, 0.05);
     ride.live(0.2);
-    assert_eq!(ride.driver.on_odometry_timeout(100.0), (false, None), "nobody drives");
+    assert_eq!(ride.driver.on_odometry_timeout(100.0), (false, None), "no active goal");
     ride.driver.set_goal(goal()).unwrap();
     assert_eq!(ride.driver.on_odometry_timeout(0.1), (false, None));
     assert_eq!(ride.driver.on_odometry_timeout(1.0), (true, None));
@@ -220,18 +101,18 @@ fn odometry_timeout_stops_the_wheels_then_aborts_the_goal() {
 }
 
 #[test]
-fn wheels_start_from_rest_after_a_silence() {
+fn wheels_start_from_rest_after_an_odometry_timeout() {
     let mut ride = Ride::new(true, 0.1);
     ride.live(0.2);
     ride.driver.set_goal(goal()).unwrap();
     ride.live(4.0);
-    assert!(ride.cmd_vel.v > 0.2, "it is under way");
+    assert!(ride.cmd_vel.v > 0.2, "the robot moves");
     assert_eq!(ride.driver.on_odometry_timeout(1.0), (true, None));
     let Controller { drive, limits, period, .. } = *ride.driver.controller();
     let command = ride.step().and_then(|report| report.command).unwrap();
     let rims = drive.wheel_speeds_from_twist(command);
     assert!(rims.max_abs() <= limits.wheel_acceleration * period * 1.001, "{command:?}");
-    // One that brakes after a goal is told to rest as well, once: then the wheels are nobody's.
+    // A robot that brakes after a goal gets one command to rest, and then none.
     ride.live(2.0);
     ride.driver.cancel();
     assert!(ride.driver.is_commanding());
@@ -241,14 +122,14 @@ fn wheels_start_from_rest_after_a_silence() {
 }
 
 #[test]
-fn odometry_that_goes_back_or_jumps_changes_nothing() {
+fn odometry_out_of_order_or_reset_keeps_the_estimate() {
     let mut ride = Ride::new(true, 0.05);
     ride.live(1.0);
     let (before, stamp) = (ride.driver.belief(), ride.stamp(ride.world.now()));
     let early = Stamped::new(stamp.after(-0.3), ride.odometry);
     assert_eq!(ride.driver.on_odometry(early).err(), Some(MessageError::OutOfOrder));
     assert_eq!(ride.driver.belief(), before);
-    // Odometry was reset: that is no way of a hundred metres.
+    // A reset of odometry is not 100 m of travel.
     ride.odometry = Pose::new(100.0, 0.0, Angle::zero());
     ride.live(0.5);
     assert!(ride.driver.measurement_stats().rejected(surepose::estimation::RejectReason::NotFinite) > 0);
@@ -270,7 +151,7 @@ fn odometry_jumps_are_ignored_and_uncertainty_grows() {
 }
 
 #[test]
-fn where_somebody_saw_the_robot_a_while_ago_is_carried_on() {
+fn past_pose_is_predicted_to_the_present() {
     let mut ride = Ride::new(true, 0.05);
     ride.driver.set_goal(goal()).unwrap();
     ride.live(4.0);
@@ -278,14 +159,14 @@ fn where_somebody_saw_the_robot_a_while_ago_is_carried_on() {
     ride.live(0.3);
     while ride.step().is_none() {}
     let way = ride.world.pose().origin().distance(seen.origin());
-    assert!(way > 0.05, "it is under way");
+    assert!(way > 0.05, "the robot moves");
     ride.driver.set_pose(Stamped::new(then, Belief::new(seen, [0.001; 3])));
     let off = ride.driver.belief().pose.origin().distance(ride.world.pose().origin());
     assert!(off < 0.1 * way, "{off} m of {way} m");
 }
 
 #[test]
-fn a_clock_that_is_set_back_starts_the_loop_anew_where_the_robot_is() {
+fn clock_set_back_restarts_the_loop_from_the_estimate() {
     let mut ride = Ride::new(true, 0.05);
     ride.driver.set_goal(goal()).unwrap();
     ride.live(5.0);
@@ -295,7 +176,10 @@ fn a_clock_that_is_set_back_starts_the_loop_anew_where_the_robot_is() {
     for _ in 0..30 {
         ride.step();
     }
-    assert!(ride.world.twist().v.abs() < 1e-3 && !ride.driver.is_commanding(), "it braked by the new clock");
+    assert!(
+        ride.world.twist().v.abs() < 1e-3 && !ride.driver.is_commanding(),
+        "the robot brakes by the new clock"
+    );
     ride.ended = None;
     ride.driver.set_goal(goal()).unwrap();
     ride.live(60.0);
@@ -304,13 +188,13 @@ fn a_clock_that_is_set_back_starts_the_loop_anew_where_the_robot_is() {
 }
 
 #[test]
-fn a_pose_that_is_held_is_taken_up_again_after_a_push() {
+fn held_pose_is_restored_after_a_push() {
     let mut ride = Ride::new(true, 0.05);
     ride.configure(|settings| settings.hold = true);
     ride.driver.set_goal(goal()).unwrap();
     ride.live(60.0);
     assert_eq!(ride.ended, Some(GoalResult::Reached));
-    // Somebody tells the wheels something else for a while.
+    // Another controller commands the wheels for a while.
     for _ in 0..40 {
         ride.step();
         ride.cmd_vel = Twist::new(-0.2, 0.0);
@@ -320,7 +204,7 @@ fn a_pose_that_is_held_is_taken_up_again_after_a_push() {
         ride.step();
     }
     assert!(ride.error(goal()).0 < 0.01 && ride.driver.is_driving());
-    assert_eq!(ride.driver.cancel(), None, "that it was reached was said");
+    assert_eq!(ride.driver.cancel(), None, "the result was reported before");
 }
 
 #[test]
@@ -328,9 +212,9 @@ fn robot_stops_for_unmapped_obstacles_and_resumes() {
     let mut ride = Ride::new(true, 0.05);
     ride.driver.set_goal(goal()).unwrap();
     ride.live(4.0);
-    assert!(ride.cmd_vel.v > 0.2, "it is under way");
+    assert!(ride.cmd_vel.v > 0.2, "the robot moves");
     let gone = ride.meet(0.8, 4.0);
-    assert!(ride.cmd_vel == Twist::zero() && gone < 0.42 && gone > 0.1, "{gone} m on");
+    assert!(ride.cmd_vel == Twist::zero() && gone < 0.42 && gone > 0.1, "driven: {gone} m");
     assert_eq!(ride.blocked_by, Some(BlockReason::Obstacle));
     ride.obstacle = None;
     ride.live(60.0);
@@ -339,7 +223,7 @@ fn robot_stops_for_unmapped_obstacles_and_resumes() {
 }
 
 #[test]
-fn a_robot_that_is_to_look_out_stops_while_its_laser_is_silent() {
+fn robot_with_obstacle_check_stops_without_scans() {
     for (safety_radius, end) in [
         (0.4, GoalResult::Aborted(AbortReason::Blocked(BlockReason::LaserTimeout))),
         (0.0, GoalResult::Reached),
@@ -348,12 +232,12 @@ fn a_robot_that_is_to_look_out_stops_while_its_laser_is_silent() {
         ride.configure(|settings| settings.safety_radius = safety_radius);
         ride.driver.set_goal(goal()).unwrap();
         ride.live(4.0);
-        assert!(ride.cmd_vel.v > 0.2, "it is under way");
+        assert!(ride.cmd_vel.v > 0.2, "the robot moves");
         ride.laser_fails = true;
         ride.live(4.0);
         let rests = ride.cmd_vel == Twist::zero();
         assert_eq!(rests, safety_radius > 0.0, "{:?}", ride.cmd_vel);
-        // A laser that is back in time is all that it waits for.
+        // The goal resumes with the next scan.
         let mut again = Ride { laser_fails: false, ..ride.clone() };
         again.live(60.0);
         assert_eq!(again.ended, Some(GoalResult::Reached));
@@ -363,7 +247,7 @@ fn a_robot_that_is_to_look_out_stops_while_its_laser_is_silent() {
 }
 
 #[test]
-fn things_are_where_the_robot_saw_them_while_it_turned() {
+fn scans_are_placed_correctly_during_turns() {
     let mut ride = Ride::new(true, 0.1);
     ride.obstacle = Some(0.8);
     let mut seen = 0;
@@ -397,6 +281,6 @@ fn persistent_obstacle_aborts_the_goal() {
         ride.live(2.0);
         let gone = ride.meet(0.8, 30.0);
         assert_eq!(ride.ended, end);
-        assert!(gone > least && gone < most, "{gone} m on");
+        assert!(gone > least && gone < most, "driven: {gone} m");
     }
 }

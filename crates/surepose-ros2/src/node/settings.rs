@@ -1,4 +1,4 @@
-//! What a node takes at its start.
+//! Settings of the node.
 
 use crate::driver::NodeDriverSettings;
 use crate::names::Names;

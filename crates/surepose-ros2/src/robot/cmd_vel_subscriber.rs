@@ -9,7 +9,7 @@ use crate::message::{self, TwistStamped};
 use crate::names::Names;
 use crate::velocity::{BARE, NAME, STAMPED};
 
-/// Takes commands.
+/// Subscription to velocity commands.
 pub(crate) enum CmdVelSubscriber {
     Stamped(Subscription<TwistStamped>),
     Bare(Subscription<message::Twist>),
@@ -25,7 +25,7 @@ impl CmdVelSubscriber {
         })
     }
 
-    /// Commands as they come; what is none is left out.
+    /// Stream of commands; undecodable messages are skipped.
     pub(crate) fn twists(&self) -> LocalBoxStream<'_, Twist<f64>> {
         let plane = |twist: &message::Twist| {
             let twist = Twist::new(twist.linear.x, twist.angular.z);
@@ -33,11 +33,11 @@ impl CmdVelSubscriber {
         };
         let known = futures::future::ready;
         match self {
-            Self::Stamped(heard) => heard
+            Self::Stamped(subscription) => subscription
                 .async_stream()
                 .filter_map(move |command| known(command.ok().and_then(|(stamped, _)| plane(&stamped.twist))))
                 .boxed_local(),
-            Self::Bare(heard) => heard
+            Self::Bare(subscription) => subscription
                 .async_stream()
                 .filter_map(move |command| known(command.ok().and_then(|(twist, _)| plane(&twist))))
                 .boxed_local(),

@@ -1,4 +1,4 @@
-//! What is driven: where, from where to where, and with which senses.
+//! Scenario of a simulation: arena, robot, start, goal, sensors and faults.
 
 use surepose::geometry::{Body, Goal, Map, Point, Pose};
 use surepose::kinematics::WheelPair;
@@ -9,44 +9,44 @@ use crate::{
     Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, Slip, Timing, WallSegment, WorldModel,
 };
 
-/// How often compass and laser measure \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
+/// Measurement period of compass and laser \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
 const SENSOR_PERIOD: f64 = 0.1;
 
-/// Which sensors correct the odometry.
+/// Sensors that correct the odometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sensors {
-    /// The compass does.
+    /// Whether the compass is used.
     pub compass: bool,
-    /// The laser does.
+    /// Whether the laser is used.
     pub laser: bool,
 }
 
 impl Sensors {
-    /// Both do.
+    /// Compass and laser.
     pub const ALL: Self = Self { compass: true, laser: true };
-    /// Neither does: odometry alone.
+    /// Odometry alone.
     pub const NONE: Self = Self { compass: false, laser: false };
 }
 
-/// Where the loop world's course starts, x \[m], y \[m], heading \[°].
+/// Start of the course in the loop world: x \[m], y \[m], heading \[°].
 const LOOP_START: [f64; 3] = [2.0, 1.0, 0.0];
 
-/// So far from every wall the robot's middle must be where it starts and where it is to rest \[m].
+/// Smallest distance from start and goal to any wall \[m].
 const MIN_CLEARANCE: f64 = 0.05;
 
-/// A start or a goal where the robot cannot stand.
+/// Start or goal too close to a wall.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct InsufficientClearance {
     /// `start` or `goal`.
     pub end: &'static str,
-    /// Where that is.
+    /// Its position.
     pub at: Point<Map, f64>,
-    /// How far the nearest wall is \[m]; negative outside the arena.
+    /// Distance to the nearest wall \[m]; negative outside the arena.
     pub clearance: f64,
-    /// How far it must be \[m].
+    /// Required distance \[m].
     pub needed: f64,
-    /// That wall.
+    /// Nearest wall.
     pub wall: WallSegment,
 }
 
@@ -63,22 +63,22 @@ impl InsufficientClearance {
     }
 }
 
-/// A drive to be done.
+/// Configures a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// Where.
+    /// Arena.
     pub arena: Arena,
-    /// The robot, its law, its filter, start and goal. The world has the noise that the filter is told of.
+    /// Robot, control law, filter, start and goal. The world has the noise that the filter assumes.
     pub config: Config,
-    /// With which senses.
+    /// Sensors in use.
     pub sensors: Sensors,
-    /// How scans are read.
+    /// Method that matches scans with the map.
     pub scan_method: ScanMethod,
-    /// How well the start is known: standard deviations of x \[m], y \[m] and heading \[rad].
+    /// Uncertainty of the start: standard deviations of x \[m], y \[m] and heading \[rad].
     pub start_std: [f64; 3],
-    /// Things in the laser's way that are on no map.
+    /// Unmapped obstacles.
     pub clutter: Clutter,
-    /// What goes wrong.
+    /// Injected faults.
     pub faults: Vec<Fault>,
 }
 
@@ -90,7 +90,7 @@ impl Default for Scenario {
 }
 
 impl Scenario {
-    /// A drive in `arena` with all senses, from and to where `config` says, the start known to 1 cm and 0.5°.
+    /// Scenario in `arena` with all sensors and the start and goal of `config`; the start is known to 1 cm and 0.5°.
     pub fn in_arena(arena: Arena, config: Config) -> Self {
         let start_std = [0.01, 0.01, 0.5_f64.to_radians()];
         Self {
@@ -109,14 +109,14 @@ impl Scenario {
         Arena::named(name).map(|arena| Self::in_arena(arena, config))
     }
 
-    /// The scenario that `config` names; in the loop world the robot starts on the course, unless it is told to elsewhere.
+    /// Scenario of `config`. In the loop world the default start is on the course.
     pub fn configured(config: Config) -> Self {
         let arena = Arena::named(config.choice(&param::ARENA)).unwrap_or_else(Arena::paper);
         let mut values = Vec::new();
         if arena.name() == Arena::loop_world().name() {
             let [x, y, heading] = LOOP_START;
             let start = [(&param::START_X, x), (&param::START_Y, y), (&param::START_HEADING, heading)];
-            // A start of which a part is given is given.
+            // A partly configured start counts as configured.
             if start.iter().all(|(part, _)| config.origin(part) == ValueSource::Default) {
                 values.extend(start);
             }
@@ -124,7 +124,7 @@ impl Scenario {
         Self::in_arena(arena, config.with_preset("loop", &values))
     }
 
-    /// Whether there is room for the robot where it starts and where it is to rest.
+    /// Checks that start and goal have the required clearance.
     ///
     /// # Errors
     /// [`InsufficientClearance`], which names the wall.
@@ -141,22 +141,22 @@ impl Scenario {
         Ok(())
     }
 
-    /// A wall on the straight way from start to goal: the law does not go round it.
+    /// First wall on the straight line from start to goal, which the control law does not avoid.
     pub fn wall_on_straight_path(&self) -> Option<&WallSegment> {
         self.arena.first_wall_crossed(self.start().origin(), self.goal().origin())
     }
 
-    /// Where the robot starts.
+    /// Start pose.
     pub fn start(&self) -> Pose<Map, Body, f64> {
         self.config.start()
     }
 
-    /// Where it shall come to rest.
+    /// Goal pose.
     pub fn goal(&self) -> Pose<Map, Goal, f64> {
         self.config.goal()
     }
 
-    /// What the robot's navigator is built from.
+    /// Setup of the robot's navigator.
     pub fn navigator_setup(&self) -> NavigatorSetup {
         NavigatorSetup {
             scan_method: self.scan_method,

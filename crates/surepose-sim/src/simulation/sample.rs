@@ -8,7 +8,7 @@ use surepose::navigator::StepReport;
 
 use crate::World;
 
-/// Who is in charge.
+/// Active controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControlMode {
@@ -61,7 +61,7 @@ pub struct Sample {
     pub heading_error_deg: f64,
     /// The Lyapunov function of the law in charge, of the estimated pose: V_g far, V_l near.
     pub lyapunov: f64,
-    /// Who is in charge.
+    /// Active controller.
     pub mode: ControlMode,
     /// Whether `lyapunov` is V_l: the local law has the robot, driving or holding.
     pub local: bool,

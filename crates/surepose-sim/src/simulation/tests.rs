@@ -13,16 +13,15 @@ fn assert_parked(summary: &SimulationSummary, what: &str) {
     assert!(summary.final_position_error_m <= 0.01, "{what}: {summary:?}");
     assert!(summary.final_heading_error_deg <= 1.0, "{what}: {summary:?}");
     assert!(summary.final_speed_m_s <= 0.0, "{what}: {summary:?}");
-    // The hold time is no part of the bound, so it may not hide that the bound is not one.
+    // The optimal time excludes the dwell time of 1 s.
     assert!(summary.time_s - 1.0 >= summary.optimal_time_s, "{what}: {summary:?}");
     assert!(summary.wheel_speed_max_m_s <= 0.3 + 1e-12, "{what}: {summary:?}");
     assert!(summary.wheel_acceleration_max_m_s2 <= 0.5 + 1e-9, "{what}: {summary:?}");
 }
 
-/// The mean of NEES over independent drives is χ²₃/n distributed if the drives' means were single draws; a mean over
-/// a drive varies less, so the band is wide enough for every consistent filter.
+/// The mean NEES of n independent drives varies less than that of n single draws of χ²₃, whose 95 % band is used.
 #[test]
-fn default_drive_parks_and_knows_how_well() {
+fn default_drive_parks_with_consistent_estimate() {
     let runs: Vec<SimulationSummary> = (1..=8).map(|seed| simulate(&Scenario::default(), seed).1).collect();
     for summary in &runs {
         assert_parked(summary, "default");
@@ -48,10 +47,10 @@ fn every_direction_parks_from_random_starts() {
     }
 }
 
-/// The simulated wheels differ by 4 %, and so do those of the configuration. Taken for a pair, they would turn the robot
-/// by 1.1° every tenth of a second at full speed.
+/// The simulated wheels differ by 4 %, and so do those of the configuration. Equal radii in the filter would
+/// give a heading error of 1.1° per 0.1 s at full speed.
 #[test]
-fn wheels_that_differ_park_as_well() {
+fn robot_with_unequal_wheels_parks() {
     let config = Config::default().with_option("robot.wheel_radius_ratio=1.04").unwrap();
     for seed in 1..=3 {
         let summary = simulate(&Scenario::in_arena(Arena::paper(), config.clone()), seed).1;
@@ -77,9 +76,9 @@ fn odometry_only_has_larger_error_and_reports_it() {
     assert!(end.variance_x_m2.sqrt() > 0.01 && end.nees < 16.0, "{end:?}");
 }
 
-/// Broken sensors for half a second each: what they say is refused and counted, and the robot parks all the same.
+/// Readings of faulty sensors during 0.5 s are rejected and counted, and the robot parks.
 #[test]
-fn broken_sensors_are_refused_and_the_drive_goes_on() {
+fn faulty_readings_are_rejected_and_the_robot_parks() {
     let clean = simulate(&Scenario::default(), 1).1.rejected;
     for (sensor, refused) in [(Sensor::Compass, 5), (Sensor::Encoders, 5)] {
         let faults = vec![Fault::between(4.0, 4.5, FaultKind::NotANumber(sensor))];
@@ -103,18 +102,18 @@ fn broken_sensors_are_refused_and_the_drive_goes_on() {
 }
 
 #[test]
-fn late_sensors_are_put_in_their_place() {
+fn delayed_measurements_update_the_past_state() {
     let config = Config::default().with_option("laser.latency_s=0.25").unwrap();
     let config = config.with_option("compass.latency_s=0.12").unwrap();
     let late = simulate(&Scenario { config, ..Scenario::default() }, 1).1;
     assert_parked(&late, "late");
-    // Taken for current, a scan 0.25 s old would be off by 75 mm at full speed.
+    // Without delay compensation a scan of 0.25 s ago has an error of 75 mm at full speed.
     assert!(late.position_rmse_m.unwrap() < 0.01, "{late:?}");
     assert!(late.nees_mean.unwrap() < 6.0, "{late:?}");
 }
 
 #[test]
-fn supervisor_lets_a_healthy_robot_alone() {
+fn supervisor_does_not_intervene_for_a_healthy_robot() {
     for seed in 1..=8 {
         let mut simulation = Simulation::new(&Scenario::default(), seed);
         while simulation.next().is_some() {
@@ -123,21 +122,21 @@ fn supervisor_lets_a_healthy_robot_alone() {
     }
 }
 
-/// Carried off on its way, the robot notices, finds itself and parks all the same.
+/// A displaced robot detects the loss, relocalizes and parks.
 #[test]
-fn kidnapped_robot_parks_all_the_same() {
+fn kidnapped_robot_relocalizes_and_parks() {
     let faults = vec![Fault::at(4.0, FaultKind::Displaced([1.5, -1.0, 2.0]))];
     for seed in 1..=5 {
         assert_parked(
             &simulate(&Scenario { faults: faults.clone(), ..Scenario::default() }, seed).1,
-            "carried off",
+            "kidnapped",
         );
     }
 }
 
-/// A push by a hand's breadth is inside what a single beam may be off by, and outside the gates of whole walls.
+/// A push by 5 cm is within the gate of a single beam and outside the gates of whole walls.
 #[test]
-fn pushed_robot_parks_all_the_same() {
+fn pushed_robot_parks() {
     for push in [[0.05, 0.0, 0.0], [0.0, -0.05, 0.0], [0.02, 0.0, 0.0]] {
         for (compass, seed) in [(true, 1), (true, 2), (true, 3), (false, 1), (false, 2), (false, 3)] {
             let faults = vec![Fault::at(8.0, FaultKind::Displaced(push))];
@@ -148,9 +147,9 @@ fn pushed_robot_parks_all_the_same() {
     }
 }
 
-/// A laser that measures a hand's breadth too much or too little for a while leads nobody to a wrong place for good.
+/// A range offset of ±10 cm during 1 s causes no lasting pose error.
 #[test]
-fn laser_that_lies_for_a_while_does_no_lasting_harm() {
+fn temporary_range_offset_causes_no_lasting_error() {
     for off in [0.1, -0.1] {
         let faults = vec![Fault::between(4.0, 5.0, FaultKind::Offset(Sensor::Laser, off))];
         let sensors = Sensors { compass: false, laser: true };
@@ -163,7 +162,7 @@ fn laser_that_lies_for_a_while_does_no_lasting_harm() {
     }
 }
 
-/// Without a laser nothing tells where it is, only that it is not where it thinks: it stops and says why.
+/// Without a laser the robot cannot relocalize: it detects the loss, stops and reports the reason.
 #[test]
 fn lost_robot_without_laser_stops() {
     let faults = vec![Fault::at(4.0, FaultKind::Displaced([1.5, -1.0, 2.0]))];
@@ -173,7 +172,7 @@ fn lost_robot_without_laser_stops() {
     assert!(summary.final_speed_m_s <= 0.0, "{summary:?}");
 }
 
-/// From `start` to `goal` in the paper's arena with its plates, whether or not there is room.
+/// Scenario from `start` to `goal` in the paper's arena, without a clearance check.
 fn between(start: [f64; 3], goal: [f64; 3], options: &[&str]) -> Scenario {
     let keys = [&START_X, &START_Y, &START_HEADING, &GOAL_X, &GOAL_Y, &GOAL_HEADING];
     let values: Vec<_> = keys.into_iter().zip(start.into_iter().chain(goal)).collect();
@@ -182,9 +181,9 @@ fn between(start: [f64; 3], goal: [f64; 3], options: &[&str]) -> Scenario {
     Scenario { config, ..Scenario::default() }
 }
 
-/// Plates and walls, head-on and at a slant, fast and slow brakes, short and long periods, forwards and tail first.
+/// Plates and walls, head-on and oblique, with several brakes and periods, forward and in reverse.
 #[test]
-fn robot_stops_before_its_middle_is_in_a_wall_or_a_plate() {
+fn robot_center_stops_before_walls_and_plates() {
     let fast = ["robot.wheel_speed_limit_m_s=1.5", "robot.wheel_acceleration_limit_m_s2=2"];
     let slow_brakes = ["robot.wheel_acceleration_limit_m_s2=0.1"];
     let long_period = ["loop.period_s=0.3"];
@@ -217,9 +216,9 @@ fn robot_stops_before_its_middle_is_in_a_wall_or_a_plate() {
     }
 }
 
-/// A wall beside the way, or behind a goal with just the room that is needed, stops nobody.
+/// A wall beside the path, or behind a goal with the required clearance, does not stop the robot.
 #[test]
-fn goals_with_room_are_reached_however_near_the_wall_behind_them() {
+fn goals_with_required_clearance_are_reached() {
     for (start, goal) in [
         ([0.0, 0.0, 0.0], [3.29, 1.0, 0.0]),
         ([0.0, 0.0, 0.0], [4.19, 4.19, 45.0]),
@@ -257,9 +256,9 @@ fn start_and_goal_clearance_and_blocking_walls_are_checked() {
     assert_eq!(Scenario::configured(in_the_loop).check_clearance(), Ok(()));
 }
 
-/// A robot that sees next to nothing believes that it has arrived; it is judged by where it is.
+/// The outcome depends on the true pose, not on the belief.
 #[test]
-fn robot_that_only_believes_it_is_there_has_missed() {
+fn goal_reached_only_by_belief_is_missed() {
     let blind = Scenario { sensors: Sensors::NONE, ..Scenario::default() };
     let ends: Vec<SimulationSummary> = (1..=20).map(|seed| simulate(&blind, seed).1).collect();
     for end in &ends {
@@ -271,15 +270,15 @@ fn robot_that_only_believes_it_is_there_has_missed() {
 }
 
 #[test]
-fn time_that_runs_out_is_reported() {
+fn timeout_is_reported() {
     let config = Config::default().with_option("scenario.timeout_s=2").unwrap();
     let summary = simulate(&Scenario { config, ..Scenario::default() }, 1).1;
     assert_eq!(summary.outcome, SimulationOutcome::Timeout);
 }
 
-/// The keys that scripts rely on.
+/// Scripts use these keys.
 #[test]
-fn json_has_the_promised_keys() {
+fn json_has_the_documented_keys() {
     let json = serde_json::to_value(simulate(&Scenario::default(), 1).1).unwrap();
     for key in [
         "outcome",

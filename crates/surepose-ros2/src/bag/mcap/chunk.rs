@@ -1,4 +1,4 @@
-//! A chunk: records that are compressed together.
+//! Chunks: records that are compressed together.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -48,7 +48,7 @@ impl<'a> Chunk<'a> {
         Ok(Some(Self { offset, size, crc, compression, compressed, is_complete }))
     }
 
-    /// The bytes of its records; of a chunk that is cut short, those before the cut.
+    /// The bytes of its records; of a truncated chunk, those before the cut.
     ///
     /// # Errors
     /// An unknown or damaged compression, another size than is declared, or a wrong checksum.

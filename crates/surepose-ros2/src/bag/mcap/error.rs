@@ -1,10 +1,10 @@
-//! What is wrong with the records of an MCAP file.
+//! Errors of the records of an MCAP file.
 
-/// What is wrong with the records of a file. Offsets count the bytes of the decompressed file.
+/// Error of the records of a file. Offsets count the bytes of the decompressed file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum McapError {
-    /// The file does not start as MCAP does.
+    /// The file does not start with the magic number.
     #[error("the MCAP magic number is missing")]
     NoMagic,
     /// A record is longer than any that is read.
@@ -36,7 +36,7 @@ pub enum McapError {
     Decompression {
         /// Start of the chunk.
         offset: u64,
-        /// What is wrong with it.
+        /// The problem.
         problem: std::io::Error,
     },
     /// A chunk does not hold as many bytes as it declares.
