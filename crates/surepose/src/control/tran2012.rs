@@ -3,14 +3,13 @@
 use crate::kinematics::Twist;
 use crate::scalar::{Mask, Scalar};
 
-use super::active_mode::ActiveMode;
 use super::directed_error::DirectedError;
 use super::gains::Gains;
 use super::global::GlobalLaw;
 use super::hysteresis::HybridState;
-use super::law::ControlOutput;
 use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
+use super::output::{ActiveMode, ControlOutput};
 
 /// [Tran2012] Sec. 4: the local law on Ω_l = {ρ < ε_P, |φ − α| < ε_θ}, the global law elsewhere. It remembers nothing.
 ///
