@@ -37,6 +37,12 @@ pub enum GoalStatus {
     Reached,
 }
 
+impl<S: Scalar> Default for GoalChecker<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<S: Scalar> GoalChecker<S> {
     /// State outside the tolerance.
     pub fn new() -> Self {

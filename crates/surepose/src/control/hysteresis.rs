@@ -33,6 +33,12 @@ pub struct HybridState<S: Scalar> {
     pub drive_direction: S,
 }
 
+impl<S: Scalar> Default for HybridState<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<S: Scalar> HybridState<S> {
     /// State before the first decision.
     pub fn new() -> Self {

@@ -35,6 +35,12 @@ pub struct PathProgress<S> {
     pub limited: Twist<S>,
 }
 
+impl<S: Scalar> Default for PathProgress<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<S: Scalar> PathProgress<S> {
     /// At rest, at the start of the path.
     pub fn new() -> Self {
