@@ -5,7 +5,6 @@
 //! computes the twist from the scheduled gains. [`Limits`] scale that twist to what the wheels can do, and the
 //! [`GoalChecker`] decides when the goal is reached. [`Controller`] joins them for one period.
 
-mod active_mode;
 mod braking;
 mod controller;
 mod deadband;
@@ -19,13 +18,14 @@ mod law;
 mod limits;
 mod local;
 mod navigation_variables;
+mod output;
 mod path;
 mod path_controller;
 mod path_following;
 mod pid;
 mod tran2012;
+mod tuning;
 
-pub use active_mode::ActiveMode;
 pub use braking::BrakingProfile;
 pub use controller::{ControlDecision, ControlStep, Controller, ControllerState};
 pub use deadband::Deadband;
@@ -35,10 +35,11 @@ pub use global::GlobalLaw;
 pub use goal_checker::{GoalChecker, GoalStatus, Tolerance};
 pub use hybrid::HybridLaw;
 pub use hysteresis::{Direction, HybridState};
-pub use law::{ControlOutput, Law};
+pub use law::Law;
 pub use limits::Limits;
 pub use local::LocalLaw;
 pub use navigation_variables::{NavigationNoise, NavigationVariables};
+pub use output::{ActiveMode, ControlOutput};
 pub use path::{InvalidPath, Path, PathPoint, PathSegment};
 pub use path_controller::{PathController, PathProgress};
 pub use path_following::{PathCommand, PathError, PathFollowingLaw};

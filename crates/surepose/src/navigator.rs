@@ -32,10 +32,10 @@ pub use report::{Command, StepReport};
 /// A stamp that is earlier than the previous one by more than this \[s] comes from a clock that was set back.
 pub const CLOCK_SET_BACK_THRESHOLD: f64 = 1.0;
 
-/// Time for which rest is commanded after the wheels have stopped \[s].
+/// Duration of the zero command after the wheels have stopped \[s].
 const REST_TIME: f64 = 0.5;
 
-/// Odometry that reports rims this many times faster than their limit is broken or was reset.
+/// Maximum ratio of reported wheel speed to the wheel speed limit; faster odometry is faulty or was reset.
 const MAX_SPEED_RATIO: f64 = 5.0;
 
 /// Navigation of one robot: estimate, supervisor, controller, collision check and limits.
@@ -84,22 +84,22 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         }
     }
 
-    /// Carries the estimate to `input.stamp` and decides how the wheels turn for the next period.
+    /// Advances the estimate to `input.stamp` and computes the command for the next period.
     pub fn step(&mut self, map: &MapView<'_, S>, input: &SensorInput<'_, S>) -> StepReport<S> {
         self.step_observed(map, input, &mut ())
     }
 
-    /// As [`Navigator::step`], with an observer that sees every input and its outcome.
+    /// Runs [`Navigator::step`] with an observer that receives every input and its outcome.
     pub fn step_observed(
         &mut self,
         map: &MapView<'_, S>,
         input: &SensorInput<'_, S>,
         observer: &mut impl LoopObserver<S>,
     ) -> StepReport<S> {
-        // Where is the robot? Odometry predicts; measurements and scans, gated, correct.
+        // Estimate: odometry predicts; gated measurements and scans correct.
         let belief = self.estimate(map, input, observer);
 
-        // How far can that be trusted?
+        // Supervise: assess the estimate.
         let (health, action) = (self.localizer.health(), self.localizer.action());
         let mut report = StepReport::new(input.stamp, belief, health, action);
 
@@ -114,7 +114,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         report
     }
 
-    /// Takes a goal, and returns how the one before ended.
+    /// Sets a goal, and returns the result of the previous goal; `None` if there was none.
     ///
     /// # Errors
     /// [`NoRoomAtGoal`], where the footprint at the goal is too close to a wall; the goal before stays.
@@ -187,7 +187,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         &self.config
     }
 
-    /// The obstacles that the laser saw.
+    /// Returns the obstacles detected by the laser.
     pub fn obstacles(&self) -> &ObstacleMonitor<S, BEAMS> {
         &self.obstacles
     }
@@ -228,7 +228,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let controller = &self.config.controller;
         let decision = controller.decide(goal.state, report.belief.pose, goal.map_from_goal);
         let desired = match report.action {
-            // A lost robot turns in place: what it sees then may tell where it is.
+            // A lost robot turns in place, so that scans from other headings can localize it.
             SafetyAction::Stop(FaultReason::Lost) if map.is_known() => {
                 Twist::new(S::from_f64(0.0), self.config.search_turn_rate)
             }
@@ -250,7 +250,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let limited = limits.limit(&controller.drive, desired, self.previous, controller.period);
         let step = controller.finish(decision, limited);
 
-        // What the controller remembers of a goal seen from a wrong pose is worthless.
+        // A stop invalidates the pose, and with it the controller state.
         let is_stopped = matches!(report.action, SafetyAction::Stop(_));
         goal.state = if is_stopped { ControllerState::new() } else { step.state };
         goal.note(report.stamp, report.action, cap.blocked_by);
@@ -273,7 +273,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
     fn speed_cap(&self, desired: Twist<S>, map: &MapView<'_, S>, report: &StepReport<S>) -> SpeedCap<S> {
         let controller = &self.config.controller;
         if let SafetyAction::Stop(_) = report.action {
-            // The pose is worthless, and the robot at most turns in place.
+            // The pose is invalid, and the robot at most turns in place.
             return SpeedCap::unlimited();
         }
         if map.is_known() && self.obstacles.is_timed_out(report.stamp) {

@@ -1,36 +1,35 @@
-//! When to slow down, where the wheels need time for it.
+//! Braking profile: reduces gains so that the wheels can follow the deceleration.
 
 use crate::kinematics::DiffDrive;
 use crate::scalar::Scalar;
 
 use super::gains::Gains;
 use super::limits::Limits;
+use super::tuning::ACCELERATION_FRACTION;
 
-/// How hard the rims may brake on their way to the goal.
+/// Gain schedule that limits the deceleration of the wheels on the way to the goal.
 ///
-/// With a gain k alone, a rim that runs at V brakes with k·V: the harder the faster it runs. Here the gain shrinks with the
-/// way s that is left: `k(s) = 2k/(1 + √(1 + 2k²s/a))`. The speed `v = k(s)·s` solves `v²/2a + v/k = s`: the way of braking
-/// with `a`, and the exponential end of the drive.
+/// With a constant gain k, a wheel at speed V decelerates by k·V, which grows with the speed. The schedule reduces the gain
+/// with the remaining distance s: `k(s) = 2k/(1 + √(1 + 2k²s/a))`. The speed `v = k(s)·s` solves `v²/2a + v/k = s`. The
+/// first term is the braking distance at `a`; the second is the exponential settling.
 ///
 /// # Guarantee
-/// Along it the rim brakes with `a·v/(v + a/k) < a`, at every speed; and k(s) > 0, so that V̇ of (20) and (29) keeps its sign.
+/// Along the profile a wheel decelerates by `a·v/(v + a/k) < a` at every speed. k(s) > 0, so that V̇ of (20) and (29)
+/// keeps its sign.
 /// Tested by `braking::braking_is_never_harder_than_the_wheels_can`.
 ///
 /// # Departure
-/// [Tran2012] leaves out what wheels can do.
+/// [Tran2012] does not model wheel acceleration limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrakingProfile<S> {
     /// 2/a \[s²/m].
     twice_per_deceleration: S,
-    /// How far a rim rolls when the robot turns by 1 rad on the spot \[m].
+    /// Wheel travel per radian of rotation in place \[m].
     half_separation: S,
 }
 
-/// The part of the wheels' acceleration that braking takes: the rest corrects the path.
-pub(super) const ACCELERATION_FRACTION: f64 = 0.7;
-
 impl<S: Scalar> BrakingProfile<S> {
-    /// For the robot of `drive` and `limits`.
+    /// Derives the profile from `drive` and `limits`.
     pub fn from_limits(drive: &DiffDrive<S>, limits: &Limits<S>) -> Self {
         Self {
             twice_per_deceleration: S::from_f64(2.0 / ACCELERATION_FRACTION) / limits.wheel_acceleration,
@@ -38,14 +37,14 @@ impl<S: Scalar> BrakingProfile<S> {
         }
     }
 
-    /// What is left of the gain `gain` \[1/s] where a rim has `distance` \[m] to go, which is not negative: a part of 1.
+    /// Returns the factor in (0, 1] of `gain` \[1/s] at a remaining wheel travel `distance` ≥ 0 \[m].
     #[inline(always)]
     pub fn linear_gain_factor(&self, gain: S, distance: S) -> S {
         let one = S::from_f64(1.0);
         S::from_f64(2.0) / (one + (one + gain.squared() * self.twice_per_deceleration * distance).sqrt())
     }
 
-    /// The same where the robot has `angle` \[rad] to turn.
+    /// Returns the factor in (0, 1] of `gain` \[1/s] at a remaining rotation of `angle` \[rad].
     #[inline(always)]
     pub fn angular_gain_factor(&self, gain: S, angle: S) -> S {
         self.linear_gain_factor(gain, angle.abs() * self.half_separation)
@@ -53,7 +52,7 @@ impl<S: Scalar> BrakingProfile<S> {
 }
 
 impl BrakingProfile<f64> {
-    /// The same as [`BrakingProfile::from_limits`]; nothing where the wheels follow these gains from full speed, so that none need shrink.
+    /// Derives the profile, or `None` if the wheels can follow `gains` from full speed without it.
     pub fn from_limits_if_needed(
         drive: &DiffDrive<f64>,
         limits: &Limits<f64>,
@@ -64,7 +63,7 @@ impl BrakingProfile<f64> {
             .then(|| Self::from_limits(drive, limits))
     }
 
-    /// The same, rounded to another format.
+    /// Converts the profile to the scalar type `T`, rounded.
     pub fn cast<T: Scalar>(&self) -> BrakingProfile<T> {
         BrakingProfile {
             twice_per_deceleration: T::from_f64(self.twice_per_deceleration),

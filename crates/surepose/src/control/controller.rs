@@ -53,12 +53,12 @@ impl<S: Scalar> Default for ControllerState<S> {
     }
 }
 
-/// What the control law decided, before any limit.
+/// Decision of the control law, before limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlDecision<S: Scalar> {
-    /// The goal as the robot sees it.
+    /// Goal in navigation variables.
     pub navigation: NavigationVariables<S>,
-    /// Twist that the law asks for; zero once the goal is reached.
+    /// Desired twist; zero once the goal is reached.
     pub desired: Twist<S>,
     /// State of the control law for the next step.
     pub hybrid: HybridState<S>,
@@ -69,9 +69,9 @@ pub struct ControlDecision<S: Scalar> {
 /// Result of one control step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlStep<S: Scalar> {
-    /// The goal as the robot sees it.
+    /// Goal in navigation variables.
     pub navigation: NavigationVariables<S>,
-    /// Twist that the law asks for.
+    /// Desired twist.
     pub desired: Twist<S>,
     /// Twist within the limits.
     pub limited: Twist<S>,
@@ -95,7 +95,7 @@ impl<S: Scalar> Controller<S> {
         Self { drive, law: Law::Hybrid(law), braking, limits, tolerance, period }
     }
 
-    /// Decides and limits, for one period, with nothing in the way.
+    /// Computes and limits the twist of one period, without obstacles.
     #[inline]
     pub fn step(
         &self,
@@ -108,7 +108,7 @@ impl<S: Scalar> Controller<S> {
         self.finish(decision, limited)
     }
 
-    /// What the control law asks for; zero once the goal is reached and until a push takes the robot out of the tolerance.
+    /// Computes the desired twist; zero once the goal is reached, until the robot leaves the tolerance.
     #[inline(always)]
     pub fn decide(
         &self,
@@ -123,7 +123,7 @@ impl<S: Scalar> Controller<S> {
         ControlDecision { navigation, desired, hybrid: output.state, goal_checker }
     }
 
-    /// The step that carries out `decision` with the twist that the limits left of it.
+    /// Completes the step from `decision` and its limited twist.
     #[inline(always)]
     pub fn finish(&self, decision: ControlDecision<S>, limited: Twist<S>) -> ControlStep<S> {
         let (limited, wheels, _) = zero_if_infeasible(&self.drive, limited);
@@ -138,8 +138,8 @@ impl<S: Scalar> Controller<S> {
     }
 }
 
-/// A twist with the wheels' turn rates \[rad/s] and where these are feasible. Elsewhere, with absurd constants or a pose that
-/// is not a number, twist and rates are zero.
+/// A twist with the wheels' turn rates \[rad/s] and where these are feasible. Elsewhere, with invalid constants or a NaN
+/// pose, twist and rates are zero.
 #[inline(always)]
 pub(crate) fn zero_if_infeasible<S: Scalar>(
     drive: &DiffDrive<S>,

@@ -1,11 +1,11 @@
-//! When is moving no use? While the goal is nearer than the noise can tell.
+//! Deadband: the robot stands still while the goal distance is below the estimate noise.
 
 use crate::scalar::{Mask, Scalar};
 
-/// The distances at which the robot rests rather than follow the noise of its estimate to and fro.
+/// Distances at which the robot stands still instead of following estimate noise.
 ///
-/// The law is told how far off its estimate is. The robot does not drive where the goal is less than `radius` ahead, slows
-/// down smoothly to that, and turns its travel round only for a goal 2.4 times as far behind.
+/// The speed is zero where the goal is less than `radius` ahead, and decreases smoothly toward that distance. The travel
+/// direction reverses only for a goal 2.4 times as far behind.
 ///
 /// # Departure
 /// (23) and (28) of [Tran2012] drive for every ρ cos α ≠ 0, so that on the goal the wheels change their direction as
@@ -16,36 +16,36 @@ pub struct Deadband<S> {
     pub radius: S,
 }
 
-/// The radius in standard deviations of the position, for a period of 1 s: the oftener the robot is told its place, the
-/// oftener noise calls it to move.
+/// Radius in standard deviations of the position, for a period of 1 s. More frequent estimates cause more false motion.
 const STD_DEVS_AT_ONE_SECOND: f64 = 0.12;
-/// The least \[m]: nowhere to be seen.
+/// Minimum radius \[m]: negligible.
 const MIN_RADIUS: f64 = 1e-9;
-/// The most, in capture radii: a robot that rests is one that the local law turns, see [`super::HybridLaw`].
+/// Maximum radius, in capture radii: a robot at rest must be in local mode, see [`super::HybridLaw`].
 const MAX_CAPTURE_RADII: f64 = 0.13;
-/// How much farther the goal must be for the robot to turn its travel round.
+/// Ratio of the reversal distance to the radius.
 const REVERSAL_FACTOR: f64 = 2.4;
 
 impl<S: Scalar> Deadband<S> {
-    /// The zone for an estimate whose coordinates have the standard deviation `noise` \[m], white from one period \[s]
+    /// Derives the deadband for an estimate whose coordinates have the standard deviation `noise` \[m], white from one period \[s]
     /// to the next.
     pub fn from_noise(noise: S, period: S) -> Self {
-        // A radius of 0 would be a quotient of nothing on the goal.
+        // A radius of 0 would divide 0 by 0 at the goal.
         Self {
             radius: (noise * S::from_f64(STD_DEVS_AT_ONE_SECOND) / period.sqrt())
                 .max(S::from_f64(MIN_RADIUS)),
         }
     }
 
-    /// The same, no larger than what a goal that captures within `capture_radius` \[m] leaves room for.
+    /// Limits the radius to a fraction of `capture_radius` \[m].
     #[inline(always)]
     #[must_use]
     pub(super) fn capped(self, capture_radius: S) -> Self {
         Self { radius: self.radius.min(capture_radius * S::from_f64(MAX_CAPTURE_RADII)) }
     }
 
-    /// What is left of the speed `v` \[m/s] where the goal is `ahead` \[m], having been about to travel in the direction
-    /// `drive_direction`; and the direction for the next tick.
+    /// Reduces the speed `v` \[m/s] for a goal `ahead` \[m] and the last travel direction `drive_direction`.
+    ///
+    /// Returns the speed and the direction for the next tick.
     #[inline(always)]
     pub(super) fn apply(self, v: S, ahead: S, drive_direction: S) -> (S, S) {
         let is_undecided = drive_direction.abs().lt(S::from_f64(0.5));
@@ -58,7 +58,7 @@ impl<S: Scalar> Deadband<S> {
 }
 
 impl Deadband<f64> {
-    /// The same zone, rounded to another format.
+    /// Converts the deadband to the scalar type `T`, rounded.
     #[inline(always)]
     pub(super) fn cast<T: Scalar>(self) -> Deadband<T> {
         Deadband { radius: T::from_f64(self.radius) }

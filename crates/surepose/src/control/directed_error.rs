@@ -1,27 +1,27 @@
-//! The goal as the end of the robot sees it that goes first: what a law steers by.
+//! Navigation error for the selected direction of travel.
 
 use crate::geometry::Angle;
 use crate::scalar::Scalar;
 
 use super::navigation_variables::NavigationVariables;
 
-/// The goal, with the robot turned round in thought where its tail goes first.
+/// Goal relative to the leading end; in reverse, front and rear are exchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectedError<S: Scalar> {
-    /// The goal ahead of the end that goes first.
+    /// Goal relative to the leading end.
     pub goal: NavigationVariables<S>,
-    /// cos α of that goal.
+    /// cos α of `goal`.
     pub cos: S,
     /// sin α/α.
     pub sinc: S,
-    /// θ_e, how far the robot is turned from the commanded heading: the same for both ends.
+    /// Heading error θ_e; equal for both directions of travel.
     pub heading_error: Angle<S>,
-    /// The tail goes first.
+    /// Whether the robot drives in reverse.
     pub reverse: S::Mask,
 }
 
 impl<S: Scalar> DirectedError<S> {
-    /// The goal of `navigation`, tail first where `reverse`.
+    /// Expresses `navigation` for the leading end, which is the rear where `reverse` is true.
     #[inline(always)]
     pub fn from_navigation(navigation: &NavigationVariables<S>, reverse: S::Mask) -> Self {
         let goal = NavigationVariables::select(reverse, navigation.reversed(), *navigation);

@@ -1,43 +1,32 @@
-//! The gains of both laws, and the defaults that fit a period and a robot.
+//! Gains of both laws, and their defaults for a control period and a robot.
 
 use crate::kinematics::DiffDrive;
 use crate::scalar::Scalar;
 
-use super::braking::ACCELERATION_FRACTION;
 use super::limits::Limits;
+use super::tuning::{
+    ACCELERATION_FRACTION, APPROACH_WEIGHT, K_ALPHA_PER_PERIOD, K_THETA_PER_PERIOD, K_V_PER_PERIOD, MAX_K_V,
+    SETTLING_DISTANCE, SMALL_ERROR_ALPHA_PER_PERIOD, SMALL_ERROR_THETA_PER_PERIOD,
+};
 
-/// The gains of both laws of [Tran2012].
+/// Gains of both laws of [Tran2012].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gains<S> {
-    /// k_v \[1/s]: of the distance, Eq. (23) and (28).
+    /// k_v \[1/s]: gain of the distance, Eq. (23) and (28).
     pub k_v: S,
-    /// k_α \[1/s]: of the bearing, Eq. (23).
+    /// k_α \[1/s]: gain of the bearing, Eq. (23).
     pub k_alpha: S,
-    /// h: weight of the direction of approach, Eq. (19).
+    /// h \[1]: weight of the direction of approach, Eq. (19).
     pub h: S,
-    /// k_θ \[1/s]: of the heading error, Eq. (28).
+    /// k_θ \[1/s]: gain of the heading error, Eq. (28).
     pub k_theta: S,
 }
 
-/// Parts of an error that are taken away in one period: below 1 where the sampled loop must not overshoot, and 1 for the
-/// first step of a recursive mean.
-const K_V_PER_PERIOD: f64 = 0.2;
-const K_ALPHA_PER_PERIOD: f64 = 0.24;
-const K_THETA_PER_PERIOD: f64 = 1.0;
-const SMALL_ERROR_ALPHA_PER_PERIOD: f64 = 0.096;
-const SMALL_ERROR_THETA_PER_PERIOD: f64 = 0.12;
-/// The largest k_v \[1/s]: a third of a second for the last of the way is short enough, and the rest would follow noise.
-const MAX_K_V: f64 = 9.0;
-/// How far the rims have to go where braking evenly turns into settling exponentially \[m].
-const SETTLING_DISTANCE: f64 = 0.09;
-/// Weight of the direction of approach: the robot drives nearly straight and turns at the goal, as the time-optimal
-/// paths of [BalkcomMason2002] do.
-const H: f64 = 0.3;
-
 impl<S: Scalar> Gains<S> {
-    /// The paper's gains, Sec. 5.1. They are for continuous time: at the paper's period of 0.1 s k_α·ΔT is 10.
+    /// Returns the paper's gains, Sec. 5.1.
     ///
-    /// h and k_θ are not printed; with h = 1 α and φ weigh the same.
+    /// They suit continuous time: at the paper's period of 0.1 s, k_α·ΔT is 10. The paper does not print h and k_θ.
+    /// With h = 1, α and φ have equal weights.
     pub fn tran2012() -> Self {
         Self {
             k_v: S::from_f64(10.0),
@@ -47,12 +36,13 @@ impl<S: Scalar> Gains<S> {
         }
     }
 
-    /// Gains for a loop of `period` \[s] whose wheels obey `limits`.
+    /// Computes the gains for a loop of `period` \[s] and wheels with `limits`.
     ///
-    /// A gain takes a fixed part of its error away in each period: 0.2 of the distance, 0.24 of the bearing, all of the
-    /// heading error at the first tick of trimming. k_v is 9/s at the most. And a gain is no larger than that the wheels brake
-    /// evenly, see [`BrakingProfile`](super::BrakingProfile), until the rims have 9 cm to go: √(2a/9 cm); twice that for the bearing, which the robot may
-    /// overshoot on its way.
+    /// Each gain removes a fixed fraction of its error in each period: 0.2 of the distance, 0.24 of the bearing. The first
+    /// tick of trimming removes the whole heading error. k_v is at most 9/s.
+    ///
+    /// Each gain is also at most √(2a/9 cm), and that of the bearing at most twice this value. So the wheels decelerate
+    /// at a constant rate until 9 cm of wheel travel remain, see `BrakingProfile`. The bearing may overshoot on the way.
     pub fn for_loop(period: S, limits: &Limits<S>) -> Self {
         let even =
             (limits.wheel_acceleration * S::from_f64(2.0 * ACCELERATION_FRACTION / SETTLING_DISTANCE)).sqrt();
@@ -60,14 +50,14 @@ impl<S: Scalar> Gains<S> {
         Self {
             k_v: gain(K_V_PER_PERIOD, even.min(S::from_f64(MAX_K_V))),
             k_alpha: gain(K_ALPHA_PER_PERIOD, even * S::from_f64(2.0)),
-            h: S::from_f64(H),
+            h: S::from_f64(APPROACH_WEIGHT),
             k_theta: gain(K_THETA_PER_PERIOD, even),
         }
     }
 }
 
 impl Gains<f64> {
-    /// The same gains, rounded to another format.
+    /// Converts the gains to the scalar type `T`, rounded.
     #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> Gains<T> {
         Gains {
@@ -79,21 +69,21 @@ impl Gains<f64> {
     }
 }
 
-/// What the law knows of the robot it steers: how fast it can be, and how often it is told.
+/// Speed limits of the robot and gain limits that follow from the control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorLimits<S> {
-    /// Largest speed \[m/s].
+    /// Maximum speed \[m/s].
     pub speed: S,
-    /// Largest turn rate \[rad/s].
+    /// Maximum turn rate \[rad/s].
     pub turn_rate: S,
-    /// Largest k_α at a small bearing \[1/s]: noise of the estimate is averaged over several periods.
+    /// Maximum k_α at a small bearing \[1/s]; averages estimate noise over several periods.
     pub small_error_gain_alpha: S,
-    /// Largest k_θ at a small heading error \[1/s].
+    /// Maximum k_θ at a small heading error \[1/s].
     pub small_error_gain_theta: S,
 }
 
 impl<S: Scalar> ActuatorLimits<S> {
-    /// The robot of `drive` and `limits`, told every `period` \[s].
+    /// Derives the limits from `drive`, `limits` and the control `period` \[s].
     pub fn from_limits(drive: &DiffDrive<S>, limits: &Limits<S>, period: S) -> Self {
         Self {
             speed: limits.wheel_speed,
@@ -105,7 +95,7 @@ impl<S: Scalar> ActuatorLimits<S> {
 }
 
 impl ActuatorLimits<f64> {
-    /// The same robot, rounded to another format.
+    /// Converts the limits to the scalar type `T`, rounded.
     #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> ActuatorLimits<T> {
         ActuatorLimits {

@@ -1,11 +1,11 @@
-//! Far from the goal: [Tran2012] Sec. 4.1.
+//! Global law: approach from any pose, [Tran2012] Sec. 4.1.
 
 use crate::kinematics::Twist;
 use crate::scalar::Scalar;
 
 use super::navigation_variables::NavigationVariables;
 
-/// The law that brings the robot to the goal from everywhere, turned as commanded.
+/// Global law: drives the robot from any pose to the goal pose.
 ///
 /// `v = k_v·ρ·cos α`, `ω = k_α·α + k_v·cos α·sinc α·(α + h·φ)`, [Tran2012] Eq. (23).
 ///
@@ -19,8 +19,8 @@ use super::navigation_variables::NavigationVariables;
 /// Every input: ρ cancels in ω, and sin α/α is continued to 1.
 ///
 /// # Guarantee
-/// Without noise and in continuous time V̇_g = −k_v·ρ²·cos²α − k_α·α² ≤ 0. What holds under sampling and noise
-/// is the certificate's to say.
+/// Without noise and in continuous time V̇_g = −k_v·ρ²·cos²α − k_α·α² ≤ 0. The certificate covers sampling
+/// and noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlobalLaw<S> {
     /// k_v \[1/s].
@@ -32,7 +32,7 @@ pub struct GlobalLaw<S> {
 }
 
 impl<S: Scalar> GlobalLaw<S> {
-    /// The twist of [Tran2012] Eq. (23).
+    /// Computes the twist of [Tran2012] Eq. (23).
     #[inline(always)]
     pub fn twist(&self, navigation: &NavigationVariables<S>) -> Twist<S> {
         let alpha = navigation.alpha.radians();
@@ -40,7 +40,7 @@ impl<S: Scalar> GlobalLaw<S> {
         self.twist_driven(navigation.rho, alpha, navigation.phi.radians(), cos, sinc)
     }
 
-    /// The same with any `drive` in the place of cos α, for an `alpha` \[rad] that may be continued beyond ±π.
+    /// Computes Eq. (23) with `drive` in place of cos α; `alpha` \[rad] may exceed ±π.
     ///
     /// V̇_g = −k_v·ρ²·drive·cos α − k_α·α²: it descends wherever `drive` has the sign of cos α or is 0. The terms
     /// with φ cancel whatever `drive` is.

@@ -1,39 +1,39 @@
-//! When is the goal reached? Inside the tolerance for a hold time; then held, and taken up again after a push.
+//! Goal checker: the goal is reached after a dwell time within the tolerance.
 
 use crate::scalar::{Float, Mask, Scalar};
 
 use super::navigation_variables::NavigationVariables;
 
-/// What counts as being there.
+/// Tolerance of the goal, with dwell time and hysteresis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance<S> {
-    /// Largest distance from the goal \[m].
+    /// Maximum distance from the goal \[m].
     pub position: S,
-    /// Largest heading error \[rad].
+    /// Maximum heading error \[rad].
     pub heading: S,
-    /// How long both must hold without a break \[s].
+    /// Dwell time for which both must hold without interruption \[s].
     pub dwell: S,
-    /// By what factor the tolerance widens once inside, so that noise does not break the hold: ≥ 1.
+    /// Factor ≥ 1 that widens the tolerance once inside, against noise.
     pub hysteresis: S,
 }
 
-/// How far arriving has come: the state between ticks.
+/// State of the goal check between ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoalChecker<S: Scalar> {
-    /// How long the robot has been inside \[s].
+    /// Time within the tolerance \[s].
     pub inside_for: S,
-    /// Inside now.
+    /// Whether the robot is within the tolerance.
     pub inside: S::Mask,
 }
 
-/// What the loop is doing.
+/// Status of the goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GoalStatus {
-    /// On its way.
+    /// Outside the tolerance.
     Approaching,
-    /// Inside the tolerance, not yet for long enough.
+    /// Within the tolerance, before the end of the dwell time.
     Dwelling,
-    /// Inside for the hold time: the pose is held until something pushes the robot out.
+    /// Dwell time completed; the pose is held until the robot leaves the tolerance.
     Reached,
 }
 
@@ -44,12 +44,12 @@ impl<S: Scalar> Default for GoalChecker<S> {
 }
 
 impl<S: Scalar> GoalChecker<S> {
-    /// Not there.
+    /// State outside the tolerance.
     pub fn new() -> Self {
         Self { inside_for: S::from_f64(0.0), inside: S::Mask::splat(false) }
     }
 
-    /// The state after another `period` \[s] with the goal seen as `navigation`.
+    /// Updates the state after one `period` \[s] with the goal at `navigation`.
     #[must_use]
     #[inline]
     pub fn update(self, navigation: &NavigationVariables<S>, tolerance: &Tolerance<S>, period: S) -> Self {
@@ -57,12 +57,12 @@ impl<S: Scalar> GoalChecker<S> {
         let is_near = navigation.rho.lt(tolerance.position * widening);
         let is_aligned = navigation.heading_error().radians().abs().lt(tolerance.heading * widening);
         let inside = is_near.and(is_aligned);
-        // The period before the first sight inside was spent outside.
+        // The period before the first tick within the tolerance does not count.
         let dwelled = S::select(self.inside, self.inside_for + period, S::from_f64(0.0));
         Self { inside_for: S::select(inside, dwelled, S::from_f64(0.0)), inside }
     }
 
-    /// Where the hold time is over.
+    /// Whether the dwell time is over.
     #[inline]
     pub fn reached(&self, tolerance: &Tolerance<S>) -> S::Mask {
         self.inside.and(!self.inside_for.lt(tolerance.dwell))
@@ -70,7 +70,7 @@ impl<S: Scalar> GoalChecker<S> {
 }
 
 impl<S: Float> GoalChecker<S> {
-    /// What the loop is doing.
+    /// Status of the goal.
     pub fn status(&self, tolerance: &Tolerance<S>) -> GoalStatus {
         if self.reached(tolerance) {
             GoalStatus::Reached
@@ -89,7 +89,7 @@ mod tests {
     use super::{GoalChecker, Tolerance};
     use crate::control::NavigationVariables;
 
-    /// However long a period is: the one before the first sight inside was spent outside.
+    /// The period before the first tick within the tolerance does not count, whatever its length.
     #[test]
     fn dwell_time_is_respected() {
         let tolerance = Tolerance { position: 0.01, heading: 0.02, dwell: 1.0, hysteresis: 1.5 };

@@ -1,90 +1,71 @@
-//! The hybrid law: global far away, local at the goal, handed over smoothly, with a state that noise does not change.
+//! Hybrid law: the global law far away, the local law at the goal, with hysteresis and a smooth transition.
 
 use crate::kinematics::{DiffDrive, Twist};
 use crate::scalar::Scalar;
 
-use super::active_mode::ActiveMode;
 use super::braking::BrakingProfile;
 use super::deadband::Deadband;
 use super::directed_error::DirectedError;
 use super::gains::{ActuatorLimits, Gains};
 use super::global::GlobalLaw;
 use super::hysteresis::{self, Direction, HybridState};
-use super::law::ControlOutput;
 use super::limits::Limits;
 use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
+use super::output::{ActiveMode, ControlOutput};
+use super::tuning::{
+    APPROACH_RADIUS, ARRIVED_RADIUS, CAPTURE_RADIUS, ENTER_RADIUS, FULL_GAIN_ALPHA, FULL_GAIN_THETA,
+    MAX_LEAVE_RADIUS, MIN_LEAVE_RADIUS, MIN_TURN_FACTOR, TRIM_THRESHOLD, TRIM_TICKS_TO_LEAVE,
+};
 
-/// The hybrid law of [Tran2012] Sec. 4, for wheels with limits, a sampled loop and a noisy estimate.
+/// Hybrid law of [Tran2012] Sec. 4, for wheels with limits, a sampled loop and a noisy estimate.
 ///
-/// With `ε` the capture radius, `V` the largest speed and `a₊ = min(1, a)`, the distance from the goal decides:
+/// ε is the capture radius, V the maximum speed and `a₊ = min(1, a)`. The distance to the goal ρ selects the law:
 ///
 /// | where | law |
 /// |---|---|
 /// | ρ > ε | (23) with k_v → min(k_v, V/ρ), k_α → k_α(α), h → h·(ρ/2.7ε)²₊, and v = 0 where cos α < 0 |
-/// | ρ < ε | the same, its ω faded by (ρ/ε)²: the robot finishes the line it is on; where cos α < 0, v faded in by 1 − (ρ/ε)²: it backs up |
-/// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming; it turns as far as it has arrived: ω·max(0.1, 1 − (ρ cos α/0.35ε)²), and wholly where the heading is within 0.02 rad |
+/// | ρ < ε | (23) as above with ω·(ρ/ε)²: the path becomes straight; where cos α < 0, v is scaled by 1 − (ρ/ε)²: the robot backs up |
+/// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming and ω·max(0.1, 1 − (ρ cos α/0.35ε)²); full ω where the heading error is below 0.02 rad |
 ///
-/// (28) keeps the robot until ρ > 0.85ε; as it trims the heading, ρ² need only exceed what falls evenly to (0.58ε)² in 20
-/// ticks. With the direction of approach reversed, α, φ and v are those of a robot whose tail is its nose.
+/// The local law stays active until ρ > 0.85ε. While it trims the heading, the squared exit radius decreases linearly to
+/// (0.58ε)² in 20 ticks. In reverse, α, φ and v are those of a robot whose front and rear are exchanged.
 ///
 /// # Guarantee
 /// Without noise and in continuous time W = c·ln ρ + ½(α² + h_w·φ²) falls for ρ > ε with c = 2 and h_w = 0.1, at the fitted
-/// gains, and V_l of (26) does not grow where the local law is in charge. Between the two, while steering fades,
-/// nothing is proved. Tested by `hybrid::global_law_descends`, `hybrid::local_law_descends`. What holds sampled
-/// and with noise is the certificate's to say.
+/// gains. V_l of (26) does not grow while the local law is active. In the transition between them nothing is proved.
+/// Tested by `hybrid::global_law_descends`, `hybrid::local_law_descends`. The
+/// certificate covers the sampled loop with noise.
 ///
 /// # Departure
 /// - k_v → min(k_v, V/ρ) bounds v by V. It is a positive factor on the part of the twist that k_v scales, and V̇_g
-///   keeps its form with the smaller k_v. So the turn has the wheels first, and the path is nearly straight, as the
+///   keeps its form with the smaller k_v. So the turn has priority, and the path is nearly straight, as the
 ///   time-optimal ones are.
-/// - No driving away: where cos α < 0, (23) drives backwards and turns. Here the robot turns on the spot first, so that
-///   it does not reverse its travel: forward is forward.
-/// - k_α shrinks with its error, and k_θ/n, down to a floor, is the gain of a recursive mean: noise of the estimate is
-///   averaged, and large errors are still taken away at once. V̇ ≤ 0 holds for every positive gain.
-/// - With a deadband, the robot rests rather than follow noise to and fro: see [`Deadband`].
-/// - Where the wheels need time to slow down, gains shrink with the way that is left: see [`BrakingProfile`].
+/// - No driving away: where cos α < 0, (23) drives backwards and turns. Here the robot turns in place first, so that
+///   the direction of travel stays as selected.
+/// - k_α shrinks with its error, and k_θ/n, down to a floor, is the gain of a recursive mean. Estimate noise is
+///   averaged, and large errors are still removed at once. V̇ ≤ 0 holds for every positive gain.
+/// - With a deadband, the robot stands still instead of following noise: see [`Deadband`].
+/// - With limited acceleration, gains shrink with the remaining distance: see [`BrakingProfile`].
 /// - h grows with ρ: Ẇ with h(ρ) has the further term −½h′(ρ)·v·cos α·φ² ≤ 0.
-/// - The paper's Ω_l has no memory and lets the global law spin on noise at ρ < ε_P with a large heading error.
+/// - The paper's Ω_l has no hysteresis: at ρ < ε_P with a large heading error the global law rotates with the noise.
 /// - The turning side and the direction of approach have hysteresis: see [`HybridState`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HybridLaw<S> {
-    /// The gains.
+    /// Gains of both laws.
     pub gains: Gains<S>,
-    /// ε_P, within which steering fades and the local law takes over \[m].
+    /// Capture radius ε_P \[m], within which steering decreases and the local law takes over.
     pub capture_radius: S,
-    /// Which end goes first.
+    /// Permitted direction of travel.
     pub direction: Direction,
-    /// What the robot can do.
+    /// Actuator limits of the robot.
     pub actuator_limits: ActuatorLimits<S>,
-    /// Where it rests rather than follow noise; `None` disables the deadband.
+    /// Deadband against noise; `None` disables it.
     pub deadband: Option<Deadband<S>>,
 }
 
-/// The default of ε_P \[m]: beyond it the noise of a laser localisation moves α by little.
-const CAPTURE_RADIUS: f64 = 0.033;
-
-// Radii in capture radii. They were tuned on the bench trial, and the certificate judges them.
-const ENTER: f64 = 0.23;
-/// Beyond this the local law hands back, whatever it does; the squares of the radii fall evenly from this to the next in
-/// so many ticks of trimming. So noise that makes it take over too early cannot make it hand back at once, and a robot
-/// that noise has turned beside the goal is still called back to it.
-const MAX_LEAVE: f64 = 0.85;
-const LEAVE: f64 = 0.58;
-const TRIM_TICKS_TO_LEAVE: f64 = 20.0;
-const ARRIVED: f64 = 0.35;
-/// What is left of the turn before the robot has arrived: noise that hides the arrival does not keep it from turning.
-const MIN_TURN_FACTOR: f64 = 0.1;
-const APPROACH: f64 = 2.7;
-/// Bearing beyond which k_α is whole \[rad].
-const FULL_GAIN_ALPHA: f64 = 0.08;
-/// Heading error within which the local law trims; beyond it k_θ is whole \[rad].
-const FULL_GAIN_THETA: f64 = 0.045;
-/// Heading error within which the local law turns wherever it is \[rad]; beyond twice that, only where it has arrived.
-const TRIM: f64 = 0.02;
-
 impl<S: Scalar> HybridLaw<S> {
-    /// The law that fits a robot and a period \[s], with the capture radius of the default configuration.
+    /// Derives the law for a robot and a control `period` \[s], with the default capture radius.
     pub fn fitted(drive: &DiffDrive<S>, limits: &Limits<S>, period: S, direction: Direction) -> Self {
         Self {
             gains: Gains::for_loop(period, limits),
@@ -95,14 +76,14 @@ impl<S: Scalar> HybridLaw<S> {
         }
     }
 
-    /// The twist for the goal as seen now, and the state for the next tick.
+    /// Computes the desired twist and the state for the next tick.
     #[inline(always)]
     pub fn compute(&self, navigation: &NavigationVariables<S>, state: HybridState<S>) -> ControlOutput<S> {
         let directed = self.select_direction(navigation, &state);
         self.compute_for_mode(&directed, self.select_mode(&directed, state))
     }
 
-    /// Which end goes first, and what it sees.
+    /// Selects the direction of travel, and expresses the goal for that direction.
     #[inline(always)]
     pub fn select_direction(
         &self,
@@ -115,7 +96,7 @@ impl<S: Scalar> HybridLaw<S> {
         )
     }
 
-    /// Which law is in charge, and of what error.
+    /// Selects the active law and its angle error.
     #[inline(always)]
     pub fn select_mode(&self, directed: &DirectedError<S>, state: HybridState<S>) -> ActiveMode<S> {
         let (ahead, reverse) = (&directed.goal, directed.reverse);
@@ -123,13 +104,13 @@ impl<S: Scalar> HybridLaw<S> {
         let error = S::select(local_mode, -directed.heading_error.radians(), ahead.alpha.radians());
         let (error, turn_direction) = hysteresis::unwrap_toward(error, state.turn_direction);
         let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-        // Compared where the local law is in charge only: elsewhere it would be one more undecided comparison of intervals.
+        // Compared only in local mode: elsewhere it would add an undecided comparison of intervals.
         let trimming = S::select(local_mode, error.abs(), one).lt(S::from_f64(FULL_GAIN_THETA));
         let trim_ticks = S::select(trimming, state.trim_ticks + one, zero);
         ActiveMode { error, state: HybridState { local_mode, reverse, turn_direction, trim_ticks, ..state } }
     }
 
-    /// The twist that the end which goes first wants of this law.
+    /// Computes the twist of the active mode.
     #[inline(always)]
     pub fn compute_for_mode(&self, directed: &DirectedError<S>, mode: ActiveMode<S>) -> ControlOutput<S> {
         let (ahead, reverse, ActiveMode { error, state }) = (&directed.goal, directed.reverse, mode);
@@ -151,10 +132,10 @@ impl<S: Scalar> HybridLaw<S> {
         ControlOutput { twist: Twist::new(v, omega), state: HybridState { drive_direction, ..state } }
     }
 
-    /// The same for wheels that need time to slow down.
+    /// Computes the twist of the active mode with gains reduced by the braking profile.
     ///
-    /// Far away the drive waits where the turn needs time: both are slowed down alike, and the path stays the same. At the
-    /// goal there is no drive left to slow down.
+    /// In global mode v and ω are scaled by one factor, so that the path does not change. In local mode only k_θ is
+    /// reduced.
     #[inline(always)]
     pub fn compute_for_mode_with_braking(
         &self,
@@ -171,7 +152,7 @@ impl<S: Scalar> HybridLaw<S> {
         ControlOutput { twist: output.twist.scaled(S::select(local_mode, one, turn)), ..output }
     }
 
-    /// ρ² in capture radii squared.
+    /// Returns ρ² in units of ε².
     #[inline(always)]
     fn radii_squared(&self, rho: S) -> S {
         (rho * (S::from_f64(1.0) / self.capture_radius)).squared()
@@ -190,11 +171,11 @@ impl<S: Scalar> HybridLaw<S> {
         }
     }
 
-    /// (23) scheduled, with `alpha` continued beyond ±π.
+    /// Computes (23) with scheduled gains; `alpha` is unwrapped beyond ±π.
     #[inline(always)]
     fn global_twist(&self, goal: &GoalInBody<S>, ahead: &NavigationVariables<S>, alpha: S) -> Twist<S> {
         let global = GlobalLaw {
-            // min(k_v, V/ρ), without a quotient that 0 would break.
+            // min(k_v, V/ρ), without a division by zero at ρ = 0.
             k_v: self.actuator_limits.speed / ahead.rho.max(self.actuator_limits.speed / self.gains.k_v),
             k_alpha: small_error_gain(
                 alpha,
@@ -202,20 +183,20 @@ impl<S: Scalar> HybridLaw<S> {
                 self.gains.k_alpha,
                 self.actuator_limits.small_error_gain_alpha,
             ),
-            h: (goal.radii_squared * (self.gains.h * S::from_f64(1.0 / (APPROACH * APPROACH))))
+            h: (goal.radii_squared * (self.gains.h * S::from_f64(1.0 / (APPROACH_RADIUS * APPROACH_RADIUS))))
                 .min(self.gains.h),
         };
         let fade = goal.radii_squared.min(S::from_f64(1.0));
-        // Driving away, by as much as steering has faded: on the goal the robot backs up rather than turns round.
+        // v < 0 grows as steering decreases: at the goal the robot backs up instead of turning around.
         let drive = goal.cos.max((S::from_f64(1.0) - fade) * goal.cos);
         let twist = global.twist_driven(ahead.rho, alpha, ahead.phi.radians(), drive, goal.sinc);
         Twist::new(twist.v, twist.omega * fade)
     }
 
-    /// (28) scheduled, with the heading error continued beyond ±π.
+    /// Computes (28) with scheduled gains; `heading_error` is unwrapped beyond ±π.
     #[inline(always)]
     fn local_twist(&self, goal: &GoalInBody<S>, heading_error: S, trim_ticks: S) -> Twist<S> {
-        // At the n-th tick of trimming n = `trim_ticks`; it is 0 where nothing is trimmed.
+        // `trim_ticks` is n at the n-th tick of trimming, and 0 outside trimming.
         let one = S::from_f64(1.0);
         let full = self.gains.k_theta;
         let local = LocalLaw {
@@ -225,38 +206,37 @@ impl<S: Scalar> HybridLaw<S> {
         let twist = local.twist_toward(goal.ahead, heading_error);
         let limit = self.actuator_limits.turn_rate;
         let omega = twist.omega.clamp(-limit, limit);
-        let arrived = one - (goal.ahead * (goal.per_radius * S::from_f64(1.0 / ARRIVED))).squared();
-        let trimming = (S::from_f64(2.0) - heading_error.abs() * S::from_f64(1.0 / TRIM)).min(one);
+        let arrived = one - (goal.ahead * (goal.per_radius * S::from_f64(1.0 / ARRIVED_RADIUS))).squared();
+        let trimming = (S::from_f64(2.0) - heading_error.abs() * S::from_f64(1.0 / TRIM_THRESHOLD)).min(one);
         Twist::new(twist.v, omega * arrived.max(trimming).max(S::from_f64(MIN_TURN_FACTOR)))
     }
 }
 
-/// `full` at errors of `knee` \[rad] and above, at most `small` at small ones, a parabola between.
+/// Interpolates a gain by a parabola: at most `small` at zero error, `full` at errors ≥ `knee` \[rad].
 #[inline(always)]
 fn small_error_gain<S: Scalar>(error: S, knee: f64, full: S, small: S) -> S {
     let small = small.min(full);
     (small + (full - small) * S::from_f64(1.0 / (knee * knee)) * error.squared()).min(full)
 }
 
-/// The goal in the robot's axes, and in capture radii.
+/// Goal in the body frame, and its distance in units of ε.
 struct GoalInBody<S> {
     cos: S,
     sinc: S,
     /// ρ·cos α \[m].
     ahead: S,
-    /// ρ² in capture radii squared.
+    /// ρ² in units of ε².
     radii_squared: S,
     /// 1/ε \[1/m].
     per_radius: S,
 }
 
-/// ρ² in capture radii squared below which the local law is in charge, having been or not, and having trimmed for so many
-/// ticks.
+/// Returns the squared switching radius in units of ε², for the previous mode and the trimming time.
 #[inline(always)]
 fn handover<S: Scalar>(was: S::Mask, trim_ticks: S) -> S {
-    const LEAST: f64 = LEAVE * LEAVE;
-    const PER_TRIM: f64 = (MAX_LEAVE * MAX_LEAVE - LEAST) / TRIM_TICKS_TO_LEAVE;
-    let leave =
-        (S::from_f64(MAX_LEAVE * MAX_LEAVE) - trim_ticks * S::from_f64(PER_TRIM)).max(S::from_f64(LEAST));
-    S::select(was, leave, S::from_f64(ENTER * ENTER))
+    const LEAST: f64 = MIN_LEAVE_RADIUS * MIN_LEAVE_RADIUS;
+    const PER_TRIM: f64 = (MAX_LEAVE_RADIUS * MAX_LEAVE_RADIUS - LEAST) / TRIM_TICKS_TO_LEAVE;
+    let leave = (S::from_f64(MAX_LEAVE_RADIUS * MAX_LEAVE_RADIUS) - trim_ticks * S::from_f64(PER_TRIM))
+        .max(S::from_f64(LEAST));
+    S::select(was, leave, S::from_f64(ENTER_RADIUS * ENTER_RADIUS))
 }

@@ -1,4 +1,4 @@
-//! The discrete state of the hybrid law, and the hysteresis that keeps noise from changing it.
+//! Discrete state of the hybrid law, with hysteresis against noise.
 
 use core::f64::consts::{PI, TAU};
 
@@ -6,30 +6,30 @@ use crate::scalar::{Mask, Scalar};
 
 use super::navigation_variables::NavigationVariables;
 
-/// Which way round the robot may approach the goal.
+/// Permitted direction of travel toward the goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direction {
-    /// Nose first.
+    /// Forward only.
     Forward,
-    /// Tail first.
+    /// Reverse only.
     Reverse,
-    /// Whichever takes less turning, kept by hysteresis.
+    /// The direction that needs less rotation, with hysteresis.
     #[default]
     Auto,
 }
 
-/// What the law remembers from tick to tick.
+/// State of the hybrid law between ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HybridState<S: Scalar> {
-    /// The local law is in charge.
+    /// Whether the local law is active.
     pub local_mode: S::Mask,
-    /// The robot drives tail first.
+    /// Whether the robot drives in reverse.
     pub reverse: S::Mask,
-    /// The side it turns to, where left and right are equally far: ±1; 0 where nothing is decided yet.
+    /// Direction of rotation near ±π: ±1; 0 before the first decision.
     pub turn_direction: S,
-    /// For how many ticks the local law has been trimming a small heading error.
+    /// Number of ticks for which the local law has trimmed a small heading error.
     pub trim_ticks: S,
-    /// Which way the robot last travelled: 1 ahead, −1 back; 0 before it has, and where there is no [`Deadband`](super::Deadband).
+    /// Last travel direction: 1 forward, −1 backward; 0 before the first motion and without a [`Deadband`](super::Deadband).
     pub drive_direction: S,
 }
 
@@ -40,29 +40,29 @@ impl<S: Scalar> Default for HybridState<S> {
 }
 
 impl<S: Scalar> HybridState<S> {
-    /// Nothing decided yet.
+    /// State before the first decision.
     pub fn new() -> Self {
         let (no, zero) = (S::Mask::splat(false), S::from_f64(0.0));
         Self { local_mode: no, reverse: no, turn_direction: zero, trim_ticks: zero, drive_direction: zero }
     }
 
-    /// Where nothing is decided yet.
+    /// State before the first decision.
     #[inline(always)]
     pub fn is_undecided(&self) -> S::Mask {
         self.turn_direction.abs().lt(S::from_f64(0.5))
     }
 }
 
-/// How far beyond ±π a turn is continued to the side it has begun \[rad].
+/// Angle beyond ±π up to which a rotation keeps its direction \[rad].
 const TURN_HYSTERESIS: f64 = 0.5;
-/// How much worse |α| + h|φ| must be than the other direction's before the robot turns round \[rad].
+/// Margin of |α| + h|φ| over the other direction that reverses the travel \[rad].
 const DIRECTION_HYSTERESIS: f64 = 1.3;
 
-/// Whether the tail goes first.
+/// Selects whether the robot drives in reverse.
 ///
-/// At first the direction that takes less turning: driving nearly straight, nose first turns by |α| + |φ| and tail
-/// first by 2π − |α| − |φ|. Later the robot turns round only where |α| + h|φ| says so by a margin: then
-/// W = c·ln ρ + ½(α² + hφ²) falls by π times that margin, so that the change of mind is itself a descent.
+/// The first decision selects the smaller rotation: |α| + |φ| forward, 2π − |α| − |φ| in reverse. Later the direction
+/// changes only where |α| + h|φ| exceeds the other direction by a margin. Then W = c·ln ρ + ½(α² + hφ²) decreases by
+/// π times that margin, so that the change is itself a descent.
 #[inline(always)]
 pub(super) fn select_reverse<S: Scalar>(
     direction: Direction,
@@ -86,10 +86,10 @@ pub(super) fn select_reverse<S: Scalar>(
     }
 }
 
-/// `angle` continued beyond ±π on the side to which the robot already turns, and the side for the next tick.
+/// Unwraps `angle` beyond ±π in the current direction of rotation; also returns the direction for the next tick.
 ///
 /// # Departure
-/// [Tran2012] wraps every angle. With noise the sign of a wrapped angle near ±π flips, and the robot dithers.
+/// [Tran2012] wraps every angle. With noise the sign of a wrapped angle near ±π flips, and the robot oscillates.
 #[inline(always)]
 pub(super) fn unwrap_toward<S: Scalar>(angle: S, turn_direction: S) -> (S, S) {
     let beyond = (angle * turn_direction).lt(S::from_f64(TURN_HYSTERESIS - PI));

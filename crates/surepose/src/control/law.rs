@@ -1,9 +1,8 @@
-//! The control law in use, and the three steps by which it computes a twist.
+//! Control law selection, and the three steps from the goal to a twist.
 
 use crate::kinematics::Twist;
 use crate::scalar::Scalar;
 
-use super::active_mode::ActiveMode;
 use super::braking::BrakingProfile;
 use super::deadband::Deadband;
 use super::directed_error::DirectedError;
@@ -13,36 +12,28 @@ use super::hybrid::HybridLaw;
 use super::hysteresis::HybridState;
 use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
+use super::output::{ActiveMode, ControlOutput};
 use super::tran2012::Tran2012Law;
 
-/// What a law wants, and what it remembers for the next tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ControlOutput<S: Scalar> {
-    /// The wanted twist, before limits.
-    pub twist: Twist<S>,
-    /// What to pass to the next tick.
-    pub state: HybridState<S>,
-}
-
-/// The law in use, by name.
+/// Control law selected by the configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law<S> {
-    /// `surepose`: both laws of the paper with smooth hand-over, hysteresis and a bounded speed.
+    /// `surepose`: both laws of the paper with a smooth transition, hysteresis and a bounded speed.
     Hybrid(HybridLaw<S>),
-    /// `paper`: both laws on the paper's sets, without memory.
+    /// `paper`: both laws on the paper's sets, without state.
     Tran2012(Tran2012Law<S>),
 }
 
 impl<S: Scalar> Law<S> {
-    /// The twist for the goal as seen now, and the state for the next tick.
+    /// Computes the desired twist and the state for the next tick.
     ///
-    /// Finite for every input: a goal whose place is not a number, or that asks for 10³⁰ m/s, is answered with rest.
+    /// The twist is finite for every input: it is zero where the goal is NaN or |v| + |ω| reaches 10³⁰.
     #[inline(always)]
     pub fn compute(&self, navigation: &NavigationVariables<S>, state: HybridState<S>) -> ControlOutput<S> {
         self.compute_with_braking(None, navigation, state)
     }
 
-    /// The same for wheels that need time to slow down, if they do.
+    /// Computes the twist as [`Law::compute`], with an optional braking profile; `None` disables it.
     #[inline(always)]
     pub fn compute_with_braking(
         &self,
@@ -55,7 +46,7 @@ impl<S: Scalar> Law<S> {
         self.compute_for_mode(braking, &directed, mode)
     }
 
-    /// The first step of [`Law::compute`]: which end goes first, and what it sees.
+    /// Selects the direction of travel: the first step of [`Law::compute`].
     #[inline(always)]
     pub fn select_direction(
         &self,
@@ -68,7 +59,7 @@ impl<S: Scalar> Law<S> {
         }
     }
 
-    /// The second step: which law is in charge.
+    /// Selects the active mode: the second step of [`Law::compute`].
     #[inline(always)]
     pub fn select_mode(&self, directed: &DirectedError<S>, state: HybridState<S>) -> ActiveMode<S> {
         match self {
@@ -77,7 +68,9 @@ impl<S: Scalar> Law<S> {
         }
     }
 
-    /// The third: its twist, slowed down in time where the law knows how.
+    /// Computes the twist of the active mode: the third step of [`Law::compute`].
+    ///
+    /// The hybrid law applies `braking`; `None` disables it. The law of the paper ignores it.
     #[inline(always)]
     pub fn compute_for_mode(
         &self,
@@ -90,13 +83,12 @@ impl<S: Scalar> Law<S> {
             (Self::Hybrid(law), None) => law.compute_for_mode(directed, mode),
             (Self::Tran2012(law), _) => law.compute_for_mode(directed, mode),
         };
-        // One sum for two comparisons: small where both are, and not a number where one of them is not. A goal that is nowhere
-        // makes v so.
+        // One comparison of the sum replaces two. The sum is NaN where a component is NaN, as with a NaN goal.
         let is_finite = (twist.v.abs() + twist.omega.abs()).lt(S::from_f64(1e30));
         ControlOutput { twist: Twist::select(is_finite, twist, Twist::zero()), state }
     }
 
-    /// The gains of both its laws.
+    /// Returns the gains of the global and the local law.
     pub fn gains(&self) -> Gains<S> {
         match self {
             Self::Hybrid(law) => law.gains,
@@ -104,10 +96,9 @@ impl<S: Scalar> Law<S> {
         }
     }
 
-    /// The Lyapunov function of the law in charge, for the end of the robot that goes first: V_l of [Tran2012]
-    /// Eq. (26) near the goal, V_g of Eq. (19) elsewhere.
+    /// Evaluates the Lyapunov function of the active law for the current direction of travel.
     ///
-    /// The two are different functions: at the switch the value jumps.
+    /// It is V_l of [Tran2012] Eq. (26) near the goal and V_g of Eq. (19) elsewhere. The value jumps at the switch.
     pub fn lyapunov(&self, navigation: &NavigationVariables<S>, state: &HybridState<S>) -> S {
         let Gains { k_v, k_alpha, h, k_theta } = self.gains();
         let ahead = NavigationVariables::select(state.reverse, navigation.reversed(), *navigation);
@@ -118,7 +109,7 @@ impl<S: Scalar> Law<S> {
 }
 
 impl Law<f64> {
-    /// The same constants, rounded to another format.
+    /// Converts the constants to the scalar type `T`, rounded.
     #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> Law<T> {
         match self {

@@ -1,14 +1,14 @@
-//! What the wheels can do: one factor on (v, ω), so that the robot slows down along its path instead of leaving it.
+//! Wheel limits: one factor scales (v, ω), so that the robot stays on its path.
 
 use crate::kinematics::{DiffDrive, Twist, WheelPair};
 use crate::scalar::{Mask, Scalar};
 
-/// The limits of the drive wheels' rims.
+/// Speed and acceleration limits of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits<S> {
-    /// Largest rim speed \[m/s].
+    /// Maximum wheel speed \[m/s].
     pub wheel_speed: S,
-    /// Largest change of a rim's speed \[m/s²].
+    /// Maximum wheel acceleration \[m/s²].
     pub wheel_acceleration: S,
 }
 
@@ -22,20 +22,20 @@ impl<S: Scalar> Limits<S> {
         self.wheel_speed / rims.max_abs().max(self.wheel_speed)
     }
 
-    /// The part of `desired` that the limit of speed leaves.
+    /// Scales `desired` to the wheel speed limit.
     #[inline(always)]
     pub fn limit_speed(&self, drive: &DiffDrive<S>, desired: Twist<S>) -> Twist<S> {
         desired.scaled(self.scale_factor(drive.wheel_speeds_from_twist(desired)))
     }
 
-    /// These limits with the wheel speed capped at `rim_speed` \[m/s], which is positive.
+    /// Returns the limits with the wheel speed capped at `rim_speed` > 0 \[m/s].
     #[must_use]
     #[inline(always)]
     pub fn with_speed_cap(&self, rim_speed: S) -> Self {
         Self { wheel_speed: self.wheel_speed.min(rim_speed), ..*self }
     }
 
-    /// What of `desired` the wheels can do after one `period` \[s], having done `previous`.
+    /// Limits `desired` to the twist reachable from `previous` within one `period` \[s].
     ///
     /// The largest common factor s ∈ (0, 1] that both accelerations allow. Where no factor does (a wheel cannot
     /// reverse at once), both wheels go the same part of the way towards `desired`: the path is left for as long as
@@ -64,7 +64,7 @@ impl<S: Scalar> Limits<S> {
 }
 
 impl Limits<f64> {
-    /// The same limits, rounded to another format.
+    /// Converts the limits to the scalar type `T`, rounded.
     #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> Limits<T> {
         Limits {
@@ -74,7 +74,7 @@ impl Limits<f64> {
     }
 }
 
-/// The factors s for which s·`target` is within `max_change` of `start`, as (lowest, highest).
+/// Computes the factors s for which s·`target` is within `max_change` of `start`, as (lowest, highest).
 #[inline(always)]
 fn factor_range<S: Scalar>(target: S, start: S, max_change: S) -> (S, S) {
     let tiny = S::from_f64(1e-12);
@@ -82,7 +82,7 @@ fn factor_range<S: Scalar>(target: S, start: S, max_change: S) -> (S, S) {
     let per_target = S::from_f64(1.0) / S::select(stationary, S::from_f64(1.0), target);
     let (a, b) = ((start - max_change) * per_target, (start + max_change) * per_target);
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-    // A wheel that shall stand still allows every factor if it can stop in time, and none otherwise.
+    // A wheel with target speed 0 allows every factor if it can stop in time, and none otherwise.
     let can_stop = !max_change.lt(start.abs());
     let highest = S::select(can_stop, one, -one);
     (S::select(stationary, zero, a.min(b)), S::select(stationary, highest, a.max(b)))

@@ -1,11 +1,11 @@
-//! Near the goal: [Tran2012] Sec. 4.2, with its signs mended.
+//! Local law near the goal: [Tran2012] Sec. 4.2, with corrected signs.
 
 use crate::kinematics::Twist;
 use crate::scalar::Scalar;
 
 use super::navigation_variables::NavigationVariables;
 
-/// The law that turns the robot to the commanded heading without leaving the goal.
+/// Local law: turns the robot to the goal heading near the goal.
 ///
 /// `v = k_v·ρ·cos α`, `ω = −k_θ·θ_e` with θ_e = φ − α.
 ///
@@ -16,7 +16,7 @@ use super::navigation_variables::NavigationVariables;
 ///
 /// # Departure
 /// [Tran2012] Eq. (27) has the sign of v·ρ·cos α wrong, and with it Eq. (28) the sign of v: as printed the robot drives
-/// away from the goal. [`LocalLaw::as_printed`] keeps the printed law, to show just that.
+/// away from the goal. [`LocalLaw::as_printed`] is the printed law, for the reproduction.
 ///
 /// # Guarantee
 /// Without noise and in continuous time V̇_l = −k_v·ρ²·cos²α − k_θ·θ_e² ≤ 0: the robot stays within the distance
@@ -31,13 +31,13 @@ pub struct LocalLaw<S> {
 }
 
 impl<S: Scalar> LocalLaw<S> {
-    /// The law exactly as printed in [Tran2012] Eq. (28): it leaves the goal. For the reproduction only.
+    /// Computes the twist as printed in [Tran2012] Eq. (28), which diverges; for the reproduction only.
     #[must_use]
     pub fn as_printed(self) -> Self {
         Self { k_v: -self.k_v, k_theta: self.k_theta }
     }
 
-    /// The twist of [Tran2012] Eq. (28), corrected.
+    /// Computes the twist of [Tran2012] Eq. (28), with corrected sign.
     #[inline(always)]
     pub fn twist(&self, navigation: &NavigationVariables<S>) -> Twist<S> {
         let (_, cos) = navigation.alpha.sin_cos();
@@ -57,7 +57,7 @@ impl<S: Scalar> LocalLaw<S> {
         (navigation.rho.squared() + error.squared()) * S::from_f64(0.5)
     }
 
-    /// V̇_l = −v·ρ·cos α + θ_e·ω under any `twist`: [Tran2012] Eq. (27) with its sign mended.
+    /// V̇_l = −v·ρ·cos α + θ_e·ω under any `twist`: [Tran2012] Eq. (27) with corrected sign.
     pub fn lyapunov_rate(&self, navigation: &NavigationVariables<S>, twist: Twist<S>) -> S {
         let (_, cos) = navigation.alpha.sin_cos();
         navigation.heading_error().radians() * twist.omega - twist.v * navigation.rho * cos

@@ -1,4 +1,4 @@
-//! The navigation variables: the goal as the robot sees it, [Tran2012] Eq. (3)–(6).
+//! Navigation variables: the goal relative to the robot, [Tran2012] Eq. (3)–(6).
 
 use crate::geometry::{Angle, Body, Goal, Map, Point, Pose};
 use crate::kinematics::Twist;
@@ -25,7 +25,7 @@ pub struct NavigationVariables<S> {
 }
 
 impl<S: Scalar> NavigationVariables<S> {
-    /// The goal seen from the robot: [Tran2012] Eq. (3), or (5) where the pose is an estimate.
+    /// Computes the goal relative to the robot: [Tran2012] Eq. (3), or (5) where the pose is an estimate.
     #[inline(always)]
     pub fn from_poses(map_from_body: Pose<Map, Body, S>, map_from_goal: Pose<Map, Goal, S>) -> Self {
         let goal = map_from_goal.origin();
@@ -37,7 +37,7 @@ impl<S: Scalar> NavigationVariables<S> {
         Self { phi: seen.phi - map_from_goal.heading, ..seen }
     }
 
-    /// The same where the pose is told in the goal's own frame.
+    /// Computes the variables from the pose in the goal frame.
     #[inline(always)]
     pub fn from_goal_frame(goal_from_body: Pose<Goal, Body, S>) -> Self {
         let (body, goal) = (goal_from_body.origin(), Point::new(S::from_f64(0.0), S::from_f64(0.0)));
@@ -57,7 +57,7 @@ impl<S: Scalar> NavigationVariables<S> {
         self.phi - self.alpha
     }
 
-    /// The same goal seen by a robot that drives backwards: what is ahead is behind.
+    /// Returns the variables for driving in reverse: front and rear are exchanged.
     #[must_use]
     #[inline(always)]
     pub fn reversed(self) -> Self {
@@ -86,7 +86,7 @@ impl<S: Scalar> NavigationVariables<S> {
     }
 }
 
-/// What the noise of the estimated pose does to the navigation variables: [Tran2012] Eq. (4).
+/// Error of the navigation variables caused by pose noise: [Tran2012] Eq. (4).
 ///
 /// # Departure
 /// The printed line for ε_φ repeats the line for ε_ρ. Here ε_φ is the wrapped difference of the two bearings; ε_α =

@@ -1,25 +1,24 @@
-//! The paper's hybrid law as the paper has it, signs mended: for comparison and for its figures.
+//! Hybrid law as in [Tran2012], with corrected signs, for comparison and figures.
 
 use crate::kinematics::Twist;
 use crate::scalar::{Mask, Scalar};
 
-use super::active_mode::ActiveMode;
 use super::directed_error::DirectedError;
 use super::gains::Gains;
 use super::global::GlobalLaw;
 use super::hysteresis::HybridState;
-use super::law::ControlOutput;
 use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
+use super::output::{ActiveMode, ControlOutput};
 
-/// [Tran2012] Sec. 4: the local law on Ω_l = {ρ < ε_P, |φ − α| < ε_θ}, the global law elsewhere. It remembers nothing.
+/// [Tran2012] Sec. 4: the local law on Ω_l = {ρ < ε_P, |φ − α| < ε_θ}, the global law elsewhere. It has no state.
 ///
 /// # Departure
-/// (28) with its sign mended, see [`LocalLaw`]. The paper gives no ε_θ: one below π leaves the robot to the global
+/// (28) with corrected sign, see [`LocalLaw`]. The paper gives no ε_θ: one below π leaves the robot to the global
 /// law on top of the goal, where α is noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tran2012Law<S> {
-    /// The gains.
+    /// Gains of both laws.
     pub gains: Gains<S>,
     /// ε_P \[m].
     pub capture_radius: S,
@@ -28,32 +27,32 @@ pub struct Tran2012Law<S> {
 }
 
 impl<S: Scalar> Tran2012Law<S> {
-    /// The global law of these gains.
+    /// Returns the global law with these gains.
     #[inline(always)]
     pub fn global(&self) -> GlobalLaw<S> {
         GlobalLaw { k_v: self.gains.k_v, k_alpha: self.gains.k_alpha, h: self.gains.h }
     }
 
-    /// The local law of these gains.
+    /// Returns the local law with these gains.
     #[inline(always)]
     pub fn local(&self) -> LocalLaw<S> {
         LocalLaw { k_v: self.gains.k_v, k_theta: self.gains.k_theta }
     }
 
-    /// The twist for the goal as seen now. Of the state only `local_mode` is set, for those who plot the switch.
+    /// Computes the twist for the goal; sets only `local_mode` of the state, for plots of the switch.
     #[inline(always)]
     pub fn compute(&self, navigation: &NavigationVariables<S>, state: HybridState<S>) -> ControlOutput<S> {
         let directed = self.select_direction(navigation);
         self.compute_for_mode(&directed, self.select_mode(&directed, state))
     }
 
-    /// What the nose sees: it always goes first.
+    /// Expresses the goal for forward travel, the only direction.
     #[inline(always)]
     pub fn select_direction(&self, navigation: &NavigationVariables<S>) -> DirectedError<S> {
         DirectedError::from_navigation(navigation, S::Mask::splat(false))
     }
 
-    /// Which law is in charge.
+    /// Selects the active law.
     #[inline(always)]
     pub fn select_mode(&self, directed: &DirectedError<S>, state: HybridState<S>) -> ActiveMode<S> {
         let (goal, heading_error) = (&directed.goal, directed.heading_error.radians());
@@ -62,7 +61,7 @@ impl<S: Scalar> Tran2012Law<S> {
         ActiveMode { error, state: HybridState { local_mode, ..state } }
     }
 
-    /// The twist for what the nose sees.
+    /// Computes the twist of the active law.
     #[inline(always)]
     pub fn compute_for_mode(&self, directed: &DirectedError<S>, mode: ActiveMode<S>) -> ControlOutput<S> {
         let (DirectedError { goal, cos, sinc, .. }, ActiveMode { error, state }) = (*directed, mode);

@@ -1,4 +1,4 @@
-//! The observers of a step: the obstacle monitor and the caller's.
+//! Adapter that forwards localizer events to the obstacle monitor and the observer of the caller.
 
 use crate::estimation::{Measurement, MeasurementOutcome, OdometryOutcome, WheelOdometry};
 use crate::lidar::ScanEvent;
@@ -7,9 +7,11 @@ use crate::safety::ObstacleMonitor;
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
-/// The obstacle monitor beside the caller's observer.
+/// Obstacle monitor combined with the observer of the caller.
 pub(super) struct Observers<'a, S, O, const BEAMS: usize> {
+    /// Monitor that receives each scan.
     pub(super) obstacles: &'a mut ObstacleMonitor<S, BEAMS>,
+    /// Observer that receives each event.
     pub(super) observer: &'a mut O,
 }
 
