@@ -48,6 +48,19 @@ use super::navigation_variables::NavigationVariables;
 /// - The paper's Ω_l has no memory and lets the global law spin on noise at ρ < ε_P with a large heading error.
 /// - The turning side and the direction of approach have hysteresis: see [`HybridState`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use surepose::control::{Direction, HybridLaw, HybridState, Limits, NavigationVariables};
+/// use surepose::geometry::{Angle, Pose};
+/// use surepose::kinematics::DiffDrive;
+///
+/// let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+/// let law = HybridLaw::fitted(&DiffDrive::new(0.05, 0.4), &limits, 0.02, Direction::Forward);
+/// let goal = Pose::new(1.0, 0.2, Angle::<f64>::zero());
+/// let navigation = NavigationVariables::from_poses(Pose::identity(), goal);
+/// let output = law.compute(&navigation, HybridState::new());
+/// assert!(output.twist.v > 0.0 && output.twist.omega > 0.0); // ahead, and to the left
+/// ```
 pub struct HybridLaw<S> {
     /// The gains.
     pub gains: Gains<S>,

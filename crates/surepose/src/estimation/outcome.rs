@@ -25,6 +25,7 @@ pub enum OdometryOutcome {
 
 /// Why a measurement was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum RejectReason {
     /// A value is NaN or infinite, or a range or travel is impossibly large.
     NotFinite,

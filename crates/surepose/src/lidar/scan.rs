@@ -59,6 +59,7 @@ impl<'a, S> Scan<'a, S> {
 
 /// Why a scan was not read at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ScanError {
     /// The laser's noise is not positive and finite, its reach is not positive, or its mounting is not finite.
     InvalidLaser,
