@@ -46,6 +46,8 @@ const MAX_SPEED_RATIO: f64 = 5.0;
 /// | `BEAMS` | beams of a scan; 0 for a robot without a laser |
 /// | `HYPOTHESES`, `KEYFRAMES` | poses and scans that the global search keeps |
 #[derive(Clone, Debug)]
+///
+/// The documentation of the [crate] starts with a program that parks a robot by it.
 pub struct Navigator<
     S: Float,
     const HISTORY: usize,

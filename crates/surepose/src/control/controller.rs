@@ -14,6 +14,25 @@ use super::navigation_variables::NavigationVariables;
 
 /// Controller of one robot: constants only; the state is passed in and out.
 #[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use surepose::control::{Controller, ControllerState, Direction, Limits, Tolerance};
+/// use surepose::geometry::{Angle, Pose};
+/// use surepose::kinematics::{DiffDrive, Integration};
+///
+/// let (drive, period) = (DiffDrive::new(0.05, 0.4), 0.02);
+/// let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+/// let tolerance = Tolerance { position: 0.01, heading: 0.02, dwell: 0.5, hysteresis: 1.5 };
+/// let controller = Controller::fitted(drive, limits, period, Direction::Auto, tolerance);
+/// let (mut pose, mut state) = (Pose::<_, _, f64>::identity(), ControllerState::new());
+/// let goal = Pose::new(1.0, 0.5, Angle::from_degrees(90.0));
+/// for _ in 0..1000 {
+///     let step = controller.step(state, pose, goal);
+///     pose = pose.integrate(step.limited.integrate_for(period), Integration::Arc);
+///     state = step.state;
+/// }
+/// assert!(pose.origin().distance(goal.origin()) < 0.01);
+/// ```
 pub struct Controller<S> {
     /// Geometry of the drive.
     pub drive: DiffDrive<S>,

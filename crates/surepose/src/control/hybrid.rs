@@ -51,6 +51,19 @@ use super::tuning::{
 /// - The paper's Ω_l has no hysteresis: at ρ < ε_P with a large heading error the global law rotates with the noise.
 /// - The turning side and the direction of approach have hysteresis: see [`HybridState`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use surepose::control::{Direction, HybridLaw, HybridState, Limits, NavigationVariables};
+/// use surepose::geometry::{Angle, Pose};
+/// use surepose::kinematics::DiffDrive;
+///
+/// let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+/// let law = HybridLaw::fitted(&DiffDrive::new(0.05, 0.4), &limits, 0.02, Direction::Forward);
+/// let goal = Pose::new(1.0, 0.2, Angle::<f64>::zero());
+/// let navigation = NavigationVariables::from_poses(Pose::identity(), goal);
+/// let output = law.compute(&navigation, HybridState::new());
+/// assert!(output.twist.v > 0.0 && output.twist.omega > 0.0); // ahead, and to the left
+/// ```
 pub struct HybridLaw<S> {
     /// Gains of both laws.
     pub gains: Gains<S>,

@@ -5,6 +5,18 @@ use crate::scalar::{Mask, Scalar};
 
 /// Speed and acceleration limits of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use surepose::control::Limits;
+/// use surepose::kinematics::{DiffDrive, Twist};
+///
+/// let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+/// let desired = Twist::new(2.0, 1.0);
+/// // After one period of 0.1 s from rest, the faster rim runs at 0.1 m/s, on the same path.
+/// let limited = limits.limit(&DiffDrive::new(0.05, 0.4), desired, Twist::zero(), 0.1);
+/// assert!((limited.v + 0.2 * limited.omega - 0.1_f64).abs() < 1e-12);
+/// assert!((limited.v / limited.omega - 2.0).abs() < 1e-12);
+/// ```
 pub struct Limits<S> {
     /// Maximum wheel speed \[m/s].
     pub wheel_speed: S,

@@ -16,6 +16,26 @@ use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
 /// is inserted at its time, and all later entries are replayed. A measurement older than the history is rejected as
 /// [`RejectReason::Stale`].
 #[derive(Clone, Copy, Debug)]
+///
+/// ```
+/// use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, HeadingMeasurement, Measurement, MeasurementOutcome};
+/// use surepose::geometry::{Angle, Pose};
+/// use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+/// use surepose::time::{Stamp, Stamped};
+///
+/// let ekf = Ekf { drive: DiffDrive::new(0.05, 0.4), delta: 0.0025, integration: Integration::Arc };
+/// let belief = Belief::new(Pose::identity(), [0.1, 0.1, 0.1]);
+/// let at = Stamp::from_seconds;
+/// let mut filter = DelayedEkf::<f64, 64>::new(ekf, Gate::new(0.999), 1.0, at(0.0), belief);
+/// for stamp in [at(0.1), at(0.2)] {
+///     assert!(filter.predict(stamp, WheelPair::new(0.02, 0.02)).is_ok());
+/// }
+/// // A heading that was measured before the last odometry arrives late.
+/// let heading = HeadingMeasurement { heading: Angle::from_radians(0.05), std: 0.01 };
+/// let outcome = filter.update(Stamped::new(at(0.15), Measurement::Heading(heading)));
+/// assert!(matches!(outcome, MeasurementOutcome::Accepted { .. }));
+/// assert!(filter.belief().covariance.std(2) < 0.011);
+/// ```
 pub struct DelayedEkf<S, const N: usize = 64> {
     ekf: Ekf<S>,
     gate: Gate<S>,

@@ -25,6 +25,7 @@ pub enum OdometryOutcome {
 
 /// Reason for the rejection of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum RejectReason {
     /// A value is NaN or infinite, or a range or travel is impossibly large.
     NotFinite,

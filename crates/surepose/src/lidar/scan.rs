@@ -59,6 +59,7 @@ impl<'a, S> Scan<'a, S> {
 
 /// Reason for the rejection of a whole scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ScanError {
     /// The laser noise is not positive and finite, the range limits are not positive, or the mounting is not finite.
     InvalidLaser,

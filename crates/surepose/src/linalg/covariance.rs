@@ -11,6 +11,17 @@ use super::matrix::Matrix;
 
 /// A symmetric positive semi-definite `N` × `N` matrix, as its factors U D Uᵀ.
 #[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use surepose::linalg::Covariance;
+///
+/// let prior = Covariance::<f64, 2>::from_std([0.3, 0.1]);
+/// // One observation of the first component with a variance of 0.09.
+/// let observation = prior.observed([1.0, 0.0], 0.09);
+/// assert!((observation.gain[0] - 0.5).abs() < 1e-12);
+/// assert!((observation.covariance.entry(0, 0) - 0.045).abs() < 1e-12);
+/// assert!(observation.covariance.is_valid());
+/// ```
 pub struct Covariance<S, const N: usize> {
     /// The strict upper triangle of U; the rest of the square is not read.
     upper: [[S; N]; N],

@@ -94,6 +94,19 @@ pub enum GlobalStatus<S> {
 
 /// Global localizer with up to `N` hypotheses, evaluated with up to `FRAMES` keyframes.
 #[derive(Clone, Copy, Debug)]
+///
+/// ```no_run
+/// # use surepose::{estimation::{Belief, WheelOdometry}, lidar::{ExtractedLine, RangeFinder, Scan}};
+/// # use surepose::{localization::{GlobalLocalizer, GlobalStatus}, map::Wall, time::Stamp};
+/// # fn locate(localizer: &mut GlobalLocalizer<f64>, laser: &RangeFinder<f64>, walls: &[Wall<f64>], stamp: Stamp,
+/// #     odometry: WheelOdometry<f64>, scan: &Scan<'_, f64>, lines: &[ExtractedLine<f64>]) -> Option<Belief<f64>> {
+/// localizer.on_odometry(stamp, odometry);
+/// match localizer.update(stamp, laser, scan, lines, walls, None) {
+///     GlobalStatus::Localized(belief) => Some(belief),
+///     GlobalStatus::NoHypothesis | GlobalStatus::Ambiguous(_) => None,
+/// }
+/// # }
+/// ```
 pub struct GlobalLocalizer<S, const N: usize = 24, const FRAMES: usize = 24> {
     ekf: Ekf<S>,
     criteria: AcceptanceCriteria<S>,

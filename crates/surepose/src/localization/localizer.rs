@@ -22,6 +22,31 @@ use super::observer::LoopObserver;
 /// | `BEAMS` | beams of a scan; 0 for a robot without a laser, whose processor is [disabled](ScanProcessor::disabled) |
 /// | `HYPOTHESES`, `KEYFRAMES` | poses and scans that the global search keeps |
 #[derive(Clone, Debug)]
+///
+/// ```
+/// # use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
+/// # use surepose::geometry::{Angle, Pose};
+/// # use surepose::kinematics::{DiffDrive, Integration};
+/// # use surepose::time::Stamp;
+/// # let ekf = Ekf { drive: DiffDrive::new(0.05, 0.4), delta: 0.0025, integration: Integration::Arc };
+/// # let belief = Belief::new(Pose::new(1.0, 1.0, Angle::zero()), [0.05, 0.05, 0.02]);
+/// # let filter = DelayedEkf::<f64, 64>::new(ekf, Gate::new(0.999), 1.0, Stamp::from_seconds(0.0), belief);
+/// use surepose::estimation::WheelOdometry;
+/// use surepose::kinematics::WheelPair;
+/// use surepose::lidar::ScanProcessor;
+/// use surepose::localization::{Localizer, MonitorConfig, Odometry, SensorInput};
+/// use surepose::map::MapView;
+/// use surepose::safety::Health;
+///
+/// let mut localizer = Localizer::<f64, 64, 0>::new(filter, ScanProcessor::disabled(), MonitorConfig::default());
+/// let travel = WheelPair::new(0.02, 0.02);
+/// let stamp = Stamp::from_seconds(0.1);
+/// let input = SensorInput { stamp, odometry: Odometry::Travel(travel), readings: &[] };
+/// let belief = localizer.update(&input, WheelOdometry::from_command(travel), &MapView::empty(), &mut ());
+/// assert!((belief.pose.x - 1.02).abs() < 1e-9);
+/// localizer.mark_lost();
+/// assert_eq!(localizer.health(), Health::Lost);
+/// ```
 pub struct Localizer<
     S,
     const HISTORY: usize,

@@ -5,6 +5,15 @@ use crate::scalar::{Float, Scalar};
 
 /// Wall segment between two points of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use surepose::geometry::Point;
+/// use surepose::map::Wall;
+///
+/// let wall = Wall::between(Point::new(3.0, 0.0), Point::new(3.0, 2.0));
+/// assert!(wall.is_ok_and(|wall| wall.length() == 2.0 && wall.line().distance == 3.0));
+/// assert!(Wall::between(Point::new(1.0, 1.0), Point::new(1.0, 1.0)).is_err());
+/// ```
 pub struct Wall<S> {
     line: Line<Map, S>,
     /// Positions of both ends on the line, along the left of the normal \[m].

@@ -8,6 +8,16 @@ pub const MAX_VERTICES: usize = 8;
 
 /// Outline of the robot in its body frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use surepose::geometry::Point;
+/// use surepose::safety::{Footprint, Polygon};
+///
+/// // 0.5 m long and 0.4 m wide, with the axle 0.1 m ahead of the rear.
+/// let corners = [(0.4, 0.2), (-0.1, 0.2), (-0.1, -0.2), (0.4, -0.2)].map(|(x, y)| Point::new(x, y));
+/// let footprint = Polygon::new(&corners).map(Footprint::Polygon);
+/// assert!(footprint.is_ok_and(|footprint| (footprint.distance_to_point(Point::new(1.4, 0.0)) - 1.0_f64).abs() < 1e-12));
+/// ```
 pub enum Footprint<S> {
     /// Disc around the origin of the body frame, with its radius \[m]. Radius 0 is a point.
     Circle(S),

@@ -38,6 +38,7 @@ pub enum SafetyAction {
 
 /// Why the robot was slowed down or stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum FaultReason {
     /// The map does not explain what is seen from where the robot thinks it is.
     Lost,
