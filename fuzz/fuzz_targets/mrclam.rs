@@ -6,7 +6,7 @@ use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
 use surepose_io::lines::LineReader;
-use surepose_io::mrclam::{Files, self};
+use surepose_io::mrclam::{self, Files};
 
 fuzz_target!(|bytes: &[u8]| {
     // 0xff does not occur in UTF-8: it separates the five files.

@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_io::start_poses;
 use surepose_io::lines::LineReader;
+use surepose_io::start_poses;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(starts) = start_poses::parse(LineReader::from_bytes(Path::new("input"), bytes)) {

@@ -106,7 +106,7 @@ fuzz_target!(|bytes: &[u8]| {
             kind => {
                 now = now.after(controller.period + 0.01 * bytes.number().clamp(-10.0, 100.0));
                 let odometry = match kind {
-                    4 => Odometry::Travel(WheelPair::new(bytes.number(), bytes.number())),
+                    4 => Odometry::WheelTravel(WheelPair::new(bytes.number(), bytes.number())),
                     _ => Odometry::Missing,
                 };
                 let taken = std::mem::take(&mut readings);

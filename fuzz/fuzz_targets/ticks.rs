@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_io::mines_rover;
 use surepose_io::lines::LineReader;
+use surepose_io::mines_rover;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(log) = mines_rover::parse(LineReader::from_bytes(Path::new("input"), bytes)) {

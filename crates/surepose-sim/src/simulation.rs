@@ -10,6 +10,7 @@ mod tests;
 use surepose::control::{Controller, GoalStatus, NavigationVariables};
 use surepose::geometry::{Goal, Map, Pose};
 use surepose::kinematics::{Twist, WheelPair};
+use surepose::localization::LocalizationMonitor;
 use surepose::navigator::{AbortReason, GoalResult, StepReport};
 use surepose::optimal::fastest;
 use surepose::param;
@@ -152,7 +153,7 @@ impl Simulation {
             wheel_speed_max_m_s: self.max_rim_speed,
             wheel_acceleration_max_m_s2: self.max_rim_acceleration,
             accepted: stats.accepted,
-            walls: localizer.monitor().map_or(0, |monitor| monitor.scan_updates()),
+            walls: localizer.monitor().map_or(0, LocalizationMonitor::scan_updates),
             rejected: stats.rejected_total(),
             seed: self.seed,
         }

@@ -56,7 +56,7 @@ fn late_measurements_match_timely_ones() {
     let mut late = timely;
     let mut pending = measured.iter().peekable();
     for tick in 1..=6_i64 {
-        // The timely one is told of every stretch as soon as a measurement falls into it.
+        // The timely filter receives each stretch as soon as a measurement falls into it.
         let mut from = (tick - 1) * 50;
         let whole = timely.ekf().wheel_odometry(rims);
         while let Some((time, value)) = pending.next_if(|(time, _)| *time <= tick * 50) {

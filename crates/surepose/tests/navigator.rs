@@ -231,7 +231,7 @@ fn zero_period_and_zero_deadband_are_identities() {
 }
 
 proptest! {
-    /// Whatever arrives, the wheels are told something that they can do.
+    /// Every input yields a command within the limits and a finite belief.
     #[test]
     fn every_input_yields_feasible_commands(
         inputs in prop::collection::vec(

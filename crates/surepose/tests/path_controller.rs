@@ -24,8 +24,7 @@ fn controller<S: Float>() -> PathController<S, 8> {
     }
 }
 
-/// The robot after `laps`, having gone where its wheels were told to; the most by which it was off its target after the
-/// first \[m].
+/// Pose after `laps` with ideal wheels, and the largest distance from the target after the first lap \[m].
 fn max_path_error<S: Float>(laps: f64) -> f64 {
     let controller = controller::<S>();
     let start = controller.path.at(S::from_f64(0.0)).map_from_target;

@@ -15,6 +15,11 @@ const SHORT: &[(&str, &str)] = &[
     ("/src/main.rs", "Cargo builds a program from its own file"),
     ("/tests/common/mod.rs", "Cargo takes every other file of `tests` for a test program"),
     ("xtask/src/run.rs", "shared by the chores; in main.rs it would close a circle of imports"),
+    (
+        "/firmware_loop/main.rs",
+        "the host's entry to the loop that firmware/ includes from the file beside it",
+    ),
+    ("/src/control/output.rs", "shared by the laws; their parent would close a circle of imports"),
     ("/src/half_circle.rs", "shared by two readers; the crate's root would close a circle of imports"),
     ("/reproduce/figure_result.rs", "shared by the figures; their parent would close a circle of imports"),
     ("/node/settings.rs", "shared by the node's parts; their parent would close a circle of imports"),

@@ -19,7 +19,7 @@ use surepose::time::{Stamp, Stamped};
 /// Time between ticks \[ms].
 const PERIOD: u16 = 20;
 /// Ticks after which the robot is given up.
-const MOST_TICKS: u32 = 3000;
+const MAX_TICKS: u32 = 3000;
 /// Standard deviations of what the compass \[rad] and the laser \[m], \[rad] say.
 const COMPASS: f32 = 0.002;
 const WALL: [f32; 2] = [0.01, 0.004];
@@ -88,7 +88,7 @@ pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
     let (mut noise, mut hash) = (Noise(1), Hash::new());
     let mut rolled = WheelPair::zero();
     let (mut ticks, mut reached) = (0, false);
-    while ticks < MOST_TICKS && !reached {
+    while ticks < MAX_TICKS && !reached {
         ticks += 1;
         let stamp = Stamp::from_nanoseconds(i64::from(ticks) * i64::from(PERIOD) * 1_000_000);
         let heading = truth.heading.rotated_by_small(COMPASS * noise.draw());

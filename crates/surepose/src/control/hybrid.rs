@@ -247,9 +247,9 @@ struct GoalInBody<S> {
 /// Returns the squared switching radius in units of ε², for the previous mode and the trimming time.
 #[inline(always)]
 fn handover<S: Scalar>(was: S::Mask, trim_ticks: S) -> S {
-    const LEAST: f64 = MIN_LEAVE_RADIUS * MIN_LEAVE_RADIUS;
-    const PER_TRIM: f64 = (MAX_LEAVE_RADIUS * MAX_LEAVE_RADIUS - LEAST) / TRIM_TICKS_TO_LEAVE;
+    const MIN_SQUARED: f64 = MIN_LEAVE_RADIUS * MIN_LEAVE_RADIUS;
+    const PER_TRIM: f64 = (MAX_LEAVE_RADIUS * MAX_LEAVE_RADIUS - MIN_SQUARED) / TRIM_TICKS_TO_LEAVE;
     let leave = (S::from_f64(MAX_LEAVE_RADIUS * MAX_LEAVE_RADIUS) - trim_ticks * S::from_f64(PER_TRIM))
-        .max(S::from_f64(LEAST));
+        .max(S::from_f64(MIN_SQUARED));
     S::select(was, leave, S::from_f64(ENTER_RADIUS * ENTER_RADIUS))
 }

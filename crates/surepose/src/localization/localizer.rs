@@ -41,7 +41,7 @@ use super::observer::LoopObserver;
 /// let mut localizer = Localizer::<f64, 64, 0>::new(filter, ScanProcessor::disabled(), MonitorConfig::default());
 /// let travel = WheelPair::new(0.02, 0.02);
 /// let stamp = Stamp::from_seconds(0.1);
-/// let input = SensorInput { stamp, odometry: Odometry::Travel(travel), readings: &[] };
+/// let input = SensorInput { stamp, odometry: Odometry::WheelTravel(travel), readings: &[] };
 /// let belief = localizer.update(&input, WheelOdometry::from_command(travel), &MapView::empty(), &mut ());
 /// assert!((belief.pose.x - 1.02).abs() < 1e-9);
 /// localizer.mark_lost();

@@ -1,8 +1,8 @@
-//! The supervisor: beside the loop, never inside it. It watches, and can only slow the robot down or stop it.
+//! The supervisor: judges the estimate, and slows the robot down or stops it.
 //!
-//! It is told what became of odometry, measurements, scans and wheels, and says how far the estimate can be trusted
-//! ([`Health`]) and what that means for the wheels ([`SafetyAction`], with a [`FaultReason`] that has a name). Being lost is
-//! latched: the estimate is trusted again only when somebody found the robot and says so ([`Supervisor::on_relocalized`]).
+//! Its inputs are the outcomes of odometry, measurements and scans, and the speeds of the wheels. Its outputs are how far the
+//! estimate can be trusted ([`Health`]) and what the wheels may do ([`SafetyAction`], with a named [`FaultReason`]). The lost
+//! state is latched: only [`Supervisor::on_relocalized`] ends it.
 
 mod config;
 
@@ -40,17 +40,17 @@ pub enum SafetyAction {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FaultReason {
-    /// The map does not explain what is seen from where the robot thinks it is.
+    /// Scans contradict the map at the estimated pose.
     Lost,
-    /// Odometry says nothing, or nothing that can be used.
+    /// No usable odometry within the time-out.
     OdometryTimeout,
-    /// Nothing but odometry has been heard for long.
+    /// No accepted measurement of the pose within the time-out.
     DeadReckoningOnly,
-    /// Measurements disagree with the estimate more than their noise can.
+    /// Measurements disagree with the estimate by more than their noise.
     Inconsistent,
-    /// The estimate is too vague.
+    /// The standard deviation of the position is too large.
     Uncertain,
-    /// The wheels do not turn as they are told to.
+    /// The wheels do not follow their commands.
     WheelTrackingError,
 }
 
@@ -170,7 +170,7 @@ impl<S: Float> Supervisor<S> {
         self.lost = self.lost || self.scans_against >= config.max_scan_excess;
     }
 
-    /// How fast the wheels were told to turn, and how fast they did \[rad/s].
+    /// Takes the commanded and the measured turn rates of the wheels \[rad/s].
     pub fn on_wheel_speeds(&mut self, commanded: WheelPair<S>, did: WheelPair<S>) {
         let error = WheelPair::new(did.right - commanded.right, did.left - commanded.left).max_abs();
         if error.is_finite() {
@@ -178,13 +178,13 @@ impl<S: Float> Supervisor<S> {
         }
     }
 
-    /// The robot was found and the estimator restarted, at `stamp`.
+    /// Ends the lost state at `stamp`, when a relocalization has reset the estimate.
     pub fn on_relocalized(&mut self, stamp: Stamp) {
         let (last_odometry, wheel_rate_error) = (self.last_odometry.max(stamp), self.wheel_rate_error);
         *self = Self { last_odometry, wheel_rate_error, ..Self::new(self.config, stamp) };
     }
 
-    /// Somebody says that the robot was moved, or it starts without a pose.
+    /// Enters the lost state: the pose is unknown.
     pub fn mark_lost(&mut self) {
         self.lost = true;
     }
@@ -213,11 +213,11 @@ impl<S: Float> Supervisor<S> {
     /// What is wrong, the worst first.
     fn fault(&self, now: Stamp, belief: &Belief<S>) -> Option<FaultReason> {
         let config = &self.config;
-        // Odometry of the future is of a clock that was set back since, and says nothing of now.
-        let is_heard = (0.0..=config.odometry_timeout).contains(&now.since(self.last_odometry));
+        // A stamp in the future comes from a clock that was set back since.
+        let is_recent = (0.0..=config.odometry_timeout).contains(&now.since(self.last_odometry));
         let wrong = [
             (self.lost, FaultReason::Lost),
-            (!is_heard, FaultReason::OdometryTimeout),
+            (!is_recent, FaultReason::OdometryTimeout),
             (!is_within(belief, config.slow_std), FaultReason::Uncertain),
             (self.mean_nis > config.max_mean_nis, FaultReason::Inconsistent),
             (self.scans_against >= config.max_scan_excess.div_ceil(2), FaultReason::Inconsistent),

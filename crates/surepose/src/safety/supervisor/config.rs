@@ -5,19 +5,19 @@ use crate::scalar::Float;
 /// The supervisor's constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupervisorConfig<S> {
-    /// Odometry may be silent for so long \[s].
+    /// Time-out of odometry \[s].
     pub odometry_timeout: f64,
-    /// Measurements of the pose may be missing for so long \[s]; infinite where there is no sensor for it.
+    /// Time-out of accepted pose measurements \[s]; infinite without such a sensor.
     pub aiding_timeout: f64,
-    /// A scan is against the map where less than this part of its beams is explained.
+    /// Smallest share of hits of a scan that agrees with the map.
     pub min_hit_ratio: S,
-    /// It is, too, where more than this part ends beyond the walls.
+    /// Largest share of beams that end behind a wall, of a scan that agrees with the map.
     pub max_behind_wall_ratio: S,
-    /// A scan with fewer beams says nothing.
+    /// A scan with fewer beams is not judged.
     pub min_beams: u16,
-    /// The robot is lost when so many more scans were against the map than agreed with it.
+    /// The robot is lost when contradicting scans exceed agreeing ones by this number.
     pub max_scan_excess: u16,
-    /// The robot is lost when so many more measurements were outliers than were accepted.
+    /// The robot is lost when outliers exceed accepted measurements by this number.
     pub max_outlier_excess: u16,
     /// The mean of the normalised innovation squared per row may be so large, of measurements, and of scans as a whole; 1
     /// for a consistent filter.

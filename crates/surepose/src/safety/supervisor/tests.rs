@@ -165,7 +165,7 @@ fn uninformative_scans_change_nothing() {
     assert_eq!(supervisor.health(START, &belief(0.01)), Health::Lost);
 }
 
-/// Odometry of an hour ahead, from one wrong stamp: nobody knows what the robot does now.
+/// One stamp an hour ahead: the current motion is unknown.
 #[test]
 fn future_odometry_times_out_until_the_clock_is_known() {
     let (now, ahead) = (Stamp::from_seconds(1.0), Stamp::from_seconds(3600.0));
