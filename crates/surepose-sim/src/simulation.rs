@@ -152,7 +152,7 @@ impl Simulation {
             wheel_speed_max_m_s: self.max_rim_speed,
             wheel_acceleration_max_m_s2: self.max_rim_acceleration,
             accepted: stats.accepted,
-            walls: localizer.monitor().map_or(0, |monitor| monitor.scan_updates()),
+            walls: localizer.monitor().map_or(0, surepose::localization::LocalizationMonitor::scan_updates),
             rejected: stats.rejected_total(),
             seed: self.seed,
         }
