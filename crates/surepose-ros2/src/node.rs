@@ -263,10 +263,10 @@ impl<Say: FnMut(&str)> Run<Say> {
     fn finish(&mut self, ended: Option<GoalResult>) {
         let Some(ended) = ended else { return };
         match ended {
-            GoalResult::Reached => {}
             GoalResult::Canceled => self.say("goal canceled"),
             GoalResult::Preempted => self.say("goal preempted by another goal"),
             GoalResult::Aborted(reason) => self.say(&format!("goal aborted: {}", reason.name())),
+            // A reached goal has a line of its own.
             _ => {}
         }
         if let Some(delivery) = self.action.ended(ended) {

@@ -7,12 +7,14 @@ use super::*;
 
 const LIMITS: Limits = Limits { total: 1 << 30 };
 
-/// The messages of a file, and how it ends.
-fn read(bytes: &[u8]) -> (Vec<(u16, Vec<u8>)>, Result<Ending, String>) {
+/// Messages of a file, each with its channel, and the ending of the file.
+type ReadOutcome = (Vec<(u16, Vec<u8>)>, Result<Ending, String>);
+
+fn read(bytes: &[u8]) -> ReadOutcome {
     read_within(bytes, LIMITS)
 }
 
-fn read_within(bytes: &[u8], limits: Limits) -> (Vec<(u16, Vec<u8>)>, Result<Ending, String>) {
+fn read_within(bytes: &[u8], limits: Limits) -> ReadOutcome {
     let mut messages = Vec::new();
     let ending = read_records::<String>(bytes, limits, |record| {
         if let Record::Message { channel_id, data } = record {

@@ -1,5 +1,7 @@
 //! The test ride: a driver in the simulated world.
 
+#![allow(clippy::expect_used, reason = "tests panic on failed preconditions")]
+
 use surepose::estimation::{HeadingMeasurement, Measurement};
 use surepose::geometry::{Angle, Body, Pose};
 use surepose::kinematics::Integration;
@@ -88,7 +90,8 @@ impl Ride {
             self.driver.add_measurement(Stamped::new(self.stamp(scan.stamp), message));
         }
         self.odometry = self.odometry.integrate(drive.motion_from_travel(sensed.rims), Integration::Arc);
-        let report = self.driver.on_odometry(Stamped::new(self.stamp(sensed.stamp), self.odometry)).unwrap();
+        let odometry = Stamped::new(self.stamp(sensed.stamp), self.odometry);
+        let report = self.driver.on_odometry(odometry).expect("valid odometry");
         if let Some(report) = &report {
             // The base holds the last command, as one without a timeout.
             self.cmd_vel = report.command.unwrap_or(self.cmd_vel);
