@@ -207,7 +207,7 @@ impl GridLocalizer {
         self.hypotheses = kept;
         match self.hypotheses.as_slice() {
             [last] => {
-                self.consistency.add(&self.field, self.within, &last.trajectory, &self.endpoint_history)
+                self.consistency.add(&self.field, self.within, &last.trajectory, &self.endpoint_history);
             }
             _ => self.consistency = ConsistencyCheck::default(),
         }

@@ -111,8 +111,8 @@ pub fn run_trial(area: &SpawnArea, setup: &KidnappingSetup, seed: u64) -> Kidnap
         let was = robot.health();
         let belief = robot.step();
         let (time, health) = (robot.time() - KIDNAP_TIME, robot.health());
-        let nees = belief.nees(robot.simulated_robot.world().pose());
-        result.final_error = belief.pose.origin().distance(robot.simulated_robot.world().pose().origin());
+        let nees = belief.nees(robot.simulated.world().pose());
+        result.final_error = belief.pose.origin().distance(robot.simulated.world().pose().origin());
         let is_wrong = nees > MAX_ERROR_STD * MAX_ERROR_STD;
         if time <= 0.0 {
             result.false_alarm |= health == Health::Lost;
@@ -151,7 +151,7 @@ fn random_other_pose(
 
 /// A robot that turns in place slowly, and faster while it is lost.
 struct Robot {
-    simulated_robot: SimulatedRobot,
+    simulated: SimulatedRobot,
     drive: DiffDrive<f64>,
     period: f64,
     config: Config,
@@ -164,22 +164,22 @@ impl Robot {
         let controller = scenario.config.controller();
         let (drive, period) = (controller.drive, controller.period);
         let config = scenario.config.clone();
-        Self { simulated_robot: SimulatedRobot::new(scenario, seed), drive, period, config, idle, search }
+        Self { simulated: SimulatedRobot::new(scenario, seed), drive, period, config, idle, search }
     }
 
     fn time(&self) -> f64 {
-        self.simulated_robot.world().now().seconds()
+        self.simulated.world().now().seconds()
     }
 
     fn health(&self) -> Health {
-        self.simulated_robot.navigator().localizer().health()
+        self.simulated.navigator().localizer().health()
     }
 
     fn step(&mut self) -> Belief<f64> {
         let is_lost = self.health() == Health::Lost;
         let wheels: WheelPair<f64> =
             self.drive.wheel_rates_from_twist(Twist::new(0.0, if is_lost { self.search } else { self.idle }));
-        self.simulated_robot.advance(wheels, self.period).belief
+        self.simulated.advance(wheels, self.period).belief
     }
 
     /// Returns whether a hypothesis other than the true pose explains a full-circle scan without noise and
@@ -187,7 +187,7 @@ impl Robot {
     ///
     /// Only the hypotheses of the global localizer are compared.
     fn is_ambiguous(&self) -> bool {
-        let (world, laser) = (self.simulated_robot.world(), self.config.laser());
+        let (world, laser) = (self.simulated.world(), self.config.laser());
         let truth = world.pose();
         let eye = LaserModel {
             angle_min: -PI,
@@ -206,14 +206,13 @@ impl Robot {
         let Ok(beams) = BeamSubset::<f64, PANORAMA_BEAMS>::from_scan(&finder, &scan_view(&seen)) else {
             return false;
         };
-        let Some(monitor) = self.simulated_robot.navigator().localizer().monitor() else { return false };
+        let Some(monitor) = self.simulated.navigator().localizer().monitor() else { return false };
         monitor.hypotheses().any(|known| {
             let pose = known.belief.pose;
             let turned = (pose.heading - truth.heading).radians().abs();
             let is_other = pose.origin().distance(truth.origin()) > 0.3 || turned > 0.2;
             is_other && {
-                let seen_from_there =
-                    beams.evaluate(pose, &known.belief.covariance, self.simulated_robot.walls());
+                let seen_from_there = beams.evaluate(pose, &known.belief.covariance, self.simulated.walls());
                 seen_from_there.hit_ratio() >= SIMILARITY_THRESHOLD
             }
         })

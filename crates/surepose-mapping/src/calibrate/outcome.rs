@@ -82,19 +82,19 @@ impl Calibration {
     /// Returns the mean radius of the two wheels.
     pub fn wheel_radius(&self) -> ParameterEstimate {
         let WheelPair { right, left } = self.geometry.drive().radius;
-        self.from_radii(0.5 * (right + left), WheelPair::new(0.5, 0.5), Unit::Meter)
+        self.radius_function(0.5 * (right + left), WheelPair::new(0.5, 0.5), Unit::Meter)
     }
 
     /// Returns the ratio of right to left wheel radius; not 1 if equal wheel speeds drive a circle.
     pub fn wheel_radius_ratio(&self) -> ParameterEstimate {
         let WheelPair { right, left } = self.geometry.drive().radius;
         let ratio = right / left;
-        self.from_radii(ratio, WheelPair::new(1.0 / left, -ratio / left), Unit::One)
+        self.radius_function(ratio, WheelPair::new(1.0 / left, -ratio / left), Unit::One)
     }
 
     /// Estimates a function of both radii from its `value` and its derivative by each; not excited if a
     /// radius is not.
-    fn from_radii(&self, value: f64, slope: WheelPair<f64>, unit: Unit) -> ParameterEstimate {
+    fn radius_function(&self, value: f64, slope: WheelPair<f64>, unit: Unit) -> ParameterEstimate {
         let (l, r) = (CalibrationParameter::LeftWheelRadius, CalibrationParameter::RightWheelRadius);
         if self.estimate(l).value.is_none() || self.estimate(r).value.is_none() {
             return not_excited(unit, l.excitation());
