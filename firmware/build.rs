@@ -1,4 +1,4 @@
-//! Tells the linker where the board's memory is described.
+//! Adds the memory layout to the linker search path.
 
 fn main() {
     println!("cargo:rustc-link-search={}", env!("CARGO_MANIFEST_DIR"));

@@ -1,4 +1,4 @@
-//! The Cortex-M4F: what it starts with, where it prints to, and its clock.
+//! Cortex-M4F: entry point, output and clock.
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -7,7 +7,7 @@ use panic_semihosting as _;
 
 use crate::parking;
 
-/// Drives, prints what came of it as the host does, and then what a tick took.
+/// Runs the loop, prints the result as the host does, and then the time per step.
 #[cortex_m_rt::entry]
 fn main() -> ! {
     if let Some(mut peripherals) = cortex_m::Peripherals::take() {
@@ -16,7 +16,7 @@ fn main() -> ! {
     let (mut spent, mut begun) = (0_u64, None);
     let parked = parking::park(|| match begun.take() {
         None => begun = Some(SYST::get_current()),
-        // It counts down, 24 bits wide.
+        // The counter has 24 bits and counts down.
         Some(begun) => spent += u64::from(begun.wrapping_sub(SYST::get_current()) & WIDTH),
     });
     hprintln!("{}", parked);
@@ -25,7 +25,7 @@ fn main() -> ! {
     loop {}
 }
 
-/// An emulated clock of 25 MHz; the emulator takes a nanosecond for an instruction.
+/// Emulated clock of 25 MHz; the emulator counts 1 ns per instruction.
 const INSTRUCTIONS_PER_CYCLE: u64 = 40;
 
 const WIDTH: u32 = 0x00ff_ffff;

@@ -1,12 +1,12 @@
-//! Any bytes are a CARMEN log, or an error.
+//! Parses arbitrary bytes as a CARMEN log; valid ranges are positive.
 
 #![no_main]
 
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::carmen;
-use surepose_data::lines::LineReader;
+use surepose_io::carmen;
+use surepose_io::lines::LineReader;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(log) = carmen::parse(LineReader::from_bytes(Path::new("input"), bytes)) {

@@ -1,10 +1,9 @@
-//! Any bytes are a recording in MCAP, or an error; the driver takes what it says.
+//! Replays arbitrary bytes as an MCAP recording; every input gives a report or an error.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::Config;
-use surepose_lab::robot::ScanMethod;
+use surepose_config::{Config, ScanMethod};
 use surepose_ros2::{Names, NodeDriverSettings, bag};
 
 fuzz_target!(|bytes: &[u8]| {

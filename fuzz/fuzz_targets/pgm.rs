@@ -1,11 +1,11 @@
-//! Any bytes are a grey image, or an error.
+//! Parses arbitrary bytes as a PGM image; the pixel count matches its size.
 
 #![no_main]
 
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::pgm;
+use surepose_io::pgm;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(image) = pgm::parse(Path::new("input"), bytes) {

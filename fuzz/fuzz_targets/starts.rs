@@ -1,12 +1,12 @@
-//! Any bytes are a list of start poses, at least one and all finite, or an error.
+//! Parses arbitrary bytes as start poses; a valid list has at least one, all finite.
 
 #![no_main]
 
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::LineReader;
-use surepose_data::start_poses;
+use surepose_io::lines::LineReader;
+use surepose_io::start_poses;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(starts) = start_poses::parse(LineReader::from_bytes(Path::new("input"), bytes)) {

@@ -1,12 +1,12 @@
-//! Any bytes are a log of ticks and ranges, or an error.
+//! Parses arbitrary bytes as a log of encoder ticks and ranges.
 
 #![no_main]
 
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::lines::LineReader;
-use surepose_data::mines_rover;
+use surepose_io::lines::LineReader;
+use surepose_io::mines_rover;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(log) = mines_rover::parse(LineReader::from_bytes(Path::new("input"), bytes)) {

@@ -1,11 +1,11 @@
-//! Any bytes are a wall map that can be written and read back, or an error.
+//! Parses arbitrary bytes as a wall map; a valid map survives a round trip.
 
 #![no_main]
 
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::wall_map;
+use surepose_io::wall_map;
 
 fuzz_target!(|bytes: &[u8]| {
     let name = Path::new("input");

@@ -1,12 +1,12 @@
-//! Any bytes are a Wean Hall log, or an error.
+//! Parses arbitrary bytes as a Wean Hall log.
 
 #![no_main]
 
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
-use surepose_data::cmu_wean;
-use surepose_data::lines::LineReader;
+use surepose_io::cmu_wean;
+use surepose_io::lines::LineReader;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(log) = cmu_wean::parse(LineReader::from_bytes(Path::new("input"), bytes)) {

@@ -1,25 +1,25 @@
 //! Records hashes of the program's results and compares two records.
 //!
-//! A change of names must leave every result as it was. `record` runs the program, the firmware on the host and the
-//! instruction counts; `compare` lists what differs between two records.
+//! A refactoring must not change any result. `record` runs the program, the firmware on the host, and the
+//! instruction counts. `compare` lists the differences between two records.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How to call this chore.
+/// Usage text.
 pub(crate) const USAGE: &str = "\
 cargo xtask bits record FILE [--program PATH] [--tree DIR] [--data DIR]
-    --program  the program to run; built from the tree in release unless given
-    --tree     the checkout that firmware and instruction counts are taken from; this one unless given
-    --data     the folder of recordings; $SUREPOSE_DATA or ../shared/data beside the tree unless given
-cargo xtask bits compare FILE FILE    exits with 1 if any result differs";
+    --program  program to run; default: a release build of the tree
+    --tree     checkout for firmware and instruction counts; default: this one
+    --data     folder of recordings; default: $SUREPOSE_DATA, or ../shared/data relative to the tree
+cargo xtask bits compare FILE FILE    exit code 1 if any result differs";
 
-/// Number of seeds of the single drive.
+/// Number of seeds of the single-run command.
 const DRIVES: u32 = 20;
 
-/// Commands that need no recording.
+/// Commands without recordings.
 const COMPUTED: [&str; 5] = [
     "sweep --runs 20000 --seed 1 --noise none --period 0.02",
     "sweep --runs 20000 --seed 1 --noise bench --period 0.1",
@@ -28,7 +28,7 @@ const COMPUTED: [&str; 5] = [
     "certify --period 0.1",
 ];
 
-/// Commands on recordings; `@` stands for the data folder.
+/// Commands on recordings; `@` denotes the data folder.
 const REPLAYS: [&str; 12] = [
     "replay mrclam @mrclam7 --robot 1",
     "replay mrclam @mrclam7 --robot 2",
@@ -44,16 +44,16 @@ const REPLAYS: [&str; 12] = [
     "replay wean @cmu_wean/robotdata3.log.gz --map @cmu_wean/wean.dat.gz",
 ];
 
-/// JSON keys of computing time, which differs from run to run.
+/// JSON keys of computing times, which vary between runs.
 const TIMING_KEYS: [&str; 2] = ["wall_s", "steps_per_s"];
 
-/// Start of the names of results that are counts, not hashes.
+/// Prefix of the names of results that are counts, not hashes.
 const COUNT: &str = "instructions ";
 
-/// Largest relative difference between two equal instruction counts.
+/// Largest relative difference between instruction counts that compare as equal.
 const MAX_COUNT_DIFFERENCE: f64 = 0.005;
 
-/// Result of a check that could not be made here.
+/// Result of a check that is unavailable on this machine.
 const SKIPPED: &str = "skipped";
 
 /// Runs `record` or `compare`.
@@ -62,7 +62,7 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     match words[..] {
         ["record", file, ref options @ ..] => {
             let record = Settings::read(root, options)?.record()?;
-            fs::write(file, record).map_err(|error| format!("{file}: cannot be written: {error}"))
+            fs::write(file, record).map_err(|error| format!("{file}: write failed: {error}"))
         }
         ["compare", first, second] => {
             let read = |file| fs::read_to_string(file).map_err(|error| format!("{file}: {error}"));
@@ -72,7 +72,7 @@ pub(crate) fn run(root: &Path, arguments: &[String]) -> Result<(), String> {
     }
 }
 
-/// What is measured, and the data folder that it is measured on.
+/// Program, checkout, and data folder of a recording.
 struct Settings {
     program: Option<PathBuf>,
     tree: PathBuf,
@@ -95,7 +95,7 @@ impl Settings {
         Ok(Self { program, tree, data })
     }
 
-    /// One line per check: its name, a tab, and its result.
+    /// Returns one line per check: its name, a tab, and its result.
     fn record(&self) -> Result<String, String> {
         let program = match &self.program {
             Some(program) => program.clone(),
@@ -131,7 +131,7 @@ impl Settings {
         Ok(target.join("release/surepose"))
     }
 
-    /// Hash of the exit code and the JSON of one command; `skipped` if its recording is absent.
+    /// Hash of the exit code and the JSON output of one command; `skipped` if its recording is missing.
     fn hash_of_run(&self, program: &Path, command: &str) -> Result<String, String> {
         let mut arguments = Vec::new();
         for word in command.split(' ') {
@@ -141,14 +141,15 @@ impl Settings {
             };
             let path = self.data.join(file);
             if !path.exists() {
-                eprintln!("{file}: not in {}; give --data or set SUREPOSE_DATA", self.data.display());
+                eprintln!("{file}: not found in {}; set --data or SUREPOSE_DATA", self.data.display());
                 return Ok(SKIPPED.to_owned());
             }
             arguments.push(path.into_os_string());
         }
         let output = Command::new(program).args(arguments).arg("--json").output();
-        let output = output.map_err(|error| format!("{}: does not start: {error}", program.display()))?;
-        // 0 and 1 are results; anything else is a failure, whose empty output would compare as equal.
+        let output = output.map_err(|error| format!("{}: start failed: {error}", program.display()))?;
+        // Exit codes 0 and 1 are results. Other codes are failures, whose empty outputs would compare as
+        // equal.
         let code = match output.status.code() {
             Some(code @ (0 | 1)) if !output.stdout.is_empty() => code,
             _ => return Err(format!("{command}: failed:\n{}", String::from_utf8_lossy(&output.stderr))),
@@ -162,7 +163,7 @@ fn existing(path: &str) -> Result<PathBuf, String> {
     fs::canonicalize(path).map_err(|error| format!("{path}: {error}"))
 }
 
-/// The JSON text without the values of the timing keys, which are numbers.
+/// Removes the values of the timing keys, which are numbers, from the JSON text.
 fn without_timing(json: &str) -> String {
     let mut kept = json.to_owned();
     for key in TIMING_KEYS.map(|key| format!("\"{key}\":")) {
@@ -175,14 +176,14 @@ fn without_timing(json: &str) -> String {
     kept
 }
 
-/// The 64-bit FNV-1a hash.
+/// 64-bit FNV-1a hash.
 fn fnv_1a(bytes: &[u8]) -> u64 {
     bytes
         .iter()
         .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// Prints each check whose results differ, or that one record lacks.
+/// Prints the checks whose results differ or are missing in one record.
 fn compare(first: &str, second: &str) -> Result<(), String> {
     let (first, second) = (results(first)?, results(second)?);
     let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
@@ -207,7 +208,10 @@ fn compare(first: &str, second: &str) -> Result<(), String> {
 }
 
 fn results(record: &str) -> Result<BTreeMap<&str, &str>, String> {
-    let parted = |line| str::split_once(line, '\t').ok_or_else(|| format!("`{line}`: no line of a record"));
+    let parted = |line| {
+        str::split_once(line, '\t')
+            .ok_or_else(|| format!("`{line}`: invalid record line (expected name, tab, result)"))
+    };
     record.lines().map(parted).collect()
 }
 
@@ -223,18 +227,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn computing_time_does_not_enter_the_hash() {
+    fn timing_values_are_removed() {
         let json = r#"{"steps":3,"steps_per_s":1.5e6,"wall_s":0.25}"#;
         assert_eq!(without_timing(json), r#"{"steps":3,,}"#);
     }
 
     #[test]
-    fn fnv_1a_gives_its_published_values() {
+    fn fnv_1a_matches_published_values() {
         assert_eq!([fnv_1a(b""), fnv_1a(b"foobar")], [0xcbf2_9ce4_8422_2325, 0x8594_4171_f739_67e8]);
     }
 
     #[test]
-    fn hashes_must_be_equal_and_counts_nearly() {
+    fn hashes_compare_exactly_and_counts_with_a_tolerance() {
         let record = "run --seed 1\t1000000000000000\ninstructions law\t1000\n";
         assert_eq!(compare(record, &record.replace("\t1000\n", "\t1005\n")), Ok(()));
         assert!(compare(record, &record.replace("\t1000\n", "\t1006\n")).is_err());

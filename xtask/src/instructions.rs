@@ -1,12 +1,12 @@
-//! How many instructions the hot paths take: steady where times are not.
+//! Instruction counts of the hot paths, which are reproducible, unlike execution times.
 
 use std::path::Path;
 use std::process::Command;
 
-/// Work of the example `instructions` of a package, and the most instructions it may take in f64 on x86-64-v3.
+/// Operations of the example `instructions` per package, with their budgets for f64 on x86-64-v3.
 ///
-/// The budgets of `law` and `cycle` are those of hand-written C++ with Eigen, those of `extract181` and `extract361` a
-/// thirtieth of what a widely used ROS package takes; the others hold what was reached.
+/// The budgets of `law` and `cycle` are the counts of hand-written C++ with Eigen. Those of `extract181` and
+/// `extract361` are a thirtieth of the count of a widely used ROS package. The others are the counts reached.
 const BUDGETS: [(&str, &[(&str, u64)]); 2] = [
     (
         "surepose",
@@ -15,16 +15,16 @@ const BUDGETS: [(&str, &[(&str, u64)]); 2] = [
     ("surepose-sim", &[("extract181", 75_000), ("extract361", 150_000), ("match181", 30_000)]),
 ];
 
-/// Instructions that one work takes.
+/// Instruction count of one operation.
 pub(crate) struct Measured {
-    /// Name of the work.
+    /// Name of the operation.
     pub(crate) work: &'static str,
-    /// Instructions of one execution.
+    /// Instructions per execution.
     pub(crate) count: u64,
     budget: u64,
 }
 
-/// Measures every work and fails where one is over its budget.
+/// Measures all operations and compares them with their budgets.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     let mut over = Vec::new();
     for Measured { work, count, budget } in measure(root)?.unwrap_or_default() {
@@ -33,25 +33,25 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
             over.push(work);
         }
     }
-    if over.is_empty() { Ok(()) } else { Err(format!("over budget: {}", over.join(", "))) }
+    if over.is_empty() { Ok(()) } else { Err(format!("instructions: over budget: {}", over.join(", "))) }
 }
 
-/// Measures every work; `None` without valgrind or on another processor.
+/// Measures all operations. `None`: no valgrind, or another processor.
 pub(crate) fn measure(root: &Path) -> Result<Option<Vec<Measured>>, String> {
     if cfg!(not(target_arch = "x86_64")) || Command::new("valgrind").arg("--version").output().is_err() {
-        eprintln!("instructions: skipped, this needs valgrind on x86-64");
+        eprintln!("instructions: skipped (needs valgrind on x86-64)");
         return Ok(None);
     }
     let mut measured = Vec::new();
     for (package, budgets) in BUDGETS {
-        // A target directory each: the two examples have one name.
+        // Separate target directories, because the two examples have the same name.
         let target = root.join("target/x86-64-v3").join(package);
         let build = ["build", "--release", "-p", package, "--example", "instructions", "--target-dir"];
         let arguments: Vec<&str> = build.into_iter().chain(target.to_str()).collect();
         crate::run::cargo(root, &arguments, &[("RUSTFLAGS", "-C target-cpu=x86-64-v3")])?;
         let program = target.join("release/examples/instructions");
         for &(work, budget) in budgets {
-            // The difference of two lengths leaves start-up out; 600 scans are one round of the loop world.
+            // The difference of two run lengths excludes start-up; 600 scans are one lap of the loop world.
             let (short, long) = (count(&program, work, 600)?, count(&program, work, 1800)?);
             measured.push(Measured { work, count: long.saturating_sub(short) / 1200, budget });
         }
@@ -65,14 +65,14 @@ fn count(program: &Path, work: &str, times: u32) -> Result<u64, String> {
         .arg(program)
         .args([work, &times.to_string()])
         .output()
-        .map_err(|error| format!("valgrind does not start: {error}"))?;
+        .map_err(|error| format!("valgrind: start failed: {error}"))?;
     let text = String::from_utf8_lossy(&output.stderr);
-    // Valgrind does not know every instruction; what it gave up on would otherwise count as free.
+    // Valgrind does not support every instruction; a failed run would give too low a count.
     if !output.status.success() {
-        return Err(format!("{work} does not end well under valgrind:\n{text}"));
+        return Err(format!("{work}: failed under valgrind:\n{text}"));
     }
     text.lines()
         .filter_map(|line| line.split_once("Collected :"))
         .find_map(|(_, count)| count.trim().parse().ok())
-        .ok_or_else(|| format!("valgrind gives no count for {work}:\n{text}"))
+        .ok_or_else(|| format!("{work}: no instruction count in valgrind's output:\n{text}"))
 }

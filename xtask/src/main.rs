@@ -1,5 +1,5 @@
-//! Chores of the project: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`,
-//! `cargo xtask microcontroller`, `cargo xtask ros2`, `cargo xtask bits`.
+//! Project tasks: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`, `cargo xtask
+//! microcontroller`, `cargo xtask ros2`, `cargo xtask bits`.
 
 mod bits;
 mod instructions;
@@ -8,22 +8,22 @@ mod ros2;
 mod run;
 mod tidy;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-cargo xtask ci              everything the gate checks: format, lints, tidy, documentation, tests
-cargo xtask tidy            whether documents and code still say the same
-cargo xtask instructions    instruction counts of law and filter against their budgets (needs valgrind, x86-64)
-cargo xtask microcontroller whether an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
-cargo xtask ros2            whether rclpy, real ROS 2, can talk to the node (needs python3.11 and the network)
-cargo xtask bits            whether two versions of the program give the same results: `record` and `compare`";
+cargo xtask ci              run all CI checks: format, lints, tidy, documentation, tests, and the checks below
+cargo xtask tidy            check the consistency of documents and code
+cargo xtask instructions    check instruction counts against their budgets (needs valgrind on x86-64)
+cargo xtask microcontroller check that an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
+cargo xtask ros2            test the node against rclpy of ROS 2 (needs python3.11 and the network)
+cargo xtask bits            compare the results of two versions of the program: `record` and `compare`";
 
 fn main() -> ExitCode {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..");
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let outcome = match arguments.first().map(String::as_str) {
-        Some("ci") => run::ci(&root),
+        Some("ci") => ci(&root),
         Some("tidy") => tidy::check(&root),
         Some("instructions") => instructions::check(&root),
         Some("microcontroller") => microcontroller::check(&root),
@@ -38,4 +38,17 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs every check; the first that fails ends the gate.
+fn ci(root: &Path) -> Result<(), String> {
+    run::cargo(root, &["fmt", "--all", "--check"], &[])?;
+    tidy::check(root)?;
+    run::cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+    run::cargo(root, &["doc", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    run::cargo(root, &["check", "--manifest-path", "fuzz/Cargo.toml", "--target-dir", "target/fuzz"], &[])?;
+    run::cargo(root, &["test", "--workspace", "--release"], &[])?;
+    instructions::check(root)?;
+    microcontroller::check(root)?;
+    ros2::check(root)
 }

@@ -1,12 +1,12 @@
-//! Whether real ROS 2 understands the node: rclpy from PyPI's wheels talks to it.
+//! Interoperability test: the node against rclpy, from wheels on PyPI.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The wheels are made for this Python.
+/// Python version of the wheels.
 const PYTHON: &str = "python3.11";
 
-/// ROS 2 Kilted's middleware and messages, and what building an interface takes.
+/// ROS 2 Kilted: middleware, messages, and build dependencies of interfaces.
 const WHEELS: [&str; 12] = [
     "ros-rclpy==9.1.2",
     "ros-rmw-fastrtps-cpp==9.3.3",
@@ -22,17 +22,17 @@ const WHEELS: [&str; 12] = [
     "numpy==2.4.6",
 ];
 
-/// What builds interfaces that have no wheel, where somebody has put it beside the project.
+/// Build script for interfaces without a wheel; optional, relative to the checkout.
 const BUILDER: &str = "../shared/ros2/build_interface.py";
 
-/// Those of Nav2's action and of transforms: package and file.
+/// Interfaces of Nav2's action and of tf2: package and file.
 const INTERFACES: [(&str, &str); 2] =
     [("nav2_msgs", "action/NavigateToPose.action"), ("tf2_msgs", "msg/TFMessage.msg")];
 
-/// Lets rclpy talk to the node with a simulated robot.
+/// Runs the rclpy tests with the node and a simulated robot.
 pub(crate) fn check(root: &Path) -> Result<(), String> {
     if Command::new(PYTHON).arg("--version").output().is_err() {
-        eprintln!("ros2: skipped, this needs {PYTHON}, for which ROS 2's wheels are made");
+        eprintln!("ros2: skipped (needs {PYTHON}, the version of the ROS 2 wheels)");
         return Ok(());
     }
     let folder = root.join("target/ros2");
@@ -40,7 +40,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     run(Command::new(PYTHON).arg("-m").arg("venv").arg(&venv))?;
     let python = venv.join("bin/python");
     run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(WHEELS))?;
-    // The program as the tests have it: after them, there is nothing left to compile.
+    // Same build as for the tests; after them, nothing is recompiled.
     crate::run::cargo(root, &["test", "--release", "--workspace", "--test", "ros2", "--no-run"], &[])?;
 
     let tests = root.join("crates/surepose-ros2/tests/rclpy");
@@ -59,11 +59,11 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
         .env("LD_LIBRARY_PATH", joined(&libraries)?))
 }
 
-/// The interfaces that have no wheel, for Python, where their builder is there.
+/// Builds the interfaces without a wheel for Python, if the build script exists.
 fn interfaces(root: &Path, python: &Path, tests: &Path, folder: &Path) -> Result<Vec<PathBuf>, String> {
     let builder = root.join(BUILDER);
     if !builder.exists() {
-        eprintln!("ros2: {BUILDER} is not here, so rclpy tries neither the action nor /tf");
+        eprintln!("ros2: {BUILDER} not found; the action and /tf are not tested");
         return Ok(Vec::new());
     }
     INTERFACES
@@ -89,6 +89,6 @@ fn joined(paths: &[PathBuf]) -> Result<std::ffi::OsString, String> {
 
 fn run(command: &mut Command) -> Result<(), String> {
     let name = format!("{command:?}");
-    let status = command.status().map_err(|error| format!("{name} does not start: {error}"))?;
-    if status.success() { Ok(()) } else { Err(format!("{name} failed")) }
+    let status = command.status().map_err(|error| format!("{name}: start failed: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{name}: failed")) }
 }

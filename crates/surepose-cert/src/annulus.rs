@@ -1,4 +1,4 @@
-//! The distances at which W falls: from far away inwards, as near to the goal as it goes.
+//! Search for the annulus in which W decreases, from the outside inward.
 
 use crate::controller::SampledController;
 use crate::counterexample::{Counterexample, find};
@@ -7,32 +7,33 @@ use crate::interval::Interval;
 use crate::region::Region;
 use crate::search::search;
 
-/// How much work may be done.
+/// Limits of the work, in numbers of boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {
-    /// Regions at one range of distances.
+    /// Boxes per range of distances.
     pub(crate) slice: usize,
-    /// Regions after which no nearer distances are begun, where what was shown is near enough.
+    /// Boxes after which no further range starts, once `near_enough` is reached.
     pub(crate) enough: usize,
-    /// Regions after which none are begun at all.
+    /// Boxes after which no further range starts at all.
     pub(crate) total: usize,
 }
 
-/// The distances at which W was shown to fall.
+/// Annulus in which W was shown to decrease.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Annulus {
-    /// Nearest \[m]; infinite if W was shown to fall nowhere.
+    /// Inner radius \[m]. ∞: no decrease was shown anywhere.
     pub(crate) inner: f64,
     /// Upper bound of Ẇ \[1/s].
     pub(crate) rate: f64,
-    /// Regions looked at.
+    /// Number of boxes evaluated.
     pub(crate) boxes: usize,
-    /// Where the proof got stuck, if it did.
+    /// Distances and box at which the proof failed. `None`: no failure.
     pub(crate) stuck: Option<(Interval, Region)>,
 }
 
-/// Shows the fall of W from `outer` inwards, to `floor` \[m] or as near as the budget allows, trying the `rates` \[1/s]
-/// one after the other. More work is done until `near_enough` \[m] than after it.
+/// Shows the decrease of W from `outer` inward to `floor` \[m], or as far as the budget allows.
+///
+/// The `rates` \[1/s] are tried in order. The budget is larger down to `near_enough` \[m] than below it.
 pub(crate) fn from_outside<L: SampledController>(
     descent: &mut Descent<'_, L>,
     outer: f64,
@@ -43,7 +44,7 @@ pub(crate) fn from_outside<L: SampledController>(
     search_inwards(descent, outer, (floor, near_enough), rates, budget, false)
 }
 
-/// The same for every discrete state that the law may have come to be in, by noise beyond any bound.
+/// [`from_outside`] for all reachable discrete states, as noise beyond any bound requires.
 pub(crate) fn from_outside_any_past<L: SampledController>(
     descent: &mut Descent<'_, L>,
     outer: f64,
@@ -79,7 +80,7 @@ fn search_inwards<L: SampledController>(
             descent.prepare(rho);
         }
         let mut shown = None;
-        // Nearer than near enough is not worth a slower fall than farther out.
+        // Below `near_enough`, a smaller radius is not worth a lower decrease rate.
         let least = if far > near_enough { 0.0 } else { 0.9 * -annulus.rate };
         for &required in rates.iter().filter(|required| **required >= least) {
             let found = search(descent, rho, required, budget.slice);
@@ -99,7 +100,7 @@ fn search_inwards<L: SampledController>(
 }
 
 impl Annulus {
-    /// A concrete violation where the proof got stuck, or nearer down to `floor` \[m], if one is found.
+    /// Searches for a concrete violation from the failed box down to `floor` \[m]. `None`: none found.
     pub(crate) fn counterexample<L: SampledController>(
         &self,
         descent: &mut Descent<'_, L>,
@@ -112,7 +113,7 @@ impl Annulus {
     }
 }
 
-/// By what factor the distances of one search differ: little where the noise makes the difference.
+/// Ratio of successive radii in the search; small where the noise matters.
 pub(crate) fn ratio(rho: f64, noise: f64) -> f64 {
     if rho > 0.6 && rho > 40.0 * noise {
         3.0

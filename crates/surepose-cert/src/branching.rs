@@ -1,23 +1,23 @@
-//! Following each way a program can go, where intervals leave open which.
+//! Exploration of all branches of a program whose comparisons intervals cannot decide.
 //!
-//! A comparison that intervals cannot decide makes `select` answer with the hull of both sides, which is sound and
-//! often useless: the hull of "turn left" and "turn right" holds "do not turn". [`explore_branches`] runs the program once
-//! for each way instead. Every concrete input follows one of the ways, and on that way the intervals enclose it,
-//! so what holds on all ways holds for all inputs.
+//! For an undecided comparison, `select` returns the hull of both results. The hull is sound but often
+//! useless: the hull of "turn left" and "turn right" contains "do not turn". [`explore_branches`] runs the
+//! program once per branch instead. Every concrete input follows one branch, and on that branch the intervals
+//! enclose it. A property that holds on all branches therefore holds for all inputs.
 
 use std::cell::RefCell;
 
-/// Decisions beyond this depth fall back to the hull, which bounds the work: no law comes near it.
+/// Maximum number of decisions per branch; deeper comparisons return the hull. No control law comes near it.
 const MAX_DEPTH: usize = 16;
 
-/// One decision: which of how many.
+/// One decision: index taken, and number of alternatives.
 #[derive(Clone, Copy)]
 struct Choice {
     taken: u8,
     of: u8,
 }
 
-/// The decisions of the present run, replayed up to `position`.
+/// Decisions of the current run, replayed up to `position`.
 struct Tape {
     choices: Vec<Choice>,
     position: usize,
@@ -27,12 +27,12 @@ thread_local! {
     static TAPE: RefCell<Option<Tape>> = const { RefCell::new(None) };
 }
 
-/// Runs `program` once for each way through its undecided comparisons and hands each result to `visit`.
+/// Runs `program` once per branch of its undecided comparisons and passes each result to `visit`.
 ///
-/// False if there are more than `most` ways: then not all of them were visited.
+/// Returns `false` if there are more than `most` branches; some were then not visited.
 ///
-/// Inside `program` an undecided comparison answers yes on one way and no on the other. Calls do not nest: an inner
-/// call explores with its own decisions, and the outer one then repeats it on each of its ways.
+/// Inside `program`, an undecided comparison is true on one branch and false on the other. Calls do not nest:
+/// an inner call explores its own decisions, and the outer call repeats it on each of its branches.
 pub fn explore_branches<T>(most: usize, mut program: impl FnMut() -> T, mut visit: impl FnMut(T)) -> bool {
     let outer = TAPE.take();
     let mut choices = Vec::with_capacity(MAX_DEPTH);
@@ -46,7 +46,7 @@ pub fn explore_branches<T>(most: usize, mut program: impl FnMut() -> T, mut visi
         let result = program();
         choices = TAPE.take().map(|tape| tape.choices).unwrap_or_default();
         visit(result);
-        // The next way: the last decision that has another side takes it, all after it are forgotten.
+        // Next branch: advance the last decision with an alternative left, and drop all decisions after it.
         while choices.last().is_some_and(|last| last.taken + 1 == last.of) {
             choices.pop();
         }
@@ -59,7 +59,7 @@ pub fn explore_branches<T>(most: usize, mut program: impl FnMut() -> T, mut visi
     complete
 }
 
-/// Which of `of` sides to take here, or nothing outside of [`explore_branches`].
+/// Returns the alternative to take, below `of`. `None`: outside of [`explore_branches`], or too deep.
 pub(crate) fn choose_branch(of: u8) -> Option<u8> {
     TAPE.with_borrow_mut(|tape| {
         let tape = tape.as_mut()?;
@@ -78,9 +78,12 @@ pub(crate) fn choose_branch(of: u8) -> Option<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use surepose::geometry::Angle;
+    use surepose::scalar::Scalar;
+
     use crate::{Interval, Tribool};
-    use surepose::{Angle, Scalar};
+
+    use super::*;
 
     #[test]
     fn every_branch_is_explored_once() {
@@ -90,11 +93,11 @@ mod tests {
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen.len(), 6);
-        assert_eq!(choose_branch(2), None, "outside of an exploration nothing is chosen");
+        assert_eq!(choose_branch(2), None, "no exploration is active");
     }
 
     #[test]
-    fn an_angle_across_the_branch_stays_narrow_on_each_way() {
+    fn angle_across_pi_stays_narrow_on_each_branch() {
         let across = Interval::new(3.0, 3.3);
         assert!(Angle::from_radians(across).radians().width() > 6.0, "the hull is the whole circle");
         let mut pieces = Vec::new();
@@ -108,13 +111,9 @@ mod tests {
     }
 
     #[test]
-    fn outside_of_an_exploration_the_answer_is_maybe() {
+    fn comparison_is_unknown_outside_of_an_exploration() {
         let x = Interval::new(-1.0, 1.0);
         assert_eq!(x.lt(Interval::from_f64(0.0)), Tribool::Unknown);
-        explore_branches(
-            64,
-            || x.lt(Interval::from_f64(0.0)),
-            |verdict| assert_ne!(verdict, Tribool::Unknown),
-        );
+        explore_branches(64, || x.lt(Interval::from_f64(0.0)), |result| assert_ne!(result, Tribool::Unknown));
     }
 }

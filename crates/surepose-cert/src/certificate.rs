@@ -1,10 +1,10 @@
-//! The certificate: what is asked, what is answered.
-
-use std::time::Instant;
+//! Certification of a controller: request, certificate, and reasons for refusal.
 
 use core::f64::consts::PI;
+use std::time::Instant;
 
-use surepose::{DiffDrive, Limits};
+use surepose::control::Limits;
+use surepose::kinematics::DiffDrive;
 
 use crate::annulus::{Annulus, Budget, from_outside};
 use crate::controller::SampledController;
@@ -14,107 +14,117 @@ use crate::lyapunov::LyapunovFunction;
 use crate::noise::NoiseBounds;
 use crate::terminal_phase::{TerminalPhase, heading_bound, local_counterexample, terminal_phase};
 
-/// What is to be certified.
+/// A certification problem.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a, L> {
-    /// The law with its gains, and the limits.
+    /// Controller under test: the control law with its gains, and the limits.
     pub controller: &'a L,
-    /// The wheels' geometry.
+    /// Wheel separation and wheel radii.
     pub drive: DiffDrive<f64>,
-    /// The wheels' limits.
+    /// Wheel speed and acceleration limits.
     pub limits: Limits<f64>,
-    /// Weight h of the direction of approach in the law, which W takes over.
+    /// Weight h of the approach angle φ in the control law; W uses the same weight.
     pub h: f64,
-    /// Time for which a twist is held \[s].
+    /// Control period ΔT, during which a twist is held \[s].
     pub period: f64,
     /// Bounds of the disturbances.
     pub noise: NoiseBounds,
-    /// Largest distance from which the robot starts \[m].
+    /// Workspace radius: largest true start distance from the goal \[m].
     pub workspace: f64,
-    /// A larger capture radius than this is no use: refused \[m].
+    /// Largest acceptable capture radius \[m]; a larger one is refused.
     pub max_capture_radius: f64,
-    /// Seen distance below which the wheels may rest because the robot has arrived \[m]; 0 if they never do.
+    /// Estimated goal distance below which the wheels may stop at the goal \[m]. 0: the wheels never stop.
     pub rests_within: f64,
-    /// Longest period that is looked for \[s]; none is looked for if it is not above `period`.
+    /// Upper end of the search for the longest period \[s]. A value not above `period` disables the search.
     pub max_period_searched: f64,
 }
 
-/// Why there is no certificate.
+/// Reason for a refusal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefusalReason {
-    /// A constant is not a number, not positive, or out of every proportion.
+    /// A parameter is NaN, not positive, or not below 10⁶ (SI units).
     Unusable,
-    /// With the noise and the wheels' limits, W was not shown to fall down to the largest useful capture radius.
+    /// With noise and wheel limits, no decrease of W was shown down to `max_capture_radius`.
     NoDescent,
-    /// Even without noise, and without the wheels' limits, W was not shown to fall: the law is wrong, or the period so
-    /// long for these gains that only saturation keeps a step from overshooting.
+    /// No decrease of W was shown even without noise and without wheel limits.
+    ///
+    /// The control law is wrong, or the period is too long for its gains, and only saturation prevents
+    /// overshoot.
     UnstableByItself,
-    /// The wheels may rest, the robot having arrived, truly farther away than the largest useful capture radius.
+    /// The wheels may stop at a true distance from the goal above `max_capture_radius`.
     RestsTooFar,
-    /// Without noise the local law does not bring the heading and the distance along the robot down.
+    /// Without noise, no decrease of the heading error and of the along-track distance was shown in local
+    /// mode.
     LocalLaw,
 }
 
 impl core::fmt::Display for RefusalReason {
     fn fmt(&self, to: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         to.write_str(match self {
-            Self::Unusable => "a gain, limit, period or noise bound is not a positive number",
+            Self::Unusable => {
+                "request: a gain, limit, period, or noise bound is not valid (expected positive and finite)"
+            }
             Self::NoDescent => {
-                "with this noise the law was not shown to bring the robot near enough to the goal: W may rise in a tick"
+                "capture: no decrease of W was shown down to the largest acceptable capture radius; \
+                 reduce the noise bounds or accept a larger radius"
             }
             Self::RestsTooFar => {
-                "the tolerance of arrival, with its release and the noise, lets the robot rest too far from the goal"
+                "goal tolerance: the robot may stop outside of the largest acceptable capture radius; reduce the \
+                 tolerance, its release factor, or the position noise"
             }
-            Self::LocalLaw => "near the goal the law was not shown to turn the robot to the commanded heading",
+            Self::LocalLaw => {
+                "local mode: no decrease of the heading error was shown near the goal; check the local gains"
+            }
             Self::UnstableByItself => {
-                "even without noise the law was not shown to descend in every tick: it is wrong, or these gains \
-                 overshoot at this period and only the wheels' limits hold them back"
+                "control law: no decrease of W was shown even without noise and wheel limits; check the law, or \
+                 reduce its gains or the period"
             }
         })
     }
 }
 
-/// What was shown, or why not. Every bound holds for every disturbance inside its bounds at every tick.
+/// Result of a certification. Every bound holds for all disturbances within their bounds at every tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
-    /// Whether all of it was shown.
+    /// Whether the certificate was issued: the capture and the noise-free heading claim are proved.
     pub certified: bool,
-    /// The true distance from the goal below which the robot comes \[m].
+    /// Capture radius R \[m]: the true goal distance falls below R. `None`: refused.
     pub capture_radius: Option<f64>,
-    /// W falls at least this fast outside of the capture radius \[1/s].
+    /// Decrease rate κ of W outside of the capture radius \[1/s]. `None`: refused.
     pub decrease_rate: Option<f64>,
-    /// Latest time of coming within the capture radius, from every start in the workspace \[s].
+    /// Upper bound of the time until capture, from every start in the workspace \[s]. `None`: refused.
     pub time_bound: Option<f64>,
-    /// The longest period found at which the same gains were shown to bring the robot within the largest useful capture
-    /// radius \[s]: shown at that period, not at those between.
+    /// Longest period at which the capture within `max_capture_radius` was shown with the same gains \[s].
+    ///
+    /// The claim holds at that period, not at all shorter ones. `None`: refused.
     pub max_period: Option<f64>,
-    /// Largest true distance from the goal at any time after the capture \[m].
+    /// Largest true goal distance at any time after capture \[m]. `None`: not shown.
     pub final_position_bound: Option<f64>,
-    /// What holds near the goal.
+    /// Bounds near the goal. `None`: refused.
     pub terminal_phase: Option<TerminalPhase>,
-    /// The function that falls.
+    /// Lyapunov function W.
     pub lyapunov: LyapunovFunction,
-    /// Regions looked at.
+    /// Number of boxes evaluated.
     pub boxes: usize,
-    /// How long it took \[s].
+    /// Wall-clock time \[s].
     pub wall: f64,
-    /// Why it was refused.
+    /// Reason for the refusal. `None`: certified.
     pub reason: Option<RefusalReason>,
-    /// A state that violates the claim, confirmed by simulating one tick of it.
+    /// State that violates the claim, confirmed by simulating one tick. `None`: none found.
     pub counterexample: Option<Counterexample>,
 }
 
-/// Rates of fall that are tried \[1/s], the wish first.
+/// Decrease rates tried \[1/s], in this order.
 pub(crate) const WANTED: [f64; 2] = [0.2, 0.02];
-/// Work for the descent, and for each period that is tried.
+/// Box budgets of the descent and of each period tried.
 pub(crate) const BUDGET: Budget = Budget { slice: 12_000, enough: 24_000, total: 60_000 };
 const PERIOD_BUDGET: Budget = Budget { slice: 2_500, enough: 9_000, total: 9_000 };
-/// Weights c of the distance in W, in the order of trying.
+/// Weights c of the distance in W, in the order tried.
 pub(crate) const DISTANCE_WEIGHTS: [f64; 3] = [4.0, 8.0, 2.0];
-/// Weights c for the bound of the distance after the capture: the larger, the less W trades distance for angles.
+/// Weights c for the final position bound. A larger c lets W trade less distance for angle.
 const FINAL_WEIGHTS: [f64; 4] = [64.0, 32.0, 16.0, 8.0];
 
-/// Certifies, or says why not.
+/// Certifies the controller of `request`, or returns the reason for the refusal.
 pub fn certify<L: SampledController>(request: &Request<'_, L>) -> Certificate {
     let clock = Instant::now();
     let mut certificate = request.judge();
@@ -129,7 +139,8 @@ impl<L: SampledController> Request<'_, L> {
             return refused;
         }
         let floor = self.max_capture_radius;
-        // The law by itself first, without noise and without limits: what fails there is plainest.
+        // The control law without noise and limits comes first, because its failures are the easiest to
+        // explain.
         let mut alone: Option<(LyapunovFunction, Annulus)> = None;
         for distance in DISTANCE_WEIGHTS {
             let lyapunov = self.lyapunov(distance);
@@ -151,14 +162,14 @@ impl<L: SampledController> Request<'_, L> {
             let annulus = from_outside(&mut descent, self.outer(&lyapunov), (0.0, floor), &WANTED, BUDGET);
             refused.boxes += annulus.boxes;
             if annulus.inner <= floor {
-                // The noise-free heading claim is part of every certificate.
+                // Every certificate includes the noise-free heading claim.
                 let mut quiet = Descent { noise: NoiseBounds::default(), ..self.descent(lyapunov) };
                 if heading_bound(&mut quiet, floor, &mut refused.boxes).is_none() {
                     refused.reason = Some(RefusalReason::LocalLaw);
                     refused.counterexample = local_counterexample(&mut quiet, floor);
                     return refused;
                 }
-                // Where the wheels may rest nothing falls.
+                // W does not decrease where the wheels may stop.
                 if self.rests_truly_within() > floor {
                     refused.reason = Some(RefusalReason::RestsTooFar);
                     refused.counterexample = None;
@@ -180,7 +191,7 @@ impl<L: SampledController> Request<'_, L> {
         refused
     }
 
-    /// The true distance within which the wheels may rest \[m].
+    /// True goal distance within which the wheels may stop \[m].
     fn rests_truly_within(&self) -> f64 {
         if self.rests_within > 0.0 { (self.rests_within + self.noise.position).next_up() } else { 0.0 }
     }
@@ -210,10 +221,10 @@ impl<L: SampledController> Request<'_, L> {
         }
     }
 
-    /// The distance that the robot never leaves after the capture.
+    /// Returns a distance that the robot does not exceed after capture \[m].
     ///
-    /// From inside the capture radius one tick leads out to `edge` at most. From there a W with a large c falls, so
-    /// that c·ln ρ grows by no more than the angles can give up.
+    /// From inside the capture radius, one tick leads to at most `edge`. From there, a W with a large c
+    /// decreases, so c·ln ρ grows by at most the largest contribution of the angles.
     fn final_position(&self, annulus: &Annulus, boxes: &mut usize) -> Option<f64> {
         let edge = self.descent(self.lyapunov(1.0)).one_step_reach(annulus.inner)?;
         FINAL_WEIGHTS.iter().find_map(|&distance| {
@@ -226,10 +237,10 @@ impl<L: SampledController> Request<'_, L> {
         })
     }
 
-    /// The longest period found with which the same gains are still certified, with the largest useful capture radius.
+    /// Searches for the longest period at which the capture within `max_capture_radius` is shown \[s].
     fn max_period(&self, lyapunov: LyapunovFunction, boxes: &mut usize) -> f64 {
         let (mut shown, mut failed) = (self.period, self.max_period_searched);
-        // What is tried: twice the period as long as that works, then halves of what is left, at most twice.
+        // The period is doubled while that succeeds; then the remaining interval is bisected at most twice.
         let mut halves = 0;
         loop {
             let doubled = 2.0 * shown < failed;
@@ -251,17 +262,18 @@ impl<L: SampledController> Request<'_, L> {
         shown
     }
 
-    /// W with the weight c of the distance; F turns straight where the wheels' limit begins to matter: F′V ≈ 1 beyond.
+    /// Lyapunov function W with distance weight c; F is linear beyond the knee, where F′V ≈ 1.
     pub(crate) fn lyapunov(&self, distance: f64) -> LyapunovFunction {
         LyapunovFunction { distance, knee: distance * self.limits.wheel_speed, approach: self.h }
     }
 
-    /// The distance that the robot does not leave while W falls, from every start in the workspace.
+    /// Distance that the robot does not exceed while W decreases, from every start in the workspace \[m].
     pub(crate) fn outer(&self, lyapunov: &LyapunovFunction) -> f64 {
         let most = lyapunov.distance_term(self.workspace) + lyapunov.max_angle_terms();
         lyapunov.distance_from_term(most) * (1.0 + 1e-9)
     }
 
+    /// Decrease problem with the noise and the limits of the request.
     pub(crate) fn descent(&self, lyapunov: LyapunovFunction) -> Descent<'_, L> {
         Descent {
             controller: self.controller,
@@ -277,10 +289,12 @@ impl<L: SampledController> Request<'_, L> {
         .with_reachable_states()
     }
 
+    /// Decrease problem without noise and without wheel limits.
     pub(crate) fn bare(&self, lyapunov: LyapunovFunction) -> Descent<'_, L> {
         Descent { noise: NoiseBounds::default(), limited: false, ..self.descent(lyapunov) }
     }
 
+    /// Whether all parameters are finite and in range.
     pub(crate) fn usable(&self) -> bool {
         let positive = [
             self.drive.wheel_separation,

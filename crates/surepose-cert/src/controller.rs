@@ -1,32 +1,32 @@
-//! What the certificate judges: one control step, evaluated with any scalar.
+//! The interface between the certificate and a controller.
 
-use surepose::{
-    BrakingProfile, ControlOutput, DiffDrive, HybridState, Law, Limits, NavigationVariables, Scalar, Twist,
-};
+use surepose::control::{BrakingProfile, ControlOutput, HybridState, Law, Limits, NavigationVariables};
+use surepose::kinematics::{DiffDrive, Twist};
+use surepose::scalar::Scalar;
 
-/// A control step: from the goal as seen to the twist that the wheels are told to drive.
+/// A sampled controller: maps the estimated navigation variables to a wheel command.
 ///
-/// The certificate knows the law only through this, so that a wrong law can be given to it as well as the right one.
+/// The certificate accesses the control law only through this trait, so the tests can substitute faulty laws.
 pub trait SampledController {
-    /// What the law wants, and the memory for the next tick.
+    /// Computes the desired twist and the hybrid state for the next tick.
     fn compute<S: Scalar>(&self, seen: &NavigationVariables<S>, before: HybridState<S>) -> ControlOutput<S>;
-    /// What of it the limits grant.
+    /// Applies the limits to the desired twist.
     fn limit<S: Scalar>(&self, desired: Twist<S>) -> Twist<S>;
 }
 
-/// The law and the limits that run on the robot.
+/// The control law and the limits that run on the robot.
 ///
 /// # Assumption
-/// The wheels follow at once: the acceleration limit is not part of what is judged.
+/// The wheels follow immediately: the acceleration limit is not part of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeployedController {
-    /// The control law.
+    /// Control law.
     pub law: Law<f64>,
-    /// The wheels' geometry.
+    /// Wheel separation and wheel radii.
     pub drive: DiffDrive<f64>,
-    /// How it slows down in time.
+    /// Speed profile for braking ahead of the goal. `None`: no such profile.
     pub braking: Option<BrakingProfile<f64>>,
-    /// The wheels' limits.
+    /// Wheel limits.
     pub limits: Limits<f64>,
 }
 

@@ -1,8 +1,9 @@
-//! From a region where the proof got stuck to one state in which the claim is false.
+//! Search for a concrete state that violates the claim, near a box where the proof failed.
 
 use core::f64::consts::{PI, TAU};
 
-use surepose::{Angle, Body, Goal, Map, NavigationVariables, Pose};
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
 
 use crate::controller::SampledController;
 use crate::descent::Descent;
@@ -11,24 +12,24 @@ use crate::disturbed_state::{DisturbedState, Transition};
 use crate::interval::Interval;
 use crate::region::Region;
 
-/// A state, and the tick that violates the claim: W does not fall, or a rim is told to exceed its limit.
+/// A state and a tick that violate the claim: W does not decrease, or a wheel command exceeds its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Counterexample {
-    /// Where, with what noise.
+    /// State and disturbances before the tick.
     pub disturbed_state: DisturbedState,
-    /// What then happens.
+    /// Result of the tick.
     pub transition: Transition,
-    /// Whether the wheels' limits were in force.
+    /// Whether the wheel limits applied.
     pub limited: bool,
 }
 
-/// How many situations are tried at random, and how many times the best of them is bettered.
+/// Numbers of random states and of hill-climbing steps from the best one.
 const TRIES: usize = 6000;
 const CLIMBS: usize = 6000;
 
-/// Looks for a state at distances `rho` in which W does not fall, beginning in the region that got `stuck`.
+/// Searches for a state at distances `rho` \[m] in which W does not decrease, starting near the box `stuck`.
 ///
-/// What is found was simulated with floats; nothing found means only that.
+/// The result was confirmed by simulation in `f64`. `None`: none found, which proves nothing.
 pub(crate) fn find<L: SampledController>(
     descent: &Descent<'_, L>,
     rho: Interval,
@@ -46,7 +47,7 @@ pub(crate) fn find<L: SampledController>(
         );
         let rims = descent.drive.wheel_speeds_from_twist(transition.commanded).max_abs();
         let too_fast = descent.limited && rims > descent.rim_limit * (1.0 + 1e-9);
-        // A rim told to exceed its limit is a violation too, whatever W does.
+        // A wheel command above its limit is a violation for any change of W.
         let rise = if too_fast { rims } else { transition.lyapunov_after - transition.lyapunov_before };
         let inside = rho.contains(transition.before.rho);
         if inside && rise.is_finite() && best.as_ref().is_none_or(|(most, ..)| rise > *most) {
@@ -83,7 +84,7 @@ pub(crate) fn find<L: SampledController>(
     (rise >= 0.0).then_some(Counterexample { disturbed_state, transition, limited: descent.limited })
 }
 
-/// The same with other noise within its bounds, `size` of them away, and a discrete state that the law keeps there.
+/// Perturbs the noise by `size` times its bounds, and selects a discrete state that persists there.
 fn disturbed<L: SampledController>(
     from: &DisturbedState,
     descent: &Descent<'_, L>,
@@ -112,7 +113,7 @@ fn disturbed<L: SampledController>(
     let output = descent
         .controller
         .compute(&NavigationVariables::from_poses(seen, goal), next.discrete_state.memory(next.trim_ticks));
-    // Mostly a discrete state that the law has there already, so that the counterexample does not hang on a change of discrete state.
+    // Most states already have the resulting discrete state; the violation then needs no mode switch.
     if rng.part() < 0.8 {
         next.discrete_state = DiscreteState::from_memory_f64(&output.state);
     }
@@ -125,7 +126,7 @@ fn disturbed<L: SampledController>(
     next
 }
 
-/// Repeatable random numbers: Steele and Vigna's SplitMix64.
+/// Deterministic random number generator: SplitMix64 by Steele and Vigna.
 pub(crate) struct Rng(pub(crate) u64);
 
 impl Rng {

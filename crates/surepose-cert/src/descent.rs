@@ -1,66 +1,67 @@
-//! Does W fall in this region, at every tick, whatever the noise does?
+//! Upper bounds of the change of W in a box, for all disturbances within bounds.
 
 use core::f64::consts::PI;
 
-use surepose::{ControlOutput, DiffDrive, HybridState, Scalar, Twist};
+use surepose::control::{ControlOutput, HybridState};
+use surepose::kinematics::{DiffDrive, Twist};
+use surepose::scalar::Scalar;
 
 use crate::branching::explore_branches;
 use crate::controller::SampledController;
-use crate::discrete_state::DiscreteState;
+use crate::discrete_state::{DiscreteState, first_shown};
 use crate::interval::Interval;
 use crate::lyapunov::{LyapunovFunction, Truth, window};
 use crate::noise::NoiseBounds;
 use crate::region::{Region, half_turns};
-use crate::search::first_shown;
 
-/// Ways through the law beyond which a region is cut rather than followed: it is too large.
+/// Maximum number of branches per box. A box with more branches is bisected.
 const MAX_BRANCHES: usize = 64;
 
-/// Width of α̂ \[rad], and bound of Ẇ \[1/s], above which cutting the noise does not help: the region is to be cut.
+/// Width of α̂ \[rad] and bound of Ẇ \[1/s] above which the box is bisected, not its noise interval.
 const COARSE: f64 = 0.15;
 const HOPELESS: f64 = 3.0;
 
-/// What is to be shown, for one law and one period.
+/// Decrease problem for one control law and one period.
 pub(crate) struct Descent<'a, L> {
     pub(crate) controller: &'a L,
     pub(crate) drive: DiffDrive<f64>,
     pub(crate) noise: NoiseBounds,
     pub(crate) period: f64,
     pub(crate) lyapunov: LyapunovFunction,
-    /// Whether the wheels' limits are in force.
+    /// Whether the wheel limits apply.
     pub(crate) limited: bool,
-    /// The discrete states that the law can be in.
+    /// Discrete states considered for the current range of distances.
     pub(crate) discrete_states: Vec<DiscreteState>,
-    /// What no rim may be told to exceed \[m/s].
+    /// Speed that no wheel command may exceed, at the rim \[m/s].
     pub(crate) rim_limit: f64,
-    /// Every discrete state that the law can come to be in, wherever the goal is.
+    /// All reachable discrete states, for any goal position.
     pub(crate) reachable: Vec<DiscreteState>,
 }
 
-/// One thing that the law may do in a region.
+/// Result of one branch of the control law in a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BranchOutcome {
     pub(crate) discrete_state: DiscreteState,
     pub(crate) twist: Twist<Interval>,
 }
 
-/// Upper bounds of what W does.
+/// Upper bounds of the change of W.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DecreaseBound {
-    /// Ẇ, averaged over the period \[1/s].
+    /// Mean of Ẇ over the period \[1/s].
     pub(crate) rate: f64,
-    /// The jump of W where the law changes its discrete state.
+    /// Jump of W at a change of the discrete state.
     pub(crate) jump: f64,
 }
 
 impl<L: SampledController> Descent<'_, L> {
-    /// The same, knowing which discrete states the law can come to.
+    /// Fills in the reachable discrete states.
     pub(crate) fn with_reachable_states(mut self) -> Self {
         self.reachable = self.find_reachable();
         self
     }
 
-    /// The step that the robot is told.
+    /// Computes the commanded twist and the next hybrid state.
     pub(crate) fn step(&self, region: &Region, memory: HybridState<Interval>) -> ControlOutput<Interval> {
         let output = self.controller.compute(&region.seen(), memory);
         if self.limited {
@@ -70,7 +71,8 @@ impl<L: SampledController> Descent<'_, L> {
         }
     }
 
-    /// What the law does in `region`, having been of `discrete_state`; nothing if that cannot be told.
+    /// Adds all outcomes in `region` from `discrete_state` to `into`; returns `false` if they are not
+    /// determined.
     pub(crate) fn outcomes(
         &self,
         region: &Region,
@@ -80,7 +82,7 @@ impl<L: SampledController> Descent<'_, L> {
         self.branch_outcomes(region, discrete_state, MAX_BRANCHES, into)
     }
 
-    /// The same, following more ways or fewer.
+    /// [`Descent::outcomes`] with at most `most` branches.
     pub(crate) fn branch_outcomes(
         &self,
         region: &Region,
@@ -104,47 +106,48 @@ impl<L: SampledController> Descent<'_, L> {
         known && complete
     }
 
-    /// Whether the local law can be in charge after this tick, having been in charge before or not.
+    /// Whether the local mode can be active after a tick; `before` is its value before the tick.
     pub(crate) fn local_possible(&self, region: &Region, before: bool) -> bool {
         self.known_states()
             .filter(|discrete_state| discrete_state.local_mode == before)
             .any(|discrete_state| self.local_possible_from(region, discrete_state))
     }
 
-    /// Whether the local law can be in charge after a tick that began with `discrete_state`.
+    /// Whether the local mode can be active after a tick from `discrete_state`.
     pub(crate) fn local_possible_from(&self, region: &Region, discrete_state: DiscreteState) -> bool {
         self.step(region, discrete_state.as_memory_set()).state.local_mode.possible()
     }
 
-    /// Whether the local law is in charge after this tick, whoever was before.
+    /// Whether the local mode is active after a tick from every reachable discrete state.
     pub(crate) fn local_certain(&self, region: &Region) -> bool {
         self.known_states().all(|discrete_state| {
             self.step(region, discrete_state.as_memory_set()).state.local_mode.certain()
         })
     }
 
-    /// Considers, from here on, every discrete state that the law can come to be in anywhere: for noise without bounds.
+    /// Considers all reachable discrete states, as unbounded noise requires.
     pub(crate) fn prepare_for_any_past(&mut self) {
         self.discrete_states.clone_from(&self.reachable);
     }
 
-    /// Every discrete state that the law can come to be in, wherever the goal is.
+    /// Iterates over all reachable discrete states, for any goal position.
     pub(crate) fn known_states(&self) -> impl Iterator<Item = DiscreteState> + '_ {
         self.reachable.iter().copied()
     }
 
-    /// Considers, from here on, the discrete states that the law can be in at true distances `rho`.
+    /// Considers only the discrete states possible at true distances `rho` \[m].
     pub(crate) fn prepare(&mut self, rho: Interval) {
         if !self.limited {
-            // Nothing bounds how far away the tick before began.
+            // Without limits, the distance before the previous tick is unbounded.
             return self.prepare_for_any_past();
         }
         let fastest = (self.rim_limit * (1.0 + self.noise.rim_speed_part) + self.noise.rim_speed).next_up();
         self.discrete_states = self.states_at(rho, (fastest * self.period).next_up());
     }
 
-    /// The discrete states that the law can be in at true distances `rho`: the fresh one, and those that the tick before can have
-    /// left it in, which began at most `step` \[m] farther or nearer.
+    /// Returns the discrete states possible at true distances `rho`.
+    ///
+    /// These are the initial state and the results of a previous tick that began at most `step` \[m] away.
     fn states_at(&self, rho: Interval, step: f64) -> Vec<DiscreteState> {
         let drift = Interval::symmetric(step) + Interval::symmetric(self.noise.position);
         let here = Region::anywhere(rho, drift);
@@ -159,7 +162,7 @@ impl<L: SampledController> Descent<'_, L> {
         discrete_states
     }
 
-    /// The fresh discrete state, and all that the law can come to from it, wherever the goal is.
+    /// Computes all discrete states reachable from the initial one, for any goal position.
     fn find_reachable(&self) -> Vec<DiscreteState> {
         let everywhere = Region::anywhere(Interval::new(0.0, 1e6), Interval::point(0.0));
         let mut reachable = vec![DiscreteState::INITIAL];
@@ -174,8 +177,10 @@ impl<L: SampledController> Descent<'_, L> {
         reachable
     }
 
-    /// Bounds what W does in `region` for a law that was of one of `discrete_states`; stops where it is above −`required` anyway, and
-    /// brings the discrete state where it is to the front.
+    /// Bounds the change of W in `region` over all `discrete_states`.
+    ///
+    /// The evaluation stops at the first state with a bound above −`required` and moves that state to the
+    /// front.
     pub(crate) fn fall(
         &self,
         region: &Region,
@@ -194,7 +199,8 @@ impl<L: SampledController> Descent<'_, L> {
         fall
     }
 
-    /// The same for one discrete state, added to `fall`, as far as its outcomes are not `known`; false where nothing is known of one.
+    /// Merges the bounds for one discrete state into `fall`; skips `known` outcomes. `false`: no bound
+    /// exists.
     fn fall_from(
         &self,
         region: &Region,
@@ -230,37 +236,38 @@ impl<L: SampledController> Descent<'_, L> {
         true
     }
 
-    /// Whether the law never decides on a side. Else the fresh discrete state is that of the first tick only, and W, which
-    /// depends on the side, begins after it.
+    /// Whether the control law never decides on a turn direction.
+    ///
+    /// Otherwise the initial state exists in the first tick only, and W is defined after that tick.
     fn stays_undecided(&self) -> bool {
         self.discrete_states.iter().all(|discrete_state| discrete_state.turn_direction == 0)
     }
 
-    /// Whether a rim is told to exceed its limit, beyond rounding.
+    /// Whether a wheel command certainly exceeds the speed limit, beyond rounding.
     fn too_fast(&self, outcome: &BranchOutcome) -> bool {
         let rims = self.drive.cast().wheel_speeds_from_twist(outcome.twist).max_abs();
         rims.lo() > self.rim_limit * (1.0 + 1e-9)
     }
 
-    /// How W jumps when the law changes from discrete state `before` to `after`.
+    /// Bounds the jump of W at the change from discrete state `before` to `after`.
     fn jump(&self, region: &Region, before: DiscreteState, after: DiscreteState, turn: f64) -> f64 {
         let shift = Interval::symmetric(turn) + Interval::symmetric(self.noise.heading);
         let (from, to) = (region.lift(before), region.lift(after));
         let alpha = region.alpha + shift;
-        // The noise is the same on both sides, so a² − b² is taken as (a − b)(a + b).
+        // Both terms contain the same noise, so a² − b² is evaluated as (a − b)(a + b).
         let bearing = |from: i8| {
             let rise = half_turns(to.0 - from) * (alpha + alpha + half_turns(to.0) + half_turns(from));
             if to.0 == from { 0.0 } else { rise.hi() }
         };
         let mut squares = bearing(from.0);
-        // At the edge of its window the true bearing before may have been continued the other way.
+        // At the edge of its window, the true previous bearing may have the other representative.
         let was = alpha + half_turns(from.0);
         if !window(before.turn_direction).encloses(was) {
             let other = if was.mid() > 0.0 { from.0 - 2 } else { from.0 + 2 };
             squares = squares.max(bearing(other));
         }
         if before.reverse != after.reverse {
-            // |φ| becomes π − |φ|: the square falls by 2π(|φ| − π/2).
+            // φ| becomes π − |φ|, so φ² decreases by 2π(|φ| − π/2).
             let was = (region.phi + half_turns(from.1) + Interval::symmetric(turn)).abs();
             let least = was.lo().min((half_turns(2) - was).lo());
             let pi = half_turns(1);
@@ -270,7 +277,7 @@ impl<L: SampledController> Descent<'_, L> {
         0.5 * squares
     }
 
-    /// How W falls while the twist of `outcome` is held.
+    /// Bounds the mean of Ẇ while the twist of `outcome` is held \[1/s].
     fn rate(&self, region: &Region, outcome: &BranchOutcome, turn: f64, required: f64) -> f64 {
         let twist = self.noise.driven(&self.drive.cast(), outcome.twist);
         let mut worst = f64::INFINITY;
@@ -291,7 +298,7 @@ impl<L: SampledController> Descent<'_, L> {
         worst
     }
 
-    /// The goal as it truly lies where its direction is `e` more than seen.
+    /// Returns the true goal geometry for a direction error `e` \[rad] (true minus estimated).
     pub(crate) fn truth(&self, region: &Region, discrete_state: DiscreteState, e: Interval) -> Truth {
         let lift = region.lift(discrete_state);
         Truth {
@@ -302,7 +309,7 @@ impl<L: SampledController> Descent<'_, L> {
         }
     }
 
-    /// The same where the direction of the goal is `e` more than seen.
+    /// Bounds the mean of Ẇ for a direction error `e` \[rad] \[1/s].
     fn rate_at(
         &self,
         region: &Region,
@@ -335,7 +342,7 @@ impl<L: SampledController> Descent<'_, L> {
     }
 }
 
-/// An angle cut where it leaves [−π, π], the part outside brought in: W takes the smallest square.
+/// Splits an angle at ±π and wraps the outer part; W uses the smallest square.
 fn on_circle(angle: Interval) -> [Option<Interval>; 2] {
     let circle = Interval::symmetric(PI.next_up());
     let turn = if angle.mid() > 0.0 { half_turns(-2) } else { half_turns(2) };

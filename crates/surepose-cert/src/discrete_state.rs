@@ -1,29 +1,30 @@
-//! The law's memory as the certificate sees it: one of finitely many discrete states, each considered.
+//! Discrete part of the control law's hybrid state; the certificate enumerates all values.
 
-use surepose::{HybridState, Mask, Scalar};
+use surepose::control::HybridState;
+use surepose::scalar::{Mask, Scalar};
 
 use crate::interval::Interval;
 use crate::tribool::Tribool;
 
-/// A value of the law's memory.
+/// One value of the discrete part of a [`HybridState`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DiscreteState {
-    /// The local law is in charge.
+    /// Whether the local mode is active.
     pub local_mode: bool,
-    /// The robot drives tail first.
+    /// Whether the robot drives in reverse.
     pub reverse: bool,
-    /// The side it turns to: −1, 1, or 0 where nothing is decided.
+    /// Turn direction: −1, 1, or 0 if undecided.
     pub turn_direction: i8,
-    /// Which way it last travelled: −1, 1, or 0 where it has not.
+    /// Last drive direction: −1, 1, or 0 before the first motion.
     pub drive_direction: i8,
 }
 
 impl DiscreteState {
-    /// Nothing decided yet: as the law starts.
+    /// Initial state of the control law: nothing is decided.
     pub(crate) const INITIAL: Self =
         Self { local_mode: false, reverse: false, turn_direction: 0, drive_direction: 0 };
 
-    /// Every discrete state there is.
+    /// Iterates over all 36 values.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let signs = || [-1, 0, 1].into_iter();
         signs().flat_map(move |drive_direction| {
@@ -38,7 +39,7 @@ impl DiscreteState {
         })
     }
 
-    /// Position in the order of [`DiscreteState::all`].
+    /// Index in the order of [`DiscreteState::all`].
     pub(crate) fn index(self) -> usize {
         usize::from(self.local_mode)
             + 2 * usize::from(self.reverse)
@@ -46,7 +47,7 @@ impl DiscreteState {
             + 12 * usize::from((self.drive_direction + 1).unsigned_abs())
     }
 
-    /// The memory of the law that this is, having trimmed its heading for `trim_ticks` ticks.
+    /// Converts to a hybrid state with the given trim tick count.
     pub fn memory<S: Scalar>(self, trim_ticks: S) -> HybridState<S> {
         HybridState {
             local_mode: S::Mask::splat(self.local_mode),
@@ -57,12 +58,12 @@ impl DiscreteState {
         }
     }
 
-    /// Every memory of the law that this is.
+    /// Converts to the set of hybrid states with any trim tick count.
     pub(crate) fn as_memory_set(self) -> HybridState<Interval> {
         self.memory(Interval::new(0.0, f64::MAX))
     }
 
-    /// The discrete state of a memory, where the intervals leave no doubt.
+    /// Extracts the discrete state. `None`: the intervals do not determine it.
     pub(crate) fn from_memory(memory: &HybridState<Interval>) -> Option<Self> {
         let is_known = |mask: Tribool| mask.certain() != (!mask).certain();
         let sign = |x: Interval| {
@@ -79,12 +80,13 @@ impl DiscreteState {
         })
     }
 
-    /// Whether W is the same function for both: it depends on the end that goes first and on the side it turns to.
+    /// Whether W is the same function in both states; W depends on the leading end and the turn direction.
     pub(crate) fn has_same_lyapunov(self, other: Self) -> bool {
         self.reverse == other.reverse && self.turn_direction == other.turn_direction
     }
 
-    /// The discrete states that a memory known only as intervals can be. A side that is not known is taken for decided.
+    /// Iterates over the discrete states compatible with interval values. An unknown turn direction counts as
+    /// decided.
     pub(crate) fn possible(memory: &HybridState<Interval>) -> impl Iterator<Item = Self> + use<> {
         let HybridState { local_mode, reverse, turn_direction, drive_direction, .. } = *memory;
         let is_zero = |x: Interval| x.lo() >= 0.0 && x.hi() <= 0.0;
@@ -99,10 +101,26 @@ impl DiscreteState {
         })
     }
 
-    /// The discrete state of a memory of floats.
+    /// Extracts the discrete state from floating-point values.
     pub(crate) fn from_memory_f64(memory: &HybridState<f64>) -> Self {
         let sign = |x: f64| Scalar::clamp(x, -1.0, 1.0) as i8;
         let (turn_direction, drive_direction) = (sign(memory.turn_direction), sign(memory.drive_direction));
         Self { local_mode: memory.local_mode, reverse: memory.reverse, turn_direction, drive_direction }
     }
+}
+
+/// Whether `shown` holds for all of `discrete_states`, of which one for which it does not moves to the front: in the halves of
+/// the same region it most likely is the one again, and the others need not be looked at.
+///
+/// `shown` is given a place to note what it has seen for the discrete states before.
+pub(crate) fn first_shown<K>(
+    discrete_states: &mut [DiscreteState],
+    mut shown: impl FnMut(DiscreteState, &mut Vec<K>) -> bool,
+) -> bool {
+    let mut known = Vec::new();
+    let failed = discrete_states.iter().position(|discrete_state| !shown(*discrete_state, &mut known));
+    if let Some(failed) = failed {
+        discrete_states[..=failed].rotate_right(1);
+    }
+    failed.is_none()
 }

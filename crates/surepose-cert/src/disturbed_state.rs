@@ -1,14 +1,14 @@
-//! One tick of one concrete state, in floats: what a counterexample is and what confirms it.
+//! One tick from one concrete state, simulated in `f64`; represents and confirms counterexamples.
 
-use surepose::{
-    Angle, Body, DiffDrive, Goal, Integration, Map, NavigationVariables, Point, Pose, Twist, WheelPair,
-};
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Goal, Map, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist, WheelPair};
 
 use crate::controller::SampledController;
 use crate::discrete_state::DiscreteState;
 use crate::lyapunov::LyapunovFunction;
 
-/// Where the robot is, what the noise does to it in one tick, and what the law remembers. The goal is (0, 0, 0).
+/// True robot state, controller state, and the disturbances of one tick. The goal pose is (0, 0, 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisturbedState {
     /// True x \[m].
@@ -17,9 +17,9 @@ pub struct DisturbedState {
     pub y: f64,
     /// True heading \[rad].
     pub heading: f64,
-    /// What the law remembers.
+    /// Discrete state of the control law.
     pub discrete_state: DiscreteState,
-    /// For how many ticks it has trimmed its heading.
+    /// Trim tick count of the control law.
     pub trim_ticks: f64,
     /// Estimated minus true x \[m].
     pub noise_x: f64,
@@ -27,33 +27,33 @@ pub struct DisturbedState {
     pub noise_y: f64,
     /// Estimated minus true heading \[rad].
     pub noise_heading: f64,
-    /// Error of the right rim's speed \[m/s].
+    /// Error of the right wheel speed at the rim \[m/s].
     pub noise_right: f64,
-    /// Error of the left rim's speed \[m/s].
+    /// Error of the left wheel speed at the rim \[m/s].
     pub noise_left: f64,
 }
 
-/// What one tick makes of a [`DisturbedState`].
+/// Result of one tick from a [`DisturbedState`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
-    /// The true goal before the tick.
+    /// True navigation variables before the tick.
     pub before: NavigationVariables<f64>,
-    /// The true goal after it.
+    /// True navigation variables after the tick.
     pub after: NavigationVariables<f64>,
-    /// The law's discrete state after it.
+    /// Discrete state of the control law after the tick.
     pub discrete_state: DiscreteState,
-    /// For how many ticks the law has trimmed its heading then.
+    /// Trim tick count after the tick.
     pub trim_ticks: f64,
-    /// What the robot was told to drive.
+    /// Commanded twist (v \[m/s], ω \[rad/s]).
     pub commanded: Twist<f64>,
     /// W before the tick.
     pub lyapunov_before: f64,
-    /// W after it; more than before where the certificate is violated.
+    /// W after the tick. A value above `lyapunov_before` violates the certificate.
     pub lyapunov_after: f64,
 }
 
 impl DisturbedState {
-    /// Simulates one tick with the core's own motion.
+    /// Simulates one tick with the motion model of `surepose`.
     pub fn simulate<L: SampledController>(
         &self,
         controller: &L,
@@ -82,7 +82,7 @@ impl DisturbedState {
         let (before, after) =
             (NavigationVariables::from_poses(pose, goal), NavigationVariables::from_poses(moved, goal));
         let discrete_state = DiscreteState::from_memory_f64(&output.state);
-        // A law that has decided nothing yet has no W before its first decision.
+        // W is undefined before the first decision of the control law.
         let held = if self.discrete_state.turn_direction == 0 { discrete_state } else { self.discrete_state };
         Transition {
             before,
@@ -95,7 +95,7 @@ impl DisturbedState {
         }
     }
 
-    /// The state at true polar coordinates \[m, rad], without noise.
+    /// Creates a state from true polar coordinates (ρ \[m], α and φ \[rad]) with zero noise.
     pub fn polar(rho: f64, alpha: f64, phi: f64, discrete_state: DiscreteState) -> Self {
         let at: Point<Map, f64> = Point::new(-rho * phi.cos(), -rho * phi.sin());
         Self {

@@ -1,9 +1,10 @@
-//! Noise without bounds: Gaussian noise makes W fall on average.
+//! Expected decrease of W under Gaussian noise.
 //!
-//! With probability 1 − p a tick's noise lies within k standard deviations, and there the certificate has W fall by
-//! δ·ΔT. Whatever the noise, the angles cannot raise W by more than a constant, and the distance by no more than the
-//! robot drives. So E[ΔW] ≤ −(1 − p)·δ·ΔT + what the other ticks add: negative for a moderate k already, because p
-//! falls as exp(−k²/2).
+//! With probability 1 − p, the noise of a tick lies within k standard deviations. In that case the
+//! certificate gives a decrease of W by δ·ΔT. For any noise, the angles raise W by at most a constant. The
+//! distance term rises by at most what the robot can drive in a tick. Therefore E\[ΔW] ≤ −(1 − p)·δ·ΔT plus
+//! the contribution of the other ticks. The bound is negative already for moderate k, because p falls as
+//! exp(−k²/2).
 
 use crate::annulus::from_outside_any_past;
 use crate::certificate::{BUDGET, DISTANCE_WEIGHTS, Request, WANTED};
@@ -11,31 +12,34 @@ use crate::controller::SampledController;
 use crate::lyapunov::LyapunovFunction;
 use crate::noise::NoiseBounds;
 
-/// What Gaussian noise does to W, on average, outside of a disc.
+/// Drift condition: expected decrease of W outside of a disc, under Gaussian noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
-    /// E\[ΔW] is below −`rate`·ΔT at every true distance from here \[m] to the edge of the workspace.
+    /// Radius of the disc \[m]: E\[ΔW] < −`rate`·ΔT from here to the edge of the workspace.
     pub radius: f64,
-    /// \[1/s].
+    /// Expected decrease rate of W \[1/s].
     pub rate: f64,
-    /// Bound of the expected time until the robot comes within the radius, or farther out than the certificate goes,
-    /// from every start in the workspace \[s].
+    /// Upper bound of the expected time from any start to the exit from the certified annulus \[s].
+    ///
+    /// The robot leaves the annulus by entering the disc or by passing the outer edge.
     pub expected_time: f64,
-    /// k.
+    /// Number of standard deviations k.
     pub deviations: f64,
-    /// p: the chance that a tick's noise exceeds k standard deviations somewhere.
+    /// Bound p of the probability that any noise component exceeds k standard deviations in a tick.
     pub exceeded: f64,
-    /// What the ticks beyond k standard deviations can add to E\[ΔW].
+    /// Contribution of the ticks beyond k standard deviations to E\[ΔW], as an upper bound.
     pub rise: f64,
-    /// The function that falls.
+    /// Lyapunov function W.
     pub lyapunov: LyapunovFunction,
 }
 
-/// Numbers of standard deviations that are tried.
+/// Numbers of standard deviations tried, in this order.
 const DEVIATIONS: [f64; 2] = [4.5, 5.0];
 
-/// A drift certificate where the bounds of the request's noise are *standard deviations* of white Gaussian noise: of
-/// each coordinate of the position, of the heading and of each rim.
+/// Computes a drift condition for white Gaussian noise.
+///
+/// The noise bounds of `request` are *standard deviations*: of each position coordinate, the heading, and
+/// each wheel speed. `None`: invalid request, or no drift condition was shown.
 pub fn drift<L: SampledController>(request: &Request<'_, L>) -> Option<Drift> {
     if !request.usable() {
         return None;
@@ -56,8 +60,8 @@ pub fn drift<L: SampledController>(request: &Request<'_, L>) -> Option<Drift> {
         if !annulus.inner.is_finite() {
             return None;
         }
-        // The position leaves a disc of k deviations with probability exp(−k²/2); each of the three others leaves
-        // ±k deviations with less than that, for k ≥ 1.
+        // The position leaves a disc of k deviations with probability exp(−k²/2). Each of the three other
+        // components leaves ±k deviations with a smaller probability, for k ≥ 1.
         let exceeded = 4.0 * (-0.5 * k * k).exp() * (1.0 + 1e-9);
         let rise = request.mean_rise(&lyapunov, annulus.inner, exceeded);
         let rate = (1.0 - exceeded) * -annulus.rate - rise / request.period;
@@ -75,10 +79,11 @@ pub fn drift<L: SampledController>(request: &Request<'_, L>) -> Option<Drift> {
 }
 
 impl<L: SampledController> Request<'_, L> {
-    /// Bound of E\[ΔW; a disturbance beyond k], which happens with probability `exceeded`, from `inner` \[m] outwards.
+    /// Bounds E\[ΔW; some disturbance exceeds k], for true distances from `inner` \[m] outward.
     ///
-    /// F rises by F(ρ + X) − F(ρ) ≤ c·max(ln(1 + X/ρ), X/knee) for a way of length X. Undisturbed rims bound X. Gaussian ones do
-    /// not: there E\[X; A] ≤ √(E\[X²]·P(A)), by Cauchy and Schwarz, and √E\[X²] ≤ ΔT·(V·(1 + σ) + σ'), by Minkowski.
+    /// The event has probability `exceeded`. For a path of length X, F(ρ + X) − F(ρ) ≤ c·max(ln(1 + X/ρ),
+    /// X/knee). Without wheel noise, X is bounded. With Gaussian wheel noise, E\[X; A] ≤ √(E\[X²]·P(A)) by
+    /// Cauchy–Schwarz, and √E\[X²] ≤ ΔT·(V·(1 + σ) + σ') by Minkowski.
     fn mean_rise(&self, lyapunov: &LyapunovFunction, inner: f64, exceeded: f64) -> f64 {
         let way = self.period * self.limits.wheel_speed;
         let distance = if self.noise.rim_speed > 0.0 || self.noise.rim_speed_part > 0.0 {

@@ -1,4 +1,4 @@
-//! Sets of numbers, computed with so that nothing gets lost.
+//! Interval arithmetic with outward rounding.
 
 mod functions;
 mod scalar;
@@ -7,12 +7,12 @@ mod tests;
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// All real numbers between two bounds, both included; a bound may be infinite.
+/// A closed interval of real numbers; bounds may be infinite.
 ///
-/// An operation's result contains the exact result for every choice of members, and also what `f64` computes for
-/// members that are `f64`: bounds are rounded outwards by at least the error of the `f64` operation. So what is
-/// proved with intervals holds for the program, rounding included. A result that is not a number, or one that
-/// cannot be bounded, is the whole line. There is no empty interval.
+/// The result of an operation encloses the exact result for all members, and the `f64` result for all `f64`
+/// members. Bounds are rounded outward by at least the error of the `f64` operation. A claim proved with
+/// intervals therefore holds for the program, rounding included. A result that is NaN or unbounded is
+/// [`Interval::ENTIRE`]. There is no empty interval.
 ///
 /// ```
 /// use surepose_cert::Interval;
@@ -26,10 +26,10 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The whole line.
+    /// All real numbers.
     pub const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
-    /// From `a` to `b`, in either order; the whole line if one is NaN.
+    /// Creates the interval between `a` and `b`, in either order. NaN gives [`Interval::ENTIRE`].
     #[inline]
     pub fn new(a: f64, b: f64) -> Self {
         if a <= b {
@@ -41,31 +41,31 @@ impl Interval {
         }
     }
 
-    /// One number; the whole line if it is NaN.
+    /// Creates an interval with one member. NaN gives [`Interval::ENTIRE`].
     #[inline]
     pub fn point(value: f64) -> Self {
         Self::new(value, value)
     }
 
-    /// From −`radius` to `radius`.
+    /// Creates the interval [−`radius`, `radius`].
     #[inline]
     pub fn symmetric(radius: f64) -> Self {
         Self::new(-radius, radius)
     }
 
-    /// The lower bound.
+    /// Lower bound.
     #[inline]
     pub fn lo(self) -> f64 {
         self.lo
     }
 
-    /// The upper bound.
+    /// Upper bound.
     #[inline]
     pub fn hi(self) -> f64 {
         self.hi
     }
 
-    /// A number near the middle; finite.
+    /// Approximate midpoint; always finite.
     #[inline]
     pub fn mid(self) -> f64 {
         let (lo, hi) = (self.lo.max(f64::MIN), self.hi.min(f64::MAX));
@@ -78,13 +78,13 @@ impl Interval {
         (self.hi - self.lo).next_up()
     }
 
-    /// The largest absolute value.
+    /// Largest absolute value of a member.
     #[inline]
     pub fn magnitude(self) -> f64 {
         self.lo.abs().max(self.hi.abs())
     }
 
-    /// The smallest absolute value.
+    /// Smallest absolute value of a member.
     #[inline]
     pub fn mignitude(self) -> f64 {
         if self.contains(0.0) { 0.0 } else { self.lo.abs().min(self.hi.abs()) }
@@ -96,34 +96,34 @@ impl Interval {
         self.lo <= value && value <= self.hi
     }
 
-    /// Whether every member of `other` is one of these.
+    /// Whether every member of `other` is a member of `self`.
     #[inline]
     pub fn encloses(self, other: Self) -> bool {
         self.lo <= other.lo && other.hi <= self.hi
     }
 
-    /// The smallest interval with the members of both.
+    /// Smallest interval that encloses both.
     #[must_use]
     #[inline]
     pub fn hull(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// The members of both, if there are any.
+    /// Common members. `None`: disjoint.
     #[inline]
     pub fn intersection(self, other: Self) -> Option<Self> {
         let (lo, hi) = (self.lo.max(other.lo), self.hi.min(other.hi));
         (lo <= hi).then_some(Self { lo, hi })
     }
 
-    /// Two halves that share the middle.
+    /// Splits at the midpoint; both halves contain it.
     #[inline]
     pub fn halves(self) -> (Self, Self) {
         let mid = self.mid();
         (Self { lo: self.lo, hi: mid }, Self { lo: mid, hi: self.hi })
     }
 
-    /// Piece `index` of `count` equal ones, which overlap in their ends; of an unbounded interval, all of it.
+    /// Piece `index` of `count` equal pieces with shared end points. An unbounded interval is returned whole.
     #[must_use]
     pub fn piece(self, index: usize, count: usize) -> Self {
         if !(self.hi - self.lo).is_finite() {
@@ -136,16 +136,17 @@ impl Interval {
         Self { lo: cut(index), hi: if index + 1 >= count { self.hi } else { cut(index + 1) } }
     }
 
-    /// Bounds already known to be in order; an infinite point is the numbers beyond the largest float.
+    /// Creates an interval from ordered bounds. An infinite point becomes the interval beyond the largest
+    /// float.
     #[inline]
     fn bounded(lo: f64, hi: f64) -> Self {
         Self { lo: lo.min(f64::MAX), hi: hi.max(f64::MIN) }
     }
 
-    /// From the least to the largest of results computed to nearest, of which NaN are left out.
+    /// Encloses four results rounded to nearest; NaN values are ignored.
     #[inline]
     fn spanned([a, b, c, d]: [f64; 4]) -> Self {
-        // Without a NaN, which the sum shows, plain comparisons do: one instruction each.
+        // The sum shows whether there is a NaN. Without one, plain comparisons take one instruction each.
         if ((a + b) + (c + d)).is_nan() {
             return Self::outward(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
         }
@@ -154,9 +155,10 @@ impl Interval {
         Self::outward(smaller(smaller(a, b), smaller(c, d)), larger(larger(a, b), larger(c, d)))
     }
 
-    /// Bounds computed to nearest, moved outwards by one float.
+    /// Moves bounds that were rounded to nearest outward by one float.
     ///
-    /// Little more than half the way to the next float is added, and rounds to it \[Rump2009].
+    /// Slightly more than half the distance to the next float is added, which rounds to the next float
+    /// \[Rump2009].
     #[inline]
     fn outward(lo: f64, hi: f64) -> Self {
         const HALF_ULP: f64 = 0.5 * (1.0 + f64::EPSILON);
@@ -164,22 +166,24 @@ impl Interval {
         if low <= high { Self { lo: low, hi: high } } else { Self::unordered(lo, hi) }
     }
 
-    /// The same where the quick way ends in NaN: of an infinite bound that rounding made, the largest float is left.
+    /// Handles the NaN of [`Interval::outward`]: for an infinite bound due to overflow, the largest float
+    /// remains.
     #[cold]
     fn unordered(lo: f64, hi: f64) -> Self {
         if lo <= hi { Self { lo: lo.next_down(), hi: hi.next_up() } } else { Self::ENTIRE }
     }
 }
 
-/// At least so many times the distance of `x` from the next float: 2⁻⁵²·|x| is at least that of a normal number.
+/// Returns at least `ulps` times the distance from `x` to the next float.
 ///
-/// Nothing smaller than [`TINY`] comes of it, so that products stay normal: with subnormal numbers, processors are slow.
+/// For normal numbers, 2⁻⁵²·|x| is at least that distance. The result is never smaller than that for
+/// [`TINY`], so products stay normal; processors are slow with subnormal numbers.
 #[inline]
 fn at_least_ulps(x: f64, ulps: f64) -> f64 {
     x.abs().max(TINY) * (ulps * f64::EPSILON)
 }
 
-/// The square of what [`at_least_ulps`] makes of it is a normal number.
+/// Smallest magnitude used; the square of the resulting padding is a normal number.
 const TINY: f64 = 1e-130;
 
 impl Add for Interval {
@@ -202,8 +206,8 @@ impl Mul for Interval {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        // 0·∞ is NaN where the bound stands for "arbitrarily large": 0, which another product then has too, or
-        // all four are NaN and the answer is the whole line.
+        // 0·∞ is NaN where the bound means "arbitrarily large". The product 0 then occurs in another term, or
+        // all four terms are NaN and the result is the entire line.
         let (a, b) = (self.lo * other.lo, self.lo * other.hi);
         let (c, d) = (self.hi * other.lo, self.hi * other.hi);
         Self::spanned([a, b, c, d])
@@ -219,7 +223,7 @@ impl Div for Interval {
         }
         let (a, b) = (self.lo / other.lo, self.lo / other.hi);
         let (c, d) = (self.hi / other.lo, self.hi / other.hi);
-        // ∞/∞ is NaN where every value between 0 and ∞ is possible; the other quotients give 0 only on one side.
+        // ∞/∞ is NaN, and any value between 0 and ∞ is possible. The other quotients give 0 on one side only.
         if a.is_nan() || b.is_nan() || c.is_nan() || d.is_nan() {
             return Self::ENTIRE;
         }

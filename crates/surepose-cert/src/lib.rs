@@ -1,4 +1,7 @@
-//! The proof that the loop arrives: the law that runs, evaluated with intervals.
+//! Certificate that the sampled control loop reaches the goal, computed with interval arithmetic.
+//!
+//! The control law, limits, and kinematics of `surepose` are generic over the scalar type. This crate
+//! evaluates them with [`Interval`].
 #![forbid(unsafe_code)]
 
 mod annulus;

@@ -1,4 +1,4 @@
-//! The margin over the angles, for a picture: how fast W falls at the least, for each way of seeing the goal.
+//! Margin maps: lower bounds of −Ẇ over the estimated angles, for plots.
 
 use std::collections::BinaryHeap;
 
@@ -11,49 +11,52 @@ use crate::lyapunov::LyapunovFunction;
 use crate::prioritized_box::PrioritizedBox;
 use crate::region::Region;
 
-/// Lower bounds of −Ẇ over (α̂, φ̂), at a range of distances.
+/// Lower bounds of −Ẇ over (α̂, φ̂) for a range of distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarginMap {
-    /// Nearest and farthest true distance \[m].
+    /// Smallest and largest true distance \[m].
     pub rho: (f64, f64),
-    /// Number of cells along each angle, from −π to π.
+    /// Number of cells per angle, from −π to π.
     pub side: usize,
-    /// Lower bounds of −Ẇ \[1/s], α̂ by α̂, φ̂ within; negative infinity where the fall was not shown.
+    /// Lower bounds of −Ẇ \[1/s]; the index of φ̂ varies fastest. −∞: no bound was shown.
     pub fall: Vec<f64>,
 }
 
-/// What the margin is of, and how finely.
+/// Parameters of a margin map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarginRequest {
-    /// Nearest and farthest true distance \[m].
+    /// Smallest and largest true distance \[m].
     pub rho: (f64, f64),
-    /// Number of cells along each angle in a quadrant.
+    /// Number of cells per angle and quadrant.
     pub per_quadrant: usize,
-    /// Boxes that a cell is cut into, at most; more of them where the fall is not shown yet. The more, the tighter the
-    /// bounds, and the longer it takes.
+    /// Number of bisections per cell; up to four times as many while no decrease is shown.
+    ///
+    /// A larger number gives tighter bounds and takes longer.
     pub boxes: usize,
-    /// Without noise and without the wheels' limits.
+    /// Whether to omit noise and wheel limits.
     pub bare: bool,
-    /// What is shown of all cells already \[1/s]: a certificate's own rate, where there is one.
+    /// Lower bound already known for all cells \[1/s], for example the certified rate. `None`: unknown.
     pub shown: Option<f64>,
 }
 
-/// The margin of what a certificate says, or of what it could not show.
+/// Margin maps for a certificate or a refusal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margins {
-    /// At the capture radius, or at the largest useful one where there is none.
+    /// Map at the capture radius, or at the largest acceptable one after a refusal.
     pub nearest: MarginMap,
-    /// From there to the edge of the workspace, range by range.
+    /// Maps from that radius to the edge of the workspace, one per range of distances.
     pub ranges: Vec<MarginMap>,
 }
 
-/// The fall that is wished for first \[1/s]: twice what certificates usually show.
+/// Decrease rate requested first \[1/s]: twice the rate that certificates usually show.
 const WISH: f64 = 2.0 * WANTED[0];
-/// Into how many times more boxes a cell is cut in which the fall is not shown yet.
+/// Factor on the number of bisections for cells without a shown decrease.
 const MAX_STALLED_ROUNDS: usize = 4;
 
-/// The margin outside of the radius of `certificate`, which answered `request`; none if `watch` ended it, which is
-/// told the part that is done, and says whether to go on.
+/// Computes the margin maps for the answer `certificate` to `request`.
+///
+/// `watch` receives the completed fraction (0 to 1) and returns whether to continue. `None`: `watch` returned
+/// `false`.
 pub fn margins<L: SampledController>(
     request: &Request<'_, L>,
     certificate: &Certificate,
@@ -81,7 +84,7 @@ pub fn margins<L: SampledController>(
 }
 
 impl Margins {
-    /// The least of each cell's over all distances.
+    /// Minimum of each cell over all distances.
     pub fn least(&self) -> MarginMap {
         let mut least = self.nearest.clone();
         for range in &self.ranges {
@@ -94,10 +97,11 @@ impl Margins {
     }
 }
 
-/// The margin with `lyapunov`, one value of α̂ after the other; none if `watch` ended it, which is told the part that is
-/// done, and says whether to go on.
+/// Computes one margin map for `lyapunov`.
 ///
-/// In each cell the worst box is halved until the boxes are spent, so that the bounds approach the truth from below.
+/// `watch` receives the completed fraction (0 to 1) and returns whether to continue. `None`: `watch` returned
+/// `false`. In each cell, the worst box is bisected until the boxes are used up; the bounds approach the true
+/// value from below.
 pub fn margin_map<L: SampledController>(
     request: &Request<'_, L>,
     lyapunov: LyapunovFunction,
@@ -110,7 +114,7 @@ pub fn margin_map<L: SampledController>(
     let rho_set = Interval::new(rho.0, rho.1);
     descent.prepare(rho_set);
     let drift = Interval::symmetric(descent.noise.position);
-    // A region lies within one quadrant of each angle.
+    // Each region lies within one quadrant of each angle.
     let cells: Vec<Interval> = Region::quadrants()
         .flat_map(|angle| (0..per_quadrant).map(move |i| angle.piece(i, per_quadrant)))
         .collect();
@@ -125,17 +129,17 @@ pub fn margin_map<L: SampledController>(
     Some(MarginMap { rho, side: cells.len(), fall })
 }
 
-/// A lower bound of −Ẇ in `region`, where it is at least `known`, by `boxes` halvings of the worst part.
+/// Lower bound of −Ẇ in `region`, at least `known`, by `boxes` bisections of the worst box \[1/s].
 fn least_fall<L: SampledController>(
     descent: &Descent<'_, L>,
     region: Region,
     boxes: usize,
     known: f64,
 ) -> f64 {
-    // What is known of the whole is known of its parts.
+    // A bound known for a box holds for its parts.
     let mut discrete_states = descent.discrete_states.clone();
     let mut bounded = |region: Region, known: f64| {
-        // The more is wanted, the finer is what is looked at; and a bound is one only where the wish came true.
+        // A higher requested rate gives a finer evaluation; the result is a bound only if the request is met.
         let shown = [WISH, 0.0].into_iter().find_map(|required| {
             let fall = descent.fall(&region, required, &mut discrete_states);
             (fall.rate <= -required && fall.jump <= 0.0).then_some(-fall.rate)

@@ -1,24 +1,24 @@
-//! What may go wrong, bounded.
+//! Bounds of the disturbances.
 
-use surepose::{DiffDrive, Twist, WheelPair};
+use surepose::kinematics::{DiffDrive, Twist, WheelPair};
 
 use crate::interval::Interval;
 
-/// Bounds of the disturbances, each in any direction at every tick.
+/// Bounds of the disturbances; at every tick, each may take any value within its bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoiseBounds {
-    /// Distance of the estimated from the true position \[m].
+    /// Distance between the estimated and the true position \[m].
     pub position: f64,
-    /// Estimated minus true heading \[rad].
+    /// Absolute heading error \[rad].
     pub heading: f64,
-    /// Error of each rim's speed \[m/s].
+    /// Absolute error of each wheel speed at the rim \[m/s].
     pub rim_speed: f64,
-    /// Error of each rim's speed, as a part of that speed.
+    /// Error of each wheel speed as a fraction of that speed.
     pub rim_speed_part: f64,
 }
 
 impl NoiseBounds {
-    /// All twists that the robot may do when told `twist`.
+    /// All twists that the robot may execute for the command `twist`.
     pub(crate) fn driven(&self, drive: &DiffDrive<Interval>, twist: Twist<Interval>) -> Twist<Interval> {
         if self.rim_speed <= 0.0 && self.rim_speed_part <= 0.0 {
             return twist;

@@ -1,20 +1,20 @@
-//! How far out one tick can lead from inside the capture radius.
+//! Largest distance from the goal after one tick that begins within the capture radius.
 
 use crate::controller::SampledController;
 use crate::descent::Descent;
 use crate::interval::Interval;
 use crate::region::Region;
 
-/// Regions narrower than this \[rad] are taken as they are.
+/// Angular width below which a box is not bisected \[rad].
 const FINE: f64 = 0.06;
-/// Into how many rings the disc is cut.
+/// Number of rings of the disc.
 const RINGS: usize = 8;
-/// Ways through the law that are followed here: on the goal itself no cutting decides which end of the robot is ahead, so
-/// that a law which remembers its travel has hundreds.
+/// Maximum number of branches. At the goal, no bisection decides which end of the robot leads. A law that
+/// stores its drive direction therefore has hundreds of branches.
 const MAX_BRANCHES: usize = 1024;
 
 impl<L: SampledController> Descent<'_, L> {
-    /// The largest true distance after one tick that began at most `radius` \[m] from the goal, at any time in it.
+    /// Bounds the true distance during one tick that begins within `radius` \[m]. `None`: not shown.
     pub(crate) fn one_step_reach(&self, radius: f64) -> Option<f64> {
         let mut edge = radius;
         for ring in 0..RINGS {
@@ -40,7 +40,7 @@ impl<L: SampledController> Descent<'_, L> {
         Some(edge)
     }
 
-    /// The largest distance on the way of one tick, if the law's ways can be told.
+    /// Largest distance during one tick from `region` \[m]. `None`: the outcomes are not determined.
     fn farthest(&self, region: &Region) -> Option<f64> {
         let time = Interval::new(0.0, self.period);
         let turn = Interval::symmetric(region.turn(&self.noise));

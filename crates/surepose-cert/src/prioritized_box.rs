@@ -1,10 +1,10 @@
-//! Boxes in the order in which they are worth halving.
+//! Boxes ordered by their priority for bisection.
 
 use core::cmp::Ordering;
 
 use crate::region::Region;
 
-/// A box, and how bad what is known of it is: the worst is the greatest, and of two the larger box.
+/// A box and its priority; the largest priority comes first, and the larger box at a tie.
 pub(crate) struct PrioritizedBox {
     pub(crate) priority: f64,
     pub(crate) region: Region,

@@ -1,29 +1,32 @@
-//! A set of situations: where the goal truly is, and how the robot sees it.
+//! Boxes of the state space: true distance, distance error, and estimated angles.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use surepose::{Angle, NavigationVariables, Scalar};
+use surepose::control::NavigationVariables;
+use surepose::geometry::{Angle, Body, Point, Pose};
+use surepose::kinematics::{Integration, Twist};
+use surepose::scalar::{Dual, Scalar};
 
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
 use crate::lyapunov::PI_ENCLOSED;
 use crate::noise::NoiseBounds;
 
-/// A box of situations.
+/// A box of the state space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Region {
     /// True distance ρ \[m].
     pub(crate) rho: Interval,
-    /// Seen minus true distance \[m].
+    /// Estimated minus true distance \[m].
     pub(crate) drift: Interval,
-    /// Seen bearing α̂ \[rad], within one quadrant.
+    /// Estimated bearing α̂ \[rad], within one quadrant.
     pub(crate) alpha: Interval,
-    /// Seen direction of approach φ̂ \[rad], within one quadrant.
+    /// Estimated approach angle φ̂ \[rad], within one quadrant.
     pub(crate) phi: Interval,
 }
 
 impl Region {
-    /// All situations at distances `rho`, quadrant by quadrant of both angles.
+    /// Iterates over boxes that cover all states at distances `rho`, by quadrants of both angles.
     pub(crate) fn around(rho: Interval, noise: &NoiseBounds) -> impl Iterator<Item = Self> + use<> {
         let drift = Interval::symmetric(noise.position);
         Self::quadrants().flat_map(move |alpha| {
@@ -32,24 +35,24 @@ impl Region {
         })
     }
 
-    /// The four quadrants of an angle as it is seen: a float in (−π, π].
+    /// The four quadrants of an estimated angle, which is a float in (−π, π].
     pub(crate) fn quadrants() -> impl Iterator<Item = Interval> + use<> {
         let at = |k: i32| (f64::from(k) * FRAC_PI_2).clamp((-PI).next_up(), PI);
         (-2..2).map(move |k| Interval::new(at(k), at(k + 1)))
     }
 
-    /// All angles at once: for what hardly depends on them.
+    /// One box with all angles, for results that depend little on them.
     pub(crate) fn anywhere(rho: Interval, drift: Interval) -> Self {
         let angles = Interval::new((-PI).next_up(), PI);
         Self { rho, drift, alpha: angles, phi: angles }
     }
 
-    /// The distance as seen, which is not negative.
+    /// Estimated distance, at least 0 \[m].
     pub(crate) fn seen_rho(&self) -> Interval {
         Scalar::max(self.rho + self.drift, Interval::point(0.0))
     }
 
-    /// The goal as seen.
+    /// Estimated navigation variables.
     pub(crate) fn seen(&self) -> NavigationVariables<Interval> {
         NavigationVariables {
             rho: self.seen_rho(),
@@ -58,9 +61,9 @@ impl Region {
         }
     }
 
-    /// How far the direction of the goal as seen can be from the true one: half a chord of ε around the goal.
+    /// Largest angle between the estimated and the true goal direction \[rad].
     ///
-    /// With ρ̂ − ρ = D and the angle e between the two, D² + 4ρρ̂·sin²(e/2) ≤ ε².
+    /// With ρ̂ − ρ = D and the angle e between the directions, D² + 4ρρ̂·sin²(e/2) ≤ ε².
     pub(crate) fn turn(&self, noise: &NoiseBounds) -> f64 {
         let seen = self.seen_rho();
         let rest = Interval::point(noise.position).squared() - self.drift.squared();
@@ -78,8 +81,10 @@ impl Region {
         by_chord.min(by_tangent)
     }
 
-    /// What to add to the seen angles so that they are those of the driven end, continued to the side of `discrete_state`:
-    /// multiples of π.
+    /// Numbers of half turns to add to the estimated angles (α̂, φ̂).
+    ///
+    /// The results are the angles of the leading end, unwrapped toward the turn direction of
+    /// `discrete_state`.
     pub(crate) fn lift(&self, discrete_state: DiscreteState) -> (i8, i8) {
         let opposite = |angle: Interval| {
             if !discrete_state.reverse {
@@ -96,7 +101,7 @@ impl Region {
         (if beyond { alpha + 2 * discrete_state.turn_direction } else { alpha }, opposite(self.phi))
     }
 
-    /// Two halves along the widest side, each side weighed by what it does to W.
+    /// Bisects the widest side, with each side weighted by its influence on W.
     pub(crate) fn halves(&self) -> (Self, Self) {
         let per_rho = 1.0 / self.rho.lo().max(1e-9);
         let widths = [
@@ -116,13 +121,30 @@ impl Region {
         (low, high)
     }
 
-    /// The widest side, weighed.
+    /// Largest weighted angular side \[rad].
     pub(crate) fn size(&self) -> f64 {
         self.alpha.width().max(0.12 * self.phi.width())
     }
 }
 
-/// `turns` half turns.
+/// `count` half turns \[rad].
 pub(crate) fn half_turns(count: i8) -> Interval {
     PI_ENCLOSED() * Interval::point(f64::from(count))
+}
+
+/// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.
+pub(crate) fn seen_moving(
+    ahead: Interval,
+    aside: Interval,
+    twist: Twist<Interval>,
+    time: Interval,
+) -> (Interval, Interval) {
+    type Moving = Dual<Interval, 1>;
+    let time = Moving::parameter(time, 0);
+    let twist = Twist::new(Moving::constant(twist.v), Moving::constant(twist.omega));
+    let start: Pose<Body, Body, Moving> = Pose::identity();
+    let moved = start.integrate(twist.integrate_for(time), Integration::Arc);
+    let goal: Point<Body, Moving> = Point::new(Moving::constant(ahead), Moving::constant(aside));
+    let seen = moved.inverse() * goal;
+    (seen.x.value, seen.x.slope[0])
 }

@@ -1,26 +1,25 @@
-//! Branch and bound: regions are cut until the fall of W is shown in each, or one resists.
+//! Branch and bound: bisects boxes until the decrease of W is shown in each, or one box fails.
 
 use crate::controller::SampledController;
 use crate::descent::Descent;
-use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
 use crate::region::Region;
 
-/// Regions narrower than this \[rad] are not cut again: what is not shown there is not true, or too close to call.
+/// Width \[rad] below which a box is not bisected; a failure there is a violation or too close to decide.
 const MIN_WIDTH: f64 = 2e-3;
 
-/// What came of the search at some distances.
+/// Result of the search at one range of distances.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SearchResult {
-    /// Upper bound of Ẇ in all regions \[1/s], if it was shown in each.
+    /// Upper bound of Ẇ over all boxes \[1/s]. `None`: not shown in every box.
     pub(crate) rate: Option<f64>,
-    /// Regions looked at.
+    /// Number of boxes evaluated.
     pub(crate) boxes: usize,
-    /// The region that resisted.
+    /// Box that failed. `None`: no box failed.
     pub(crate) stuck: Option<Region>,
 }
 
-/// Shows that W falls at `required` \[1/s] or faster at all true distances in `rho`, with at most `most` regions.
+/// Shows that W decreases at `required` \[1/s] or faster at all distances `rho`, with at most `most` boxes.
 pub(crate) fn search<L: SampledController>(
     descent: &Descent<'_, L>,
     rho: Interval,
@@ -45,20 +44,4 @@ pub(crate) fn search<L: SampledController>(
         }
     }
     SearchResult { rate: Some(rate), boxes, stuck: None }
-}
-
-/// Whether `shown` holds for all of `discrete_states`, of which one for which it does not moves to the front: in the halves of
-/// the same region it most likely is the one again, and the others need not be looked at.
-///
-/// `shown` is given a place to note what it has seen for the discrete states before.
-pub(crate) fn first_shown<K>(
-    discrete_states: &mut [DiscreteState],
-    mut shown: impl FnMut(DiscreteState, &mut Vec<K>) -> bool,
-) -> bool {
-    let mut known = Vec::new();
-    let failed = discrete_states.iter().position(|discrete_state| !shown(*discrete_state, &mut known));
-    if let Some(failed) = failed {
-        discrete_states[..=failed].rotate_right(1);
-    }
-    failed.is_none()
 }

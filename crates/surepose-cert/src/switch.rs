@@ -1,8 +1,9 @@
-//! How long does the local law stay in charge at the least, once it has taken over?
+//! Lower bound of the local mode's dwell time.
 
 use std::collections::BinaryHeap;
 
-use surepose::{HybridState, Scalar};
+use surepose::control::HybridState;
+use surepose::scalar::Scalar;
 
 use crate::branching::explore_branches;
 use crate::controller::SampledController;
@@ -10,26 +11,25 @@ use crate::descent::Descent;
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
 use crate::prioritized_box::PrioritizedBox;
-use crate::region::Region;
-use crate::terminal_phase::seen_moving;
+use crate::region::{Region, seen_moving};
 
-/// Into how many distances the seen goal is cut.
+/// Number of pieces of the estimated distance.
 const RINGS: usize = 256;
-/// No more ticks than these are looked for.
+/// Largest dwell time searched \[ticks].
 const MAX_TICKS: usize = 500;
-/// Regions looked at for the growth of the distance, times the discrete states looked at in each.
+/// Boxes evaluated for the growth of the distance, times discrete states per box.
 const WORK: usize = 14_000;
-/// Into how many pieces the noise along the robot is cut.
+/// Number of pieces of the along-track noise.
 const PIECES: usize = 8;
-/// Ways that the law may take where the goal may be anywhere.
+/// Maximum number of branches of the control law, for any goal position.
 const MAX_BRANCHES: usize = 8192;
 
-/// The least number of ticks between one in which the local law takes over and the next in which it hands back, whatever
-/// the noise; 0 if none could be shown.
+/// Returns the least number of ticks from entry into the local mode to exit from it, for any noise.
 ///
-/// The local law takes over where the goal is *seen* near, so that the robot is truly not farther than that and the noise.
-/// It hands back where the goal is seen farther than a distance that depends on what it remembers. Between the two noise can
-/// lie, but the robot must truly have been led away: ρ² grows by no more than a bound in each tick.
+/// 0: no bound was shown. The local mode begins at a small *estimated* distance, so the true distance is at
+/// most that plus the position noise. It ends at an estimated distance that depends on the hybrid state.
+/// Noise can bridge part of the difference; the true motion must supply the rest, and ρ² grows by a bounded
+/// amount per tick.
 pub(crate) fn dwell<L: SampledController>(
     descent: &Descent<'_, L>,
     capture: f64,
@@ -65,8 +65,10 @@ pub(crate) fn dwell<L: SampledController>(
     MAX_TICKS
 }
 
-/// The largest seen distance, in steps, at which the local law can be in charge after a tick, having been `before` or not;
-/// none if that is not within a few capture radii, or nowhere.
+/// Largest estimated distance at which the local mode can be active after a tick \[m].
+///
+/// `before` is the mode before the tick. `None`: the distance exceeds four capture radii, or no such distance
+/// exists.
 fn reach<L: SampledController>(descent: &Descent<'_, L>, capture: f64, before: bool) -> Option<f64> {
     let all = Interval::new(0.0, 4.0 * capture);
     let possible =
@@ -77,7 +79,7 @@ fn reach<L: SampledController>(descent: &Descent<'_, L>, capture: f64, before: b
     (0..RINGS).rev().map(|ring| all.piece(ring, RINGS)).find(|rho| possible(*rho)).map(Interval::hi)
 }
 
-/// For how many ticks a law can remember to have trimmed where the local one is not in charge.
+/// Range of the trim tick count outside of the local mode. `None`: not determined.
 fn trim_ticks_afar<L: SampledController>(descent: &Descent<'_, L>) -> Option<Interval> {
     let everywhere = Region::anywhere(Interval::new(0.0, 1e6), Interval::point(0.0));
     let mut trim_ticks = HybridState::<Interval>::new().trim_ticks;
@@ -92,7 +94,7 @@ fn trim_ticks_afar<L: SampledController>(descent: &Descent<'_, L>) -> Option<Int
     complete.then_some(trim_ticks)
 }
 
-/// Bound of what a tick of the local law can add to the square of the true distance \[m²].
+/// Bounds the growth of the squared true distance per tick in local mode \[m²]. `None`: no bound.
 fn growth<L: SampledController>(descent: &Descent<'_, L>, reach: f64, boxes: &mut usize) -> Option<f64> {
     let seen = Interval::new(0.0, reach);
     let discrete_states: Vec<DiscreteState> = descent.known_states().collect();
@@ -109,7 +111,7 @@ fn growth<L: SampledController>(descent: &Descent<'_, L>, reach: f64, boxes: &mu
     open.peek().map(|worst| worst.priority).filter(|growth| growth.is_finite())
 }
 
-/// The same in `region`; infinite where nothing is known.
+/// Bounds the growth in `region` \[m²]. ∞: no bound.
 fn growth_in<L: SampledController>(
     descent: &Descent<'_, L>,
     discrete_states: &[DiscreteState],
@@ -131,7 +133,7 @@ fn growth_in<L: SampledController>(
     for outcome in outcomes.iter().filter(|outcome| outcome.discrete_state.local_mode) {
         let twist = descent.noise.driven(&drive, outcome.twist);
         for piece in 0..PIECES {
-            // d(ρ²)/dt = −2·v·x with the goal x ahead.
+            // d(ρ²)/dt = −2·v·x, with the goal at x in the body frame.
             let ahead = ahead + noise.piece(piece, PIECES);
             let (ahead, _) = seen_moving(ahead, aside + noise, twist, time);
             let rate = Interval::point(-2.0) * twist.v * ahead * time;
@@ -142,14 +144,13 @@ fn growth_in<L: SampledController>(
 }
 
 impl Region {
-    /// Where the goal truly lies in the robot's axes, but for the noise of the position: seen, and turned by the noise of
-    /// the heading.
+    /// Goal position in the body frame \[m], with the heading noise but without the position noise.
     pub(crate) fn true_place(&self, heading_noise: f64) -> (Interval, Interval) {
         let (sin, cos) = (self.alpha + Interval::symmetric(heading_noise)).sin_cos();
         (self.seen_rho() * cos, self.seen_rho() * sin)
     }
 
-    /// Two halves along the side that matters most to the speed: the distance, then the bearing.
+    /// Bisects the side with the most influence on the speed: first distance, then bearing.
     fn halves_at_goal(&self) -> (Self, Self) {
         let (mut low, mut high) = (*self, *self);
         let sides = [100.0 * self.rho.width(), self.alpha.width(), 0.02 * self.phi.width()];

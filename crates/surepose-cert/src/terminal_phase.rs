@@ -1,51 +1,52 @@
-//! Near the goal: the heading comes to its bound, and the switch between the laws keeps its discrete state.
+//! Terminal phase near the goal: heading bound and dwell time of the local mode.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use surepose::{Body, Dual, Integration, NavigationVariables, Point, Pose, Scalar, Twist};
+use surepose::control::NavigationVariables;
+use surepose::scalar::Scalar;
 
 use crate::controller::SampledController;
 use crate::counterexample::{Counterexample, Rng};
 use crate::descent::{BranchOutcome, Descent};
-use crate::discrete_state::DiscreteState;
+use crate::discrete_state::{DiscreteState, first_shown};
 use crate::disturbed_state::DisturbedState;
 use crate::interval::Interval;
-use crate::region::Region;
-use crate::search::first_shown;
+use crate::region::{Region, seen_moving};
 
-/// What was shown of the neighbourhood of the goal.
+/// Bounds near the goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TerminalPhase {
-    /// Under the local law, V = ½θ_e² + ½(ρ cos α/ℓ)² falls at every tick in which |θ_e| is above this \[rad] and
-    /// that law stays in charge; nothing where this was not shown.
+    /// Heading bound of the local mode \[rad]. `None`: not shown.
+    ///
+    /// V = ½θ_e² + ½(ρ cos α/ℓ)² decreases at every tick that ends in local mode and has |θ_e| above this
+    /// bound.
     pub heading_bound: Option<f64>,
-    /// ℓ \[m].
+    /// Length ℓ in V \[m].
     pub length: f64,
-    /// Once the local law has taken over, it stays in charge for so many ticks at the least, whatever the noise; 0 where
-    /// this was not shown, and no more than the certificate looks for.
+    /// Least number of ticks in local mode after entry, for any noise. 0: not shown. At most 500.
     pub switch_dwell: usize,
 }
 
 impl TerminalPhase {
-    /// Whether the switch cannot go back and forth on noise: a law that has taken over on it does not hand back at once.
+    /// Whether noise cannot toggle the local mode at every tick.
     pub fn has_switch_hysteresis(&self) -> bool {
         self.switch_dwell > 1
     }
 }
 
-/// Bounds of the heading that are tried, above twice the heading noise \[rad].
+/// Heading bounds tried, in addition to twice the heading noise \[rad].
 const HEADINGS: [f64; 2] = [0.12, 0.24];
-/// ℓ \[m]: long, so that the distance, which noise can raise by some millimetres, weighs little beside the heading.
+/// ℓ \[m]; large, so that the distance term, which noise can raise by millimeters, has little weight.
 const LENGTH: f64 = 0.4;
-/// Situations in which a violation is looked for.
+/// Number of random states in the search for a violation.
 const LOCAL_TRIALS: usize = 20_000;
-/// Distances at which nobody but the local law may be in charge \[m].
+/// Distances at which the local mode must be active \[m].
 const ON_THE_GOAL: fn() -> Interval = || Interval::new(0.0, 1e-6);
-/// Regions looked at for each.
+/// Maximum number of boxes per heading bound.
 const MAX_REGIONS: usize = 100_000;
-/// Regions narrower than this \[rad] are not cut again.
+/// Angular width \[rad] below which a box is not bisected.
 const MIN_WIDTH: f64 = 4e-3;
-/// Into how many pieces the noise along the robot is cut, the second number where the first does not do.
+/// Numbers of pieces of the along-track noise; the second is used where the first fails.
 const PIECES: [usize; 2] = [1, 13];
 
 pub(crate) fn terminal_phase<L: SampledController>(
@@ -58,13 +59,13 @@ pub(crate) fn terminal_phase<L: SampledController>(
     TerminalPhase { heading_bound, length: LENGTH, switch_dwell }
 }
 
-/// The heading bound of [`TerminalPhase`], if one can be shown and on the goal itself the local law is in charge.
+/// Heading bound of [`TerminalPhase`]. `None`: not shown, or the local mode may be inactive at the goal.
 pub(crate) fn heading_bound<L: SampledController>(
     descent: &mut Descent<'_, L>,
     capture: f64,
     boxes: &mut usize,
 ) -> Option<f64> {
-    // The tick of taking over counts too: every discrete state that the law can come to be in.
+    // The tick of the mode switch is included: all reachable discrete states are considered.
     descent.prepare_for_any_past();
     let (near, whole) = reach_of_local(descent, capture);
     if !whole || !descent.local_certain(&Region::anywhere(ON_THE_GOAL(), Interval::point(0.0))) {
@@ -74,19 +75,19 @@ pub(crate) fn heading_bound<L: SampledController>(
     above.into_iter().find(|bound| heading_falls(descent, near, *bound, LENGTH, boxes))
 }
 
-/// A state near the goal in which V does not fall without noise, if one is found.
+/// Searches for a state near the goal in which V does not decrease without noise. `None`: none found.
 pub(crate) fn local_counterexample<L: SampledController>(
     descent: &mut Descent<'_, L>,
     capture: f64,
 ) -> Option<Counterexample> {
-    // A law that never lets the local one take over is looked at in whatever discrete state it is.
+    // If no discrete state of the local mode is reachable, all reachable states are tried.
     let discrete_states = Some(local_states(descent)).filter(|discrete_states| !discrete_states.is_empty());
     let discrete_states = discrete_states.unwrap_or_else(|| descent.known_states().collect());
     let (near, _) = reach_of_local(descent, capture);
     let mut rng = Rng(0x10ca_11a5);
     (0..LOCAL_TRIALS).find_map(|k| {
         let rho = near.hi() * rng.part();
-        // Where the goal is at the robot's side there is nothing to drive, and all depends on the turn.
+        // With the goal at the robot's side, the along-track distance is 0 and only the turn matters.
         let alpha = if k % 2 == 0 { FRAC_PI_2 * rng.either().signum() } else { PI * rng.either() };
         let discrete_state = *discrete_states.get(k % discrete_states.len().max(1))?;
         let disturbed_state = DisturbedState::polar(rho, alpha, PI * rng.either(), discrete_state);
@@ -109,7 +110,7 @@ pub(crate) fn local_counterexample<L: SampledController>(
     })
 }
 
-/// V of [`TerminalPhase`] for a robot that turns to `side`, to rounding.
+/// V of [`TerminalPhase`] for turn direction `side`, to rounding.
 fn local_lyapunov(goal: &NavigationVariables<f64>, side: i8) -> f64 {
     let (_, cos) = goal.alpha.sin_cos();
     let (error, side) = (goal.heading_error().radians(), f64::from(side));
@@ -118,7 +119,7 @@ fn local_lyapunov(goal: &NavigationVariables<f64>, side: i8) -> f64 {
     0.5 * (heading * heading + ahead * ahead)
 }
 
-/// The discrete states in which the local law is in charge.
+/// Reachable discrete states of the local mode with a decided turn direction.
 fn local_states<L: SampledController>(descent: &Descent<'_, L>) -> Vec<DiscreteState> {
     descent
         .known_states()
@@ -126,10 +127,10 @@ fn local_states<L: SampledController>(descent: &Descent<'_, L>) -> Vec<DiscreteS
         .collect()
 }
 
-/// The seen distances at which the local law can be in charge, in steps; and whether these are all.
+/// Estimated distances at which the local mode can be active \[m], and whether the range is complete.
 fn reach_of_local<L: SampledController>(descent: &Descent<'_, L>, capture: f64) -> (Interval, bool) {
     const RINGS: usize = 64;
-    // Kept, or taken over: the tick of taking over counts too.
+    // The mode may persist or begin in the tick; both cases count.
     let possible =
         |region: &Region| [true, false].into_iter().any(|before| descent.local_possible(region, before));
     let all = Interval::new(0.0, 4.0 * capture);
@@ -142,7 +143,7 @@ fn reach_of_local<L: SampledController>(descent: &Descent<'_, L>, capture: f64) 
     (Interval::new(0.0, reach), !possible(&beyond))
 }
 
-/// Shows that V falls wherever the local law is in charge and |θ_e| ≥ `bound`.
+/// Shows that V decreases in local mode wherever |θ_e| ≥ `bound` \[rad].
 fn heading_falls<L: SampledController>(
     descent: &Descent<'_, L>,
     near: Interval,
@@ -170,7 +171,7 @@ fn heading_falls<L: SampledController>(
     true
 }
 
-/// The same in `region` for a law that was of `discrete_state`, as far as its outcomes are not known to be harmless.
+/// Shows the decrease in `region` from `discrete_state`; skips outcomes in `harmless`.
 fn shown_for<L: SampledController>(
     descent: &Descent<'_, L>,
     region: &Region,
@@ -193,7 +194,8 @@ fn shown_for<L: SampledController>(
     shown
 }
 
-/// Whether V̇ < 0 during a tick that begins with the heading error `error`, cutting the noise along the robot.
+/// Whether V̇ < 0 during a tick with initial heading error `error` \[rad], with the along-track noise in
+/// pieces.
 fn falls<L: SampledController>(
     descent: &Descent<'_, L>,
     region: &Region,
@@ -209,7 +211,7 @@ fn falls<L: SampledController>(
     let per_square = Interval::point(1.0) / Interval::point(length).squared();
     let turning = (error + time * twist.omega) * twist.omega;
     PIECES.into_iter().any(|pieces| {
-        // What the noise does is at its worst at an end: these come first.
+        // The noise has its largest effect at an end of its range, so the end pieces come first.
         let mut ends_first = (0..pieces).map(|k| if k % 2 == 0 { k / 2 } else { pieces - 1 - k / 2 });
         ends_first.all(|piece| {
             let (ahead, rate) = seen_moving(seen_ahead + noise.piece(piece, pieces), aside, twist, time);
@@ -218,30 +220,13 @@ fn falls<L: SampledController>(
     })
 }
 
-/// The goal's x in the body, and its rate, while the robot drives `twist`: the core's motion, differentiated by time.
-pub(crate) fn seen_moving(
-    ahead: Interval,
-    aside: Interval,
-    twist: Twist<Interval>,
-    time: Interval,
-) -> (Interval, Interval) {
-    type Moving = Dual<Interval, 1>;
-    let time = Moving::parameter(time, 0);
-    let twist = Twist::new(Moving::constant(twist.v), Moving::constant(twist.omega));
-    let start: Pose<Body, Body, Moving> = Pose::identity();
-    let moved = start.integrate(twist.integrate_for(time), Integration::Arc);
-    let goal: Point<Body, Moving> = Point::new(Moving::constant(ahead), Moving::constant(aside));
-    let seen = moved.inverse() * goal;
-    (seen.x.value, seen.x.slope[0])
-}
-
 impl Region {
-    /// All ways of seeing the goal at distances `rho`, quadrant by quadrant of both angles.
+    /// Iterates over boxes with estimated distances `rho`, by quadrants of both angles.
     fn around_seen(rho: Interval) -> impl Iterator<Item = Self> {
         Self::around(rho, &crate::noise::NoiseBounds::default())
     }
 
-    /// Two halves along the widest of the angles, or of the distance.
+    /// Bisects the wider angle, or the distance.
     fn halves_near(&self) -> (Self, Self) {
         let (mut low, mut high) = (*self, *self);
         let (alpha, phi) = (self.alpha.width(), self.phi.width());
@@ -255,7 +240,8 @@ impl Region {
         (low, high)
     }
 
-    /// θ_e as seen, continued to the side to which a robot of this discrete state turns, which is that of −θ_e.
+    /// Estimated θ_e, unwrapped toward the turn direction of `discrete_state`, which is the sign of −θ_e
+    /// \[rad].
     fn heading_error(&self, discrete_state: DiscreteState) -> Interval {
         let plain = self.phi - self.alpha;
         let turns = (plain.mid() / TAU).round();

@@ -1,27 +1,27 @@
-//! What comparing two intervals can tell.
+//! Three-valued truth: the result of comparing two intervals.
 
 use core::ops::Not;
 
-use surepose::Mask;
+use surepose::scalar::Mask;
 
-/// The mask of intervals: for all members, for none, or cannot tell.
+/// Mask type of intervals: true or false for all members, or unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tribool {
-    /// False for every choice of members.
+    /// False for all members.
     False,
-    /// Depends on the members, as far as the intervals can tell.
+    /// True for some members and false for others, as far as the intervals show.
     Unknown,
-    /// True for every choice of members.
+    /// True for all members.
     True,
 }
 
 impl Tribool {
-    /// Whether it can be true.
+    /// Whether the value is not `False`.
     pub fn possible(self) -> bool {
         self != Self::False
     }
 
-    /// Whether it must be true.
+    /// Whether the value is `True`.
     pub fn certain(self) -> bool {
         self == Self::True
     }
@@ -68,13 +68,13 @@ mod tests {
 
     const ALL: [Tribool; 3] = [Tribool::False, Tribool::Unknown, Tribool::True];
 
-    /// The truths that a verdict leaves open.
+    /// Boolean values compatible with `v`.
     fn truths(v: Tribool) -> Vec<bool> {
         [false, true].into_iter().filter(|t| v == Tribool::Unknown || *t == (v == Tribool::True)).collect()
     }
 
     #[test]
-    fn every_truth_a_verdict_leaves_open_is_kept() {
+    fn tribool_logic_encloses_boolean_logic() {
         for a in ALL {
             for b in ALL {
                 for c in ALL {

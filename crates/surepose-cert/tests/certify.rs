@@ -1,13 +1,15 @@
-//! What is certified and what is refused: the figures that Surepose promises.
+//! Tests of certified and refused controllers, with the promised figures.
 
 mod common;
 
 use common::{DRIVE, deployed, hybrid, noise, paper_gains, request};
-use surepose::{Deadband, HybridLaw};
+use surepose::control::{Deadband, HybridLaw};
 use surepose_cert::{MarginRequest, NoiseBounds, RefusalReason, Request, certify, drift, margin_map};
 
-/// Period \[s], noise of the position \[m] and of the heading \[°], and what is certified of it: the capture radius and the
-/// final position bound \[m], rounded up. What is promised is 5 cm and 12 cm.
+/// Period \[s]; noise of position \[m] and heading \[°]; upper bounds of capture radius and final position
+/// bound \[m].
+///
+/// The specification requires 5 cm and 12 cm.
 const CASES: [(f64, [f64; 2], [f64; 2]); 4] = [
     (0.02, [0.007, 0.25], [0.040, 0.049]),
     (0.02, [0.02, 1.2], [0.059, 0.072]),
@@ -29,7 +31,7 @@ fn the_default_law_is_certified_at_both_periods_and_noises() {
 }
 
 #[test]
-fn law_with_known_noise_is_certified() {
+fn law_with_deadband_is_certified() {
     for (period, [position, heading_deg], [radius, last]) in CASES {
         let law = hybrid(period);
         let law = HybridLaw { deadband: Some(Deadband::from_noise(0.005, period)), ..law };
@@ -57,7 +59,7 @@ fn heading_bound_and_switch_hysteresis_hold_without_noise() {
 }
 
 #[test]
-fn a_longer_period_is_found_and_a_much_longer_one_is_not() {
+fn longest_period_is_found_and_twice_as_long_is_refused() {
     let law = hybrid(0.02);
     let controller = deployed(law);
     let asked =
@@ -69,37 +71,37 @@ fn a_longer_period_is_found_and_a_much_longer_one_is_not() {
 }
 
 #[test]
-fn the_paper_s_gains_are_refused_at_a_tenth_of_a_second_with_a_confirmed_counterexample() {
+fn paper_gains_at_100_ms_are_refused_with_a_confirmed_counterexample() {
     let controller = deployed(paper_gains(0.1));
     for noise in [noise(0.0, 0.0), noise(0.007, 0.25)] {
         let certificate = certify(&request(&controller, 1.0, 0.1, noise));
         assert!(!certificate.certified);
         assert_eq!(certificate.reason, Some(RefusalReason::UnstableByItself));
-        let found = certificate.counterexample.expect("a concrete situation");
+        let found = certificate.counterexample.expect("a concrete state");
         let again =
             found.disturbed_state.simulate(&controller, &DRIVE, 0.1, &certificate.lyapunov, found.limited);
         assert_eq!(again, found.transition);
         assert!(again.lyapunov_after > again.lyapunov_before, "{again:?}");
         // What goes wrong is visible without W: the bearing of the leading end swings through and grows.
-        let bearing = |goal: &surepose::NavigationVariables<f64>| goal.alpha.radians().sin().abs();
+        let bearing = |goal: &surepose::control::NavigationVariables<f64>| goal.alpha.radians().sin().abs();
         assert!(bearing(&again.after) > bearing(&again.before), "{again:?}");
     }
 }
 
 #[test]
-fn noise_as_large_as_the_disc_is_refused_with_a_confirmed_counterexample() {
+fn noise_above_the_capture_radius_is_refused_with_a_confirmed_counterexample() {
     let law = hybrid(0.02);
     let controller = deployed(law);
     let certificate = certify(&request(&controller, law.gains.h, 0.02, noise(0.2, 5.0)));
     assert_eq!(certificate.reason, Some(RefusalReason::NoDescent));
-    let found = certificate.counterexample.expect("a concrete situation");
+    let found = certificate.counterexample.expect("a concrete state");
     assert!(found.limited && found.transition.lyapunov_after >= found.transition.lyapunov_before);
     let off = found.disturbed_state.noise_x.hypot(found.disturbed_state.noise_y);
     assert!(off <= 0.2 && found.disturbed_state.noise_heading.abs() <= 5_f64.to_radians());
 }
 
 #[test]
-fn numbers_that_make_no_sense_are_refused() {
+fn invalid_parameters_are_refused() {
     let law = hybrid(0.02);
     let controller = deployed(law);
     let plain = request(&controller, law.gains.h, 0.02, noise(0.007, 0.25));
@@ -116,7 +118,7 @@ fn numbers_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn gaussian_noise_of_the_bench_lets_w_fall_on_average() {
+fn w_decreases_on_average_under_gaussian_bench_noise() {
     for period in [0.02, 0.1] {
         let law = hybrid(period);
         let controller = deployed(law);
@@ -124,31 +126,31 @@ fn gaussian_noise_of_the_bench_lets_w_fall_on_average() {
             max_capture_radius: 0.3,
             ..request(&controller, law.gains.h, period, noise(0.005, 0.3))
         };
-        let found = drift(&pose).expect("a drift");
+        let found = drift(&pose).expect("a drift condition");
         println!("{period} s, pose noise: {found:?}");
         assert!(found.radius < 0.15 && found.rate > 0.05, "{found:?}");
         let wheels = NoiseBounds { rim_speed_part: 0.05, ..pose.noise };
         println!(
-            "{period} s, wheels too: {:?}",
+            "{period} s, pose and wheel noise: {:?}",
             drift(&Request { noise: wheels, max_capture_radius: 1.0, ..pose })
         );
     }
 }
 
 #[test]
-fn the_margin_is_positive_all_round_where_the_law_is_certified() {
+fn margin_is_positive_in_all_cells_where_the_law_is_certified() {
     let law = hybrid(0.02);
     let controller = deployed(law);
     let asked = request(&controller, law.gains.h, 0.02, noise(0.007, 0.25));
     let lyapunov = certify(&asked).lyapunov;
     let at = |rho: f64, per_quadrant, boxes| {
         let asked_for = MarginRequest { rho: (rho, rho), per_quadrant, boxes, bare: false, shown: None };
-        margin_map(&asked, lyapunov, asked_for, |_| true).expect("nobody ends it")
+        margin_map(&asked, lyapunov, asked_for, |_| true).expect("not canceled")
     };
     let map = at(0.1, 12, 24);
     assert_eq!(map.fall.len(), 48 * 48);
     assert!(map.fall.iter().all(|fall| *fall > 0.0));
-    // More work gives better bounds, everywhere.
+    // More bisections give better bounds everywhere.
     let coarse = at(0.1, 12, 12);
     assert!(map.fall.iter().zip(&coarse.fall).all(|(fine, coarse)| fine >= coarse));
     let too_near = at(0.012, 6, 24);
@@ -161,7 +163,7 @@ fn no_margin_is_claimed_inside_the_deadband_region() {
     let controller = deployed(law);
     let asked = request(&controller, law.gains.h, 0.02, noise(0.007, 0.25));
     let radius = |rests_within| certify(&Request { rests_within, ..asked }).capture_radius;
-    // The default tolerance, widened by its release, is inside of what is shown anyhow.
+    // The default tolerance, widened by its release factor, lies within the certified radius.
     assert_eq!(radius(0.015), radius(0.0));
     assert!(radius(0.06).is_some_and(|radius| (0.067..0.068).contains(&radius)));
     assert_eq!(certify(&Request { rests_within: 0.145, ..asked }).reason, Some(RefusalReason::RestsTooFar));

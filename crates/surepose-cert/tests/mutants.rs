@@ -1,12 +1,15 @@
-//! A law with a fault in it is refused, whatever the fault.
+//! Mutation tests: every faulty control law and every wrong gain is refused.
 
 mod common;
 
 use common::{deployed, hybrid, noise, request};
-use surepose::{Angle, ControlOutput, HybridState, Mask, NavigationVariables, Scalar, Twist};
+use surepose::control::{ControlOutput, HybridState, NavigationVariables};
+use surepose::geometry::Angle;
+use surepose::kinematics::Twist;
+use surepose::scalar::{Mask, Scalar};
 use surepose_cert::{DeployedController, SampledController, certify};
 
-/// The faults.
+/// Faults inserted into the control law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     DrivesAway,
@@ -147,20 +150,20 @@ fn every_fault_is_refused() {
 }
 
 #[test]
-fn gains_that_are_wrong_are_refused() {
+fn wrong_gains_are_refused() {
     let good = hybrid(0.02);
-    let wrong = |change: fn(&mut surepose::HybridLaw<f64>)| {
+    let wrong = |change: fn(&mut surepose::control::HybridLaw<f64>)| {
         let mut law = good;
         change(&mut law);
         law
     };
     for (name, law) in [
-        ("k_α·ΔT beyond 2", wrong(|law| law.gains.k_alpha *= 12.0)),
+        ("k_α·ΔT above 2", wrong(|law| law.gains.k_alpha *= 12.0)),
         ("k_α negative", wrong(|law| law.gains.k_alpha *= -1.0)),
         ("k_v negative", wrong(|law| law.gains.k_v *= -1.0)),
-        ("h of the wrong sign and size", wrong(|law| law.gains.h = -6.0)),
+        ("h of wrong sign and magnitude", wrong(|law| law.gains.h = -6.0)),
         ("k_θ negative", wrong(|law| law.gains.k_theta *= -1.0)),
-        ("k_α hardly there", wrong(|law| law.gains.k_alpha *= 1e-3)),
+        ("k_α near zero", wrong(|law| law.gains.k_alpha *= 1e-3)),
     ] {
         let controller = deployed(law);
         let certificate = certify(&request(&controller, good.gains.h, 0.02, noise(0.007, 0.25)));

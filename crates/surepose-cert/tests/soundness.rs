@@ -1,13 +1,14 @@
-//! What is certified is held against simulation: random situations, random disturbances up to their bounds.
+//! Comparison of certified bounds with simulations of random states and random bounded disturbances.
 //!
-//! `SUREPOSE_CERT_TRIALS=10000000` makes it the long run.
+//! Set `SUREPOSE_CERT_TRIALS=10000000` for the long run.
 
 mod common;
 
 use std::f64::consts::PI;
 
 use common::{DRIVE, Rng, deployed, disturb, hybrid, noise, request, trials};
-use surepose::{Deadband, HybridLaw, Scalar};
+use surepose::control::{Deadband, HybridLaw};
+use surepose::scalar::Scalar;
 use surepose_cert::{Certificate, DeployedController, DiscreteState, DisturbedState, NoiseBounds, certify};
 
 const CASES: [(f64, f64, f64); 4] =
@@ -26,7 +27,7 @@ fn certified(
 }
 
 #[test]
-fn no_random_situation_violates_the_certified_decrease() {
+fn random_states_keep_the_certified_decrease() {
     for (k, (period, position, heading_deg)) in CASES.into_iter().enumerate() {
         let bounds = noise(position, heading_deg);
         let (controller, certificate) = certified(period, bounds, None);
@@ -49,15 +50,18 @@ fn no_random_situation_violates_the_certified_decrease() {
             if tick.before.rho >= radius {
                 let fall = (tick.lyapunov_before - tick.lyapunov_after) / period;
                 least = least.min(fall);
-                assert!(fall >= rate * (1.0 - 1e-9), "falls by {fall} only: {disturbed_state:?} {tick:?}");
+                assert!(
+                    fall >= rate * (1.0 - 1e-9),
+                    "decrease rate {fall} too small: {disturbed_state:?} {tick:?}"
+                );
             }
         }
-        println!("{period} s, {position} m: certified {rate:.3}/s, least seen {least:.3}/s");
+        println!("{period} s, {position} m: certified {rate:.3}/s, least observed {least:.3}/s");
     }
 }
 
 #[test]
-fn runs_are_captured_in_time_and_stay_captured() {
+fn runs_keep_the_time_bound_and_the_final_position_bound() {
     for k in 0..2 * CASES.len() {
         let (period, position, heading_deg) = CASES[k / 2];
         let bounds = noise(position, heading_deg);
@@ -102,7 +106,7 @@ fn runs_are_captured_in_time_and_stay_captured() {
 }
 
 #[test]
-fn the_random_numbers_fill_their_range() {
+fn random_numbers_cover_their_range() {
     let mut rng = Rng(7);
     let all: Vec<f64> = (0..1000).map(|_| rng.either()).collect();
     assert!(all.iter().all(|x| (-1.0..1.0).contains(x)));

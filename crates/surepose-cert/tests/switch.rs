@@ -1,13 +1,15 @@
-//! The switch between the laws, and the local law, against adversaries that choose the noise.
+//! Tests of the mode switch and of the local mode against adversarial noise.
 //!
-//! `SUREPOSE_CERT_TRIALS=10000000` makes it the long run.
+//! Set `SUREPOSE_CERT_TRIALS=10000000` for the long run.
 
 mod common;
 
 use std::f64::consts::PI;
 
 use common::{DRIVE, Rng, deployed, disturb, hybrid, noise, request, trials};
-use surepose::{ControlOutput, Deadband, HybridLaw, HybridState, Mask, NavigationVariables, Scalar, Twist};
+use surepose::control::{ControlOutput, Deadband, HybridLaw, HybridState, NavigationVariables};
+use surepose::kinematics::Twist;
+use surepose::scalar::{Mask, Scalar};
 use surepose_cert::{
     DeployedController, DiscreteState, DisturbedState, LyapunovFunction, NoiseBounds, SampledController,
     TerminalPhase, Transition, certify,
@@ -22,19 +24,21 @@ fn terminal_phase<L: SampledController>(
     certificate.terminal_phase
 }
 
-/// How an adversary makes the law change: in charge the local one, it shows the goal as far as it can or pushes the robot
-/// away from it; else as near as it can.
+/// Chooses noise that provokes a mode switch.
+///
+/// In local mode, the estimated goal is as far away as possible, or the robot is pushed away from it.
+/// Otherwise the estimated goal is as near as possible.
 fn provoke(disturbed_state: &mut DisturbedState, bounds: &NoiseBounds, rng: &mut Rng) {
     let reach = bounds.position * (1.0 - 1e-12);
     let rho = disturbed_state.x.hypot(disturbed_state.y).max(1e-9);
     let (sin, cos) = disturbed_state.heading.sin_cos();
-    // The estimate is moved away from the goal where that has to look far, and towards it where it has to look near.
+    // The estimate moves away from the goal for a large estimated distance, and toward it for a small one.
     let outward = (disturbed_state.x / rho, disturbed_state.y / rho);
     let ahead = -(disturbed_state.x * cos + disturbed_state.y * sin);
     let (x, y) = match (disturbed_state.discrete_state.local_mode, rng.flip()) {
         (false, _) => (-outward.0, -outward.1),
         (true, true) => outward,
-        // With the goal behind, it is made to look ahead, and the robot drives away from it.
+        // A goal behind the robot appears ahead of it, so the robot drives away from the goal.
         (true, false) => (cos * ahead.signum(), sin * ahead.signum()),
     };
     let size = if disturbed_state.discrete_state.local_mode { 1.0 } else { (rho / reach).min(1.0) };
@@ -42,7 +46,7 @@ fn provoke(disturbed_state: &mut DisturbedState, bounds: &NoiseBounds, rng: &mut
     disturbed_state.noise_heading = bounds.heading * rng.either().signum();
 }
 
-/// The state after a tick.
+/// State at the start of the next tick.
 fn onward(tick: &Transition) -> DisturbedState {
     let (alpha, phi) = (tick.after.alpha.radians(), tick.after.phi.radians());
     DisturbedState {
@@ -51,7 +55,8 @@ fn onward(tick: &Transition) -> DisturbedState {
     }
 }
 
-/// The least number of ticks between a take-over and the next handing back in `ticks` ticks, and how many changes there were.
+/// Least number of ticks from entry into the local mode to exit, and the number of mode switches, in `ticks`
+/// ticks.
 fn provoked<L: SampledController>(
     controller: &L,
     period: f64,
@@ -85,7 +90,7 @@ fn provoked<L: SampledController>(
 }
 
 #[test]
-fn no_noise_within_its_bounds_makes_the_switch_chatter() {
+fn bounded_noise_does_not_make_the_mode_switch_chatter() {
     for (k, period) in [0.02, 0.1].into_iter().enumerate() {
         let bounds = noise(0.007, 0.25);
         for deadband in [None, Some(Deadband::from_noise(0.005, period))] {
@@ -94,13 +99,13 @@ fn no_noise_within_its_bounds_makes_the_switch_chatter() {
             let dwell = terminal_phase.switch_dwell as u64;
             let (least, changes) = provoked(&controller, period, &bounds, (k as u64, trials()));
             println!(
-                "{period} s, {deadband:?}: certified {dwell} ticks, least seen {least}, {changes} changes"
+                "{period} s, {deadband:?}: certified {dwell} ticks, least observed {least}, {changes} switches"
             );
             assert!(
                 terminal_phase.has_switch_hysteresis() && dwell as f64 * period > 0.1,
                 "{terminal_phase:?}"
             );
-            assert!(least >= dwell, "handed back after {least} ticks");
+            assert!(least >= dwell, "left the local mode after {least} ticks");
         }
     }
 }
@@ -112,13 +117,13 @@ fn certificate_reports_chatter_under_large_noise() {
         let controller = deployed(hybrid(period));
         assert!(!terminal_phase(&controller, period, bounds).expect("certified").has_switch_hysteresis());
         let (least, changes) = provoked(&controller, period, &bounds, (9, 100_000));
-        println!("{period} s: {changes} changes in 100000 ticks");
+        println!("{period} s: {changes} mode switches in 100000 ticks");
         assert!(least == 1 && changes > 30_000, "{least}, {changes}");
     }
 }
 
 #[test]
-fn under_the_local_law_no_noise_keeps_the_heading_from_its_bound() {
+fn heading_error_decreases_to_its_bound_in_local_mode_under_noise() {
     for (k, (period, position, heading_deg)) in
         [(0.02, 0.007, 0.25), (0.1, 0.007, 0.25), (0.02, 0.02, 1.2), (0.1, 0.02, 1.2)].into_iter().enumerate()
     {
@@ -154,25 +159,25 @@ fn under_the_local_law_no_noise_keeps_the_heading_from_its_bound() {
                 looked += 1;
                 let fall = (value(&tick.before) - value(&tick.after)) / period;
                 least = least.min(fall);
-                assert!(fall > 0.0, "V rises by {}: {disturbed_state:?} {tick:?}", -fall);
+                assert!(fall > 0.0, "V increases by {}: {disturbed_state:?} {tick:?}", -fall);
             }
         }
-        println!("{period} s, {position} m: bound {:.1}°, least fall {least:.4}/s", bound.to_degrees());
+        println!("{period} s, {position} m: bound {:.1}°, least decrease {least:.4}/s", bound.to_degrees());
     }
 }
 
-/// Laws of which one of the statements is false.
+/// Laws for which one of the claims is false.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
-    /// Its hysteresis is as narrow as it was before it widened.
+    /// Hysteresis as narrow as before its widening.
     NarrowHysteresis,
-    /// It takes over and hands back at the same place.
+    /// Entry to and exit from the local mode at the same distance.
     NoHysteresis,
-    /// The local law does not turn before it has arrived.
+    /// No turn in local mode before the position is reached.
     WaitsForArrival,
-    /// At rest it does not stop, but backs away.
+    /// Reverse motion instead of a stop at the goal.
     BacksAwayAtRest,
-    /// The local law takes over for a tick farther out than it keeps the robot, and does not turn.
+    /// Entry into the local mode for one tick at a large distance, without a turn.
     TakesOverFarOut,
 }
 
@@ -221,21 +226,21 @@ impl SampledController for Mutant {
 }
 
 #[test]
-fn false_statements_are_not_certified() {
-    // That the law without the fault does get it is what the other tests show.
+fn false_claims_are_not_certified() {
+    // Other tests show that the law without a fault is certified.
     let plain = hybrid(0.02);
-    let told = HybridLaw { deadband: Some(Deadband::from_noise(0.005, 0.02)), ..plain };
+    let with_deadband = HybridLaw { deadband: Some(Deadband::from_noise(0.005, 0.02)), ..plain };
     let judged = |law: HybridLaw<f64>, fault: Fault, bounds| {
         certify(&request(&Mutant { law: deployed(law), fault }, law.gains.h, 0.02, bounds))
     };
     let (small, large) = (noise(0.007, 0.25), noise(0.02, 1.2));
     for fault in [Fault::NarrowHysteresis, Fault::NoHysteresis] {
-        // It is right not to have it.
-        for law in [plain, told] {
+        // The refusal is correct: the mode switch does chatter.
+        for law in [plain, with_deadband] {
             let mutant = Mutant { law: deployed(law), fault };
             let (least, changes) = provoked(&mutant, 0.02, &small, (3, 100_000));
-            println!("{fault:?}: handed back after {least} ticks, {changes} changes in 100000");
-            assert_eq!(least, 1, "{fault:?}: it does not chatter");
+            println!("{fault:?}: left the local mode after {least} ticks, {changes} mode switches in 100000");
+            assert_eq!(least, 1, "{fault:?}: no chatter");
         }
         let terminal_phase = judged(plain, fault, small).terminal_phase;
         assert!(
@@ -251,9 +256,10 @@ fn false_statements_are_not_certified() {
         terminal_phase.is_none_or(|terminal_phase| terminal_phase.heading_bound.is_none()),
         "{terminal_phase:?}"
     );
-    let stops = certify(&request(&deployed(told), told.gains.h, 0.02, small)).final_position_bound;
+    let stops =
+        certify(&request(&deployed(with_deadband), with_deadband.gains.h, 0.02, small)).final_position_bound;
     let stops = stops.expect("shown");
-    let backs = judged(told, Fault::BacksAwayAtRest, small);
+    let backs = judged(with_deadband, Fault::BacksAwayAtRest, small);
     let stays = backs.final_position_bound.filter(|_| backs.certified);
-    assert!(stays.is_none_or(|bound| bound > 2.0 * stops), "{stops} m at rest; {backs:?}");
+    assert!(stays.is_none_or(|bound| bound > 2.0 * stops), "{stops} m without the fault; {backs:?}");
 }

@@ -1,11 +1,12 @@
 //! Certifies the configured loop: for `certify`, and for warnings of other commands.
 
 use serde::Serialize;
-use surepose::{Law, param};
+use surepose::control::Law;
+use surepose::param;
 use surepose_cert::{
     Certificate, DeployedController, Drift, Margins, NoiseBounds, Request, certify, drift, margins,
 };
-use surepose_data::Config;
+use surepose_config::Config;
 
 /// Radius of the certified workspace around the goal \[m].
 const WORKSPACE: f64 = 5.0;

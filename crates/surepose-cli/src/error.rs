@@ -3,11 +3,14 @@
 use std::path::PathBuf;
 
 use miette::{Diagnostic, GraphicalReportHandler};
-use surepose_data::{ConfigError, DataError, Problem};
-use surepose_lab::picture::PlotError;
+use surepose_config::ConfigError;
+use surepose_figures::PlotError;
+use surepose_io::{DataError, Problem};
 
 use crate::exit::Exit;
-use crate::output::WIDTH;
+
+/// Columns of a message.
+pub(crate) const WIDTH: u16 = 110;
 
 /// The reason why a command failed.
 #[derive(Debug, thiserror::Error, Diagnostic)]

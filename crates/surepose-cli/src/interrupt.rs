@@ -3,18 +3,16 @@
 //! A command that keeps partial results is asked to stop; a second Ctrl-C ends it at once. Other commands end at once.
 
 use std::io::Write;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Map, Value, json};
 
 use crate::error::CliError;
 use crate::exit::Exit;
+use crate::interrupt_flags::{self, listens};
 use crate::output::{Output, text, warning};
 
-static LISTENS: AtomicBool = AtomicBool::new(false);
-static ASKED: OnceLock<Instant> = OnceLock::new();
+pub(crate) use crate::interrupt_flags::{asked, listen};
 
 /// The JSON key of an interrupted result.
 const INTERRUPTED: &str = "interrupted";
@@ -29,8 +27,8 @@ const SAME: Duration = Duration::from_millis(300);
 ///
 /// Until a command calls [`listen`], Ctrl-C ends the program with exit code 130 and, with `--json`, an empty result.
 pub(crate) fn install(output: Output) {
-    let heard = ctrlc::set_handler(move || {
-        let asks_again = ASKED.get_or_init(Instant::now).elapsed() > SAME;
+    let installed = ctrlc::set_handler(move || {
+        let asks_again = interrupt_flags::ask() > SAME;
         if !listens() {
             warning(NOTHING);
             // The lock is held until exit, so that only one result is printed.
@@ -45,22 +43,8 @@ pub(crate) fn install(output: Output) {
             std::process::exit(Exit::Interrupted as i32);
         }
     });
-    // Without signal support, Ctrl-C ends the program by default.
-    drop(heard);
-}
-
-/// From now on, the first Ctrl-C only sets the flag that [`asked`] returns.
-pub(crate) fn listen() {
-    LISTENS.store(true, Ordering::Relaxed);
-}
-
-fn listens() -> bool {
-    LISTENS.load(Ordering::Relaxed)
-}
-
-/// Returns whether the user interrupted the command.
-pub(crate) fn asked() -> bool {
-    ASKED.get().is_some()
+    // Where there is no such signal, Ctrl-C ends the program as it always did.
+    drop(installed);
 }
 
 /// Reports an interrupted command without a partial result.

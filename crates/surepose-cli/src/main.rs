@@ -7,6 +7,7 @@ mod command;
 mod error;
 mod exit;
 mod interrupt;
+mod interrupt_flags;
 mod maps;
 mod output;
 mod output_dir;
@@ -17,7 +18,6 @@ mod settings;
 use std::process::ExitCode;
 
 use clap::Parser;
-
 use error::CliError;
 use exit::Exit;
 

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use surepose_data::grid::Grid;
-use surepose_data::wall_map::{self, WallMap};
-use surepose_data::{DataError, map_server};
-use surepose_lab::mapping::from_grid;
-use surepose_lab::robot::ScanMethod;
+use surepose_config::ScanMethod;
+use surepose_io::grid::Grid;
+use surepose_io::wall_map::{self, WallMap};
+use surepose_io::{DataError, map_server};
+use surepose_mapping::from_grid;
 
 use crate::output::warning;
 
@@ -30,7 +30,7 @@ pub(crate) fn read_map_file(path: &Path) -> Result<MapFile, DataError> {
     } else if is("yaml") || is("yml") {
         MapFile::Grid(grid_in(path)?)
     } else {
-        MapFile::Grid(surepose_data::cmu_wean::read_grid(path)?)
+        MapFile::Grid(surepose_io::cmu_wean::read_grid(path)?)
     })
 }
 

@@ -6,11 +6,8 @@ use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::error::CliError;
-use crate::interrupt;
-
-/// Width of messages \[columns].
-pub(crate) const WIDTH: u16 = 110;
+use crate::error::{CliError, WIDTH};
+use crate::interrupt_flags;
 
 /// The output format of results.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +48,8 @@ pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
 /// # Errors
 /// [`CliError::Print`] for any other failure, for example a full disk.
 pub(crate) fn text(text: &str) -> Result<(), CliError> {
-    // From here on, Ctrl-C must not print a second result.
-    interrupt::listen();
+    // A result that is being printed is the one that there is.
+    interrupt_flags::listen();
     let mut out = std::io::stdout().lock();
     printed(out.write_all(text.as_bytes()))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde_json::{Map, Value};
-use surepose_lab::picture::{Picture, PlotError};
+use surepose_figures::{Picture, PlotError};
 
 use crate::error::{CliError, OutputKind};
 use crate::parquet;

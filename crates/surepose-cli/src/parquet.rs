@@ -13,7 +13,6 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde_json::{Map, Value};
-
 use thrift::{Struct, varint};
 
 /// Maximum number of rows in a row group, which is held in memory.

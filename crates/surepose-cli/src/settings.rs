@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
-use surepose::{Angle, Body, Map, Pose, param};
-use surepose_data::Config;
-use surepose_data::config::{Setting, Value, ValueSource};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::param;
+use surepose_config::{Config, Setting, Value, ValueSource};
 use surepose_ros2::Names;
 
 use crate::error::CliError;

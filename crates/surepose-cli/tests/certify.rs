@@ -28,7 +28,7 @@ fn default_gains_are_certified() {
     assert!(json["reason"].is_null() && json["counterexample"].is_null(), "{json}");
 }
 
-/// A quantity without a bound has a row that says so, because a missing row is overlooked.
+/// A quantity without a bound has a row that reports it, because a missing row is overlooked.
 #[test]
 fn table_lists_quantities_without_a_bound() {
     let table = |noise: [&str; 2]| {

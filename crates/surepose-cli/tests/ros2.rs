@@ -11,8 +11,8 @@ fn invalid_options_are_usage_errors_with_a_remedy() {
     let cases: [(&[&str], &str); 9] = [
         (&["ros2", "--start", "0,0,0"], "give --map"),
         (&["ros2", "--remap", "odom"], "write odom:=/base/odom"),
-        (&["ros2", "--remap", "odo:=x"], "its own are odom, scan"),
-        (&["ros2", "--namespace", "1 2"], "is no name"),
+        (&["ros2", "--remap", "odo:=x"], "expected one of odom, scan"),
+        (&["ros2", "--namespace", "1 2"], "invalid name"),
         (&["ros2", "--set", "law.k_v=-1"], "k_v"),
         (&["ros2", "--seed", "3"], "--simulate"),
         (&["ros2", "--map-frame", ""], "expected letters, digits"),

@@ -1,4 +1,4 @@
-//! Recordings in MCAP, as rosbag2 writes them: the driver hears them as the node would have, and calibration reads them.
+//! Replays MCAP recordings of rosbag2 with the driver, and reads them for calibration.
 
 mod bag_index;
 mod calibration;
@@ -7,6 +7,7 @@ mod mcap;
 mod reader;
 mod replay;
 #[cfg(test)]
+#[cfg(feature = "simulate")]
 mod tests;
 
 use std::fmt;
@@ -16,12 +17,12 @@ pub use calibration::{Recorded, recorded};
 pub use mcap::McapError;
 pub use replay::replay;
 
-/// A file of a recording that ends before its data do, as when the recorder was interrupted.
+/// Truncated file of a recording, as after an interrupted recorder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truncation {
-    /// Which file.
+    /// The file.
     pub file: PathBuf,
-    /// Where the record starts that is cut short \[bytes, decompressed file\].
+    /// Start of the truncated record \[bytes, decompressed file\].
     pub offset: u64,
 }
 
@@ -30,18 +31,18 @@ impl fmt::Display for Truncation {
         let (file, offset) = (self.file.file_name().unwrap_or_default().to_string_lossy(), self.offset);
         write!(
             f,
-            "{}: the recording is cut short in the record at byte {offset}; the messages before the cut are used",
+            "{}: truncated in the record at byte {offset}; the messages before it are used",
             file.escape_debug()
         )
     }
 }
 
-/// What is to be known of a replay besides its figures.
+/// Notice of a replay.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// Where the laser sits, and which source says so.
+    /// Pose of the laser on the body, and its source.
     LaserMount(String),
-    /// A file is cut short.
+    /// Truncated file.
     Truncated(Truncation),
 }
 
@@ -54,80 +55,79 @@ impl fmt::Display for Notice {
     }
 }
 
-/// Why a recording cannot be used.
+/// Error of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum BagError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot be read: {problem}")]
     Unreadable {
         /// Which file.
         path: PathBuf,
-        /// Why.
+        /// The problem.
         problem: std::io::Error,
     },
-    /// It is a folder, and which files in it are meant is not plain.
+    /// The folder does not hold exactly one recording.
     #[error("{}", not_one(*.count))]
     NotOneRecording {
-        /// How many files.
+        /// Number of files.
         count: usize,
     },
-    /// It is no MCAP.
-    #[error("this is no MCAP recording; other formats of rosbag2 become one by `ros2 bag convert`")]
+    /// The file is not MCAP.
+    #[error("not an MCAP recording; convert other formats of rosbag2 with `ros2 bag convert`")]
     NoMcap,
-    /// It is a damaged one.
-    #[error("this recording is damaged: {problem}; what was cut short can be mended by `mcap recover`")]
+    /// The recording is damaged.
+    #[error("damaged recording: {problem}; repair a truncated file with `mcap recover`")]
     Damaged {
-        /// What is wrong with it.
+        /// The problem.
         problem: McapError,
     },
-    /// One of its files cannot be used.
+    /// A file of the recording cannot be used.
     #[error("in {file}: {problem}")]
     Part {
-        /// Which one.
+        /// The file.
         file: String,
-        /// Why.
+        /// The problem.
         problem: Box<Self>,
     },
-    /// The topic that is asked for is not there.
-    #[error("no topic {name} of type {kind}; there are: {present}")]
+    /// A required topic is missing.
+    #[error("no topic {name} of type {kind} (got {present}); name it with --remap")]
     NoTopic {
-        /// What it should be called.
+        /// Expected name.
         name: String,
-        /// What it should be.
+        /// Expected type.
         kind: String,
-        /// What there is.
+        /// Topics of the recording.
         present: String,
     },
-    /// Several topics could be meant.
-    #[error("which topic is {own}? There are {candidates}: say --remap {own}:={first}")]
+    /// Several topics match.
+    #[error("{own}: ambiguous topic (got {candidates}); select one, such as --remap {own}:={first}")]
     Ambiguous {
-        /// What the node calls it.
+        /// Name of the topic in the node.
         own: &'static str,
-        /// What could be meant.
+        /// Matching topics.
         candidates: String,
-        /// The first of them.
+        /// First of them.
         first: String,
     },
-    /// A message is not what its type says.
-    #[error("message {number} of {topic} is no {kind}: {problem}")]
+    /// A message does not match its type.
+    #[error("message {number} of {topic}: not a {kind}: {problem}")]
     Message {
-        /// Counted from 1.
+        /// Number of the message, from 1.
         number: u64,
-        /// Where.
+        /// Topic.
         topic: String,
-        /// What it should be.
+        /// Expected type.
         kind: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
 }
 
 fn not_one(count: usize) -> String {
     if count == 0 {
-        return "there is no .mcap file in the folder; other formats become MCAP by `ros2 bag convert`"
-            .to_owned();
+        return "no .mcap file in the folder; convert other formats with `ros2 bag convert`".to_owned();
     }
     format!(
-        "there are {count} .mcap files in the folder, which are not the parts NAME_0.mcap, NAME_1.mcap, … of one: name one of them"
+        "ambiguous folder (got {count} .mcap files, expected the parts NAME_0.mcap, NAME_1.mcap, … of one recording); name one file"
     )
 }

@@ -1,61 +1,65 @@
-//! Between messages and the core's words; what a message should not say is refused by name.
+//! Converts between ROS messages and core types, and rejects invalid messages.
 //!
-//! Frames are those of REP 105: x forward, y left, angles counter-clockwise, metres and radians, as in the core.
+//! Frames are those of REP 105: x forward, y left, angles counter-clockwise, meters and radians, as in the core.
 
 use ros2_client::builtin_interfaces::Time;
-use surepose::{Angle, Belief, Covariance, Frame, Pose, Stamp, Twist};
+use surepose::estimation::Belief;
+use surepose::geometry::{Angle, Frame, Pose};
+use surepose::kinematics::Twist;
+use surepose::linalg::Covariance;
+use surepose::time::Stamp;
 
 use crate::message::{self, Header, Point, Quaternion, Vector3};
 
-/// Why a message was not used.
+/// Reason for which a message was rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MessageError {
-    /// It has a NaN or an infinite number where a place is expected.
-    #[error("it has a number that is not finite")]
+    /// A coordinate is NaN or infinite.
+    #[error("coordinates: not finite")]
     NotFinite,
-    /// A place farther away than 10 km, where rounding would be seen.
-    #[error("it is farther away than 10 km")]
+    /// A position farther than 10 km from the origin, where rounding is noticeable.
+    #[error("position: too far from the origin (expected at most 10 km)")]
     FarAway,
-    /// A quaternion without a direction: all zeros, as of a message that nobody filled in.
-    #[error("its orientation is no rotation: a quaternion must have length 1, (0, 0, 0, 1) for no turn")]
+    /// A quaternion without unit length, such as zeros of an unset message.
+    #[error("orientation: invalid quaternion (expected length 1); (0, 0, 0, 1) is the identity")]
     NotARotation,
-    /// A covariance that is none.
-    #[error("its covariance is none: not symmetric, or a variance is negative")]
+    /// An invalid covariance.
+    #[error("covariance: not symmetric, or a negative variance")]
     NotACovariance,
-    /// It is given in another frame.
-    #[error("it is in the frame '{got}', and '{expected}' is the only one that is understood")]
+    /// The message is in another frame.
+    #[error("frame: wrong frame (got '{got}', expected '{expected}')")]
     WrongFrame {
         /// The frame of the map.
         expected: String,
-        /// The message's.
+        /// Frame of the message.
         got: String,
     },
-    /// Its stamp is not later than that of the last one.
-    #[error("its stamp is not later than that of the one before")]
+    /// The stamp is not later than the previous one.
+    #[error("stamp: not later than the previous one")]
     OutOfOrder,
-    /// An orientation that says of itself, by a covariance of −1, that it is not measured.
-    #[error("its orientation is not measured, by its covariance of -1")]
+    /// The orientation is not measured: its covariance is −1.
+    #[error("orientation: not measured (got covariance -1)")]
     NotMeasured,
-    /// What a laser that leans sees are not the walls at one height.
+    /// The laser's plane is not level.
     #[error(
-        "its laser leans by {degrees:.0}°, by /tf_static: its plane must be level, to 10°; [laser] x_m, y_m, heading_deg overrule that"
+        "laser: scan plane not level (got {degrees:.0}° by /tf_static, expected at most 10°); override with [laser] x_m, y_m, heading_deg"
     )]
     Leaning {
-        /// The angle between its plane and the level \[°].
+        /// Angle between its plane and the horizontal \[°].
         degrees: f64,
     },
-    /// A goal where a robot cannot stand.
+    /// A goal too close to a wall.
     #[error("{}", no_room(*.clearance, *.needed))]
     InsufficientClearance {
-        /// How far it is from the next wall \[m]; negative outside the walls.
+        /// Distance to the nearest wall \[m]; negative outside the walls.
         clearance: f64,
-        /// How far it must be \[m].
+        /// Required distance \[m].
         needed: f64,
     },
 }
 
 impl MessageError {
-    /// The name under which it is counted.
+    /// Name of the reason in the counts.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::NotFinite => "not_finite",
@@ -73,33 +77,33 @@ impl MessageError {
 
 fn no_room(clearance: f64, needed: f64) -> String {
     if clearance < 0.0 {
-        return format!("it lies outside the map, {:.2} m beyond the nearest wall", clearance.abs());
+        return format!("goal: outside the map (got {:.2} m beyond the nearest wall)", clearance.abs());
     }
-    format!("it is {clearance:.2} m from a wall of the map, and the robot's middle needs {needed:.2} m")
+    format!("goal: too close to a wall (got {clearance:.2} m, expected at least {needed:.2} m)")
 }
 
-/// Nothing is farther away \[m].
-const FARTHEST: f64 = 1e4;
+/// Largest coordinate \[m].
+const MAX_COORDINATE: f64 = 1e4;
 
-/// A quaternion is one of a rotation if the square of its length is within this of 1.
+/// Tolerance of a quaternion's squared length.
 const SQUARED_LENGTH_SLACK: f64 = 0.1;
 
-/// The moment of a stamp, from ROS's origin of time.
+/// Converts a ROS time to a stamp.
 pub fn stamp_of(time: Time) -> Stamp {
     Stamp::from_nanoseconds(time.to_nanos())
 }
 
-/// The stamp of a moment.
+/// Converts a stamp to a ROS time.
 pub fn time_of(stamp: Stamp) -> Time {
     Time::from_nanos(stamp.nanoseconds())
 }
 
-/// The header of what holds at `stamp` in `frame`.
+/// Header with `stamp` and `frame`.
 pub fn header(stamp: Stamp, frame: &str) -> Header {
     Header { stamp: time_of(stamp), frame_id: frame.to_owned() }
 }
 
-/// The turn about the vertical of a rotation.
+/// Yaw of a rotation.
 ///
 /// # Errors
 /// [`MessageError::NotFinite`] and [`MessageError::NotARotation`].
@@ -114,48 +118,48 @@ pub fn heading_of(rotation: &Quaternion) -> Result<Angle<f64>, MessageError> {
     Ok(Angle::from_vector(w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y)))
 }
 
-/// The rotation of a heading.
+/// Quaternion of a heading.
 pub fn rotation_of(heading: Angle<f64>) -> Quaternion {
     let half = 0.5 * heading.radians();
     Quaternion { x: 0.0, y: 0.0, z: half.sin(), w: half.cos() }
 }
 
-/// The plane pose of a pose in space.
+/// Projects a pose in space to the plane.
 ///
 /// # Errors
-/// [`MessageError`], where it is none.
+/// [`MessageError`] for an invalid pose.
 pub fn pose_of<To: Frame, From: Frame>(pose: &message::Pose) -> Result<Pose<To, From, f64>, MessageError> {
     let Point { x, y, .. } = pose.position;
     if !x.is_finite() || !y.is_finite() {
         return Err(MessageError::NotFinite);
     }
-    if x.abs().max(y.abs()) > FARTHEST {
+    if x.abs().max(y.abs()) > MAX_COORDINATE {
         return Err(MessageError::FarAway);
     }
     Ok(Pose::new(x, y, heading_of(&pose.orientation)?))
 }
 
-/// A pose in a plane as a pose in space.
+/// Converts a pose in the plane to a message.
 pub fn pose_message<To: Frame, From: Frame>(pose: Pose<To, From, f64>) -> message::Pose {
     let position = Point { x: pose.x, y: pose.y, z: 0.0 };
     message::Pose { position, orientation: rotation_of(pose.heading) }
 }
 
-/// A transform from a pose.
+/// Converts a pose to a transform.
 pub fn transform<To: Frame, From: Frame>(pose: Pose<To, From, f64>) -> message::Transform {
     let translation = Vector3 { x: pose.x, y: pose.y, z: 0.0 };
     message::Transform { translation, rotation: rotation_of(pose.heading) }
 }
 
-/// A twist in the plane as one in space.
+/// Converts a twist in the plane to a message.
 pub fn twist_message(twist: Twist<f64>) -> message::Twist {
     message::Twist { linear: Vector3::along_x(twist.v), angular: Vector3::along_z(twist.omega) }
 }
 
-/// Where x, y and the turn about z are in six by six.
+/// Indices of x, y and yaw in a 6 × 6 covariance.
 const ROWS: [usize; 3] = [0, 1, 5];
 
-/// A belief as a pose with its covariance in space.
+/// Converts a belief to a pose with covariance.
 pub fn belief_message(belief: &Belief<f64>) -> message::PoseWithCovariance {
     let mut covariance = [[0.0; 6]; 6];
     for (i, row) in ROWS.iter().enumerate() {
@@ -168,15 +172,16 @@ pub fn belief_message(belief: &Belief<f64>) -> message::PoseWithCovariance {
     message::PoseWithCovariance { pose: pose_message(belief.pose), covariance }
 }
 
-/// What somebody says that the robot's pose is; a covariance of zeros, as of a message that nobody filled in, means as
-/// well known as `usual`: standard deviations of x \[m], y \[m] and heading \[rad].
+/// Converts a pose with covariance to a belief.
+///
+/// A covariance of zeros, as in an unset message, gives the standard deviations `usual`: x \[m], y \[m], heading \[rad].
 ///
 /// # Errors
-/// [`MessageError`], where the pose is none or its covariance is none.
+/// [`MessageError`] for an invalid pose or covariance.
 pub fn belief_of(told: &message::PoseWithCovariance, usual: [f64; 3]) -> Result<Belief<f64>, MessageError> {
     let pose = pose_of(&told.pose)?;
     let entry = |i: usize, j: usize| told.covariance.get(i).and_then(|row| row.get(j)).copied();
-    let mut matrix = surepose::Matrix([[0.0; 3]; 3]);
+    let mut matrix = surepose::linalg::Matrix([[0.0; 3]; 3]);
     for (row, i) in matrix.0.iter_mut().zip(ROWS) {
         for (value, j) in row.iter_mut().zip(ROWS) {
             *value = entry(i, j).filter(|value| value.is_finite()).ok_or(MessageError::NotFinite)?;
@@ -191,15 +196,16 @@ pub fn belief_of(told: &message::PoseWithCovariance, usual: [f64; 3]) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use surepose::geometry::{Body, Map};
+
     use super::*;
-    use surepose::{Body, Map};
 
     fn turned(x: f64, y: f64, z: f64, w: f64) -> Result<f64, MessageError> {
         heading_of(&Quaternion { x, y, z, w }).map(Angle::degrees)
     }
 
     #[test]
-    fn poses_come_back_as_they_went() {
+    fn pose_round_trip() {
         for degrees in [-179.0, -90.0, 0.0, 30.0, 180.0] {
             let pose: Pose<Map, Body, f64> = Pose::new(1.5, -2.0, Angle::from_degrees(degrees));
             let back: Pose<Map, Body, f64> = pose_of(&pose_message(pose)).unwrap();
@@ -209,15 +215,15 @@ mod tests {
     }
 
     #[test]
-    fn a_tilted_compass_still_has_its_heading() {
-        // A turn of 40° about z, then a tilt of 5° about the robot's own x.
+    fn tilted_compass_gives_its_heading() {
+        // Rotation by 40° about z, then by 5° about the body's x axis.
         let (z, x) = (20_f64.to_radians(), 2.5_f64.to_radians());
         let heading = turned(z.cos() * x.sin(), z.sin() * x.sin(), z.sin() * x.cos(), z.cos() * x.cos());
         assert!((heading.unwrap() - 40.0).abs() < 1e-9);
     }
 
     #[test]
-    fn what_is_no_pose_is_refused_by_name() {
+    fn invalid_poses_are_rejected() {
         assert_eq!(turned(0.0, 0.0, 0.0, 0.0), Err(MessageError::NotARotation));
         assert_eq!(turned(0.0, 0.0, f64::NAN, 1.0), Err(MessageError::NotFinite));
         assert_eq!(turned(0.0, 0.0, 2.0, 1.0), Err(MessageError::NotARotation));
@@ -233,8 +239,9 @@ mod tests {
     }
 
     #[test]
-    fn beliefs_come_back_with_their_covariance() {
-        let matrix = surepose::Matrix([[0.04, 0.01, 0.002], [0.01, 0.09, -0.003], [0.002, -0.003, 0.01]]);
+    fn belief_round_trip() {
+        let matrix =
+            surepose::linalg::Matrix([[0.04, 0.01, 0.002], [0.01, 0.09, -0.003], [0.002, -0.003, 0.01]]);
         let covariance = Covariance::from_matrix(&matrix).unwrap();
         let belief = Belief { pose: Pose::new(1.0, 2.0, Angle::zero()), covariance };
         let mut told = belief_message(&belief);

@@ -1,4 +1,4 @@
-//! Topics: how they are heard and spoken on, and what goes wrong with that.
+//! DDS topics: publishers, subscriptions, quality of service and errors.
 
 use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
 use ros2_client::{
@@ -10,21 +10,21 @@ use smol::Task;
 use crate::names::{NameProblem, Names};
 use crate::network::NetworkError;
 
-/// Why a node does not run.
+/// Error that stops a node.
 #[derive(Debug, thiserror::Error)]
 pub enum NodeError {
-    /// There is no network.
+    /// The network is unavailable.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// A name is none.
+    /// A name is invalid.
     #[error(transparent)]
     Name(#[from] NameProblem),
-    /// The middleware refuses something that the node needs.
-    #[error("the middleware refuses {what}: {why}")]
+    /// The middleware cannot create an entity.
+    #[error("middleware: cannot create {what}: {why}")]
     Middleware {
-        /// What was asked for.
+        /// Entity.
         what: String,
-        /// What it says.
+        /// Error of the middleware.
         why: String,
     },
 }
@@ -33,7 +33,7 @@ pub(crate) fn refused(what: &str, why: impl std::fmt::Debug) -> NodeError {
     NodeError::Middleware { what: what.to_owned(), why: format!("{why:?}") }
 }
 
-/// A node of this name in the namespace of `names`.
+/// Creates a node in the namespace of `names`.
 pub(crate) fn node(
     context: &Context,
     names: &Names,
@@ -44,16 +44,16 @@ pub(crate) fn node(
     context.new_node(named, options).map_err(|why| refused(name, why))
 }
 
-/// What a node does in the background, as long as this is kept.
+/// Runs the node's background task until the result is dropped.
 pub(crate) fn spinning(node: &mut Node) -> Result<Task<()>, NodeError> {
     let spinner = node.spinner().map_err(|why| refused("a spinner", why))?;
     Ok(smol::spawn(async move {
-        // It ends with the node.
+        // The task ends with the node.
         let _ended = spinner.spin().await;
     }))
 }
 
-/// Reliable, and for whoever is there. Who does not read in time misses something: the loop waits for nobody.
+/// Reliable and volatile. A slow subscriber loses messages, because the loop does not block.
 pub(crate) fn reliable(depth: usize) -> QosProfile {
     QosProfile {
         reliability: Reliability::Reliable { when_full: WhenFull::Fail },
@@ -63,17 +63,17 @@ pub(crate) fn reliable(depth: usize) -> QosProfile {
     }
 }
 
-/// Reliable, and for whoever comes later, too.
+/// Reliable and transient local, for late subscribers.
 pub(crate) fn latched(depth: usize) -> QosProfile {
     QosProfile { durability: Durability::TransientLocal, ..reliable(depth) }
 }
 
-/// As sensors send; who listens so hears those that send reliably as well.
+/// Best effort, for sensor topics; also matches reliable publishers.
 pub(crate) fn sensor(depth: usize) -> QosProfile {
     QosProfile { history: History::KeepLast { depth }, ..QosProfile::subscription_default() }
 }
 
-/// Listens to a topic of messages of a package's type.
+/// Subscribes to a topic.
 pub(crate) fn subscribe<M: 'static>(
     node: &mut Node,
     name: &Name,
@@ -85,7 +85,7 @@ pub(crate) fn subscribe<M: 'static>(
     node.create_subscription(&topic, Some(qos)).map_err(refused)
 }
 
-/// Speaks on a topic, in messages of a package's type.
+/// Creates a publisher on a topic.
 pub(crate) fn advertise<M: Serialize>(
     node: &mut Node,
     name: &Name,
@@ -97,12 +97,12 @@ pub(crate) fn advertise<M: Serialize>(
     node.create_publisher(&topic, Some(qos)).map_err(refused)
 }
 
-/// A name that is by convention the same for all robots.
+/// Name that is the same for all robots by convention.
 pub(crate) fn global_name(name: &str) -> Result<Name, NodeError> {
     Name::new("/", name).map_err(|why| refused(name, why))
 }
 
-/// What was published was published: who does not read in time misses a message, and the next one says it better.
+/// Ignores the result of publishing: the next message replaces a lost one.
 pub(crate) fn publish_result<T, E>(result: Result<T, WriteError<E>>) {
     drop(result);
 }

@@ -1,35 +1,35 @@
-//! Where the laser sits on the robot: as the configuration says, or else as `/tf_static` does.
+//! Laser extrinsics from the configuration, or else from `/tf_static`.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use surepose::{Angle, Body, Laser, Pose};
-use surepose_data::Config;
+use surepose::geometry::{Angle, Body, Laser, Pose};
+use surepose_config::Config;
 
 use crate::convert::{MessageError, pose_of};
 use crate::message::{self, TfMessage, TransformStamped};
 
-/// A laser whose plane leans more than this looks at floor and ceiling \[rad].
+/// Largest tilt of the scan plane \[rad].
 const MAX_TILT: f64 = 10.0 * core::f64::consts::PI / 180.0;
 
-/// Mountings that differ by more than this \[m], \[rad] are not the same one measured twice.
+/// Smallest difference \[m], \[rad] of two laser poses that causes a warning.
 const DISAGREEMENT_THRESHOLD: (f64, f64) = (0.05, 3.0 * core::f64::consts::PI / 180.0);
 
-/// What the frame of a robot is called that does not say so, by REP 105.
+/// Default base frame of REP 105.
 const BASE: &str = "base_link";
 
-/// How a laser sits on the robot.
+/// Laser extrinsics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LaserExtrinsics {
-    /// Where it is.
+    /// Pose of the laser on the body.
     pub(crate) body_from_laser: Pose<Body, Laser, f64>,
-    /// Its z axis points to the ground, and so it turns clockwise.
+    /// Whether its z axis points down, so that it scans clockwise.
     pub(crate) is_upside_down: bool,
 }
 
 impl LaserExtrinsics {
-    /// The one of a pose in space.
+    /// Converts a pose in space.
     fn from_transform(body_from_laser: &Isometry3<f64>) -> Result<Self, MessageError> {
         let up = (body_from_laser.rotation * Vector3::z()).z;
         let leaning = up.abs().min(1.0).acos();
@@ -56,24 +56,24 @@ impl fmt::Display for LaserExtrinsics {
     }
 }
 
-/// What is known of the laser's mounting.
+/// Resolves the laser extrinsics from configuration and `/tf_static`.
 ///
-/// The configuration counts where it says anything, for it may have been calibrated; which side is up, it cannot say.
+/// A configured pose has priority, since it may be calibrated; upside-down mounting is only known from `/tf_static`.
 #[derive(Clone, Debug)]
 pub(crate) struct ExtrinsicsResolver {
-    /// What the configuration says; nothing, where the laser would sit in the robot's middle and face ahead.
+    /// Configured pose; `None` for the default pose.
     configured: Option<Pose<Body, Laser, f64>>,
     static_transforms: StaticTransforms,
-    /// The frame of the robot, once odometry has named it.
+    /// Base frame from odometry; `None` before the first message.
     base: Option<String>,
-    /// The frame of the first scan: other lasers sit elsewhere.
+    /// Frame of the first scan; scans of other frames are rejected.
     laser: Option<String>,
-    /// What was said of it last.
+    /// Last source message.
     said: Option<String>,
 }
 
 impl ExtrinsicsResolver {
-    /// What `config` says.
+    /// Creates the resolver from `config`.
     pub(crate) fn new(config: &Config) -> Self {
         let configured = Some(config.laser().body_from_laser).filter(|pose| *pose != Pose::identity());
         Self {
@@ -85,10 +85,10 @@ impl ExtrinsicsResolver {
         }
     }
 
-    /// Takes in what `/tf_static` says.
+    /// Adds the transforms of `/tf_static`.
     ///
     /// # Errors
-    /// [`MessageError`], for a joint that is none; the others count.
+    /// [`MessageError`] for an invalid transform; the others are used.
     pub(crate) fn learn(&mut self, told: &TfMessage) -> Result<(), MessageError> {
         let refused = told
             .transforms
@@ -97,7 +97,7 @@ impl ExtrinsicsResolver {
         refused.last().map_or(Ok(()), Err)
     }
 
-    /// Takes in what odometry calls the robot's frame.
+    /// Sets the base frame, from odometry.
     pub(crate) fn set_base_frame(&mut self, body: &str) {
         let body = Some(plain(body)).filter(|body| !body.is_empty()).unwrap_or(BASE);
         if self.base.as_deref() != Some(body) {
@@ -105,10 +105,10 @@ impl ExtrinsicsResolver {
         }
     }
 
-    /// How the laser sits that took a scan in `frame`.
+    /// Extrinsics of the laser whose scans are in `frame`.
     ///
     /// # Errors
-    /// [`MessageError::WrongFrame`] for another laser than the first, [`MessageError::Leaning`] where it looks at floor and ceiling.
+    /// [`MessageError::WrongFrame`] for a second laser; [`MessageError::Leaning`] for a tilted scan plane.
     pub(crate) fn lookup(&mut self, frame: &str) -> Result<LaserExtrinsics, MessageError> {
         let frame = plain(frame);
         let laser = self.laser.get_or_insert_with(|| frame.to_owned());
@@ -127,7 +127,7 @@ impl ExtrinsicsResolver {
         Ok(LaserExtrinsics { body_from_laser, is_upside_down })
     }
 
-    /// How the laser sits and who says so, in a line, where that has changed.
+    /// Line with the extrinsics and their source; `None` if unchanged.
     pub(crate) fn take_source_message(&mut self) -> Option<String> {
         let source = self.source().filter(|source| self.said.as_ref() != Some(source))?;
         self.said = Some(source.clone());
@@ -141,7 +141,7 @@ impl ExtrinsicsResolver {
         Some(match (self.configured, self.told()) {
             (None, Some(_)) => format!("the laser '{laser}' sits on '{base}' {counts}, by /tf_static"),
             (None, None) => format!(
-                "nothing says where the laser '{laser}' sits on '{base}', neither [laser] nor /tf_static: taken {counts}"
+                "laser '{laser}' on '{base}': unknown pose, neither in [laser] nor in /tf_static; default {counts} used"
             ),
             (Some(_), Some(Ok(told))) if told.is_far_from(counts.body_from_laser) => format!(
                 "warning: the laser sits {counts}, by [laser]; /tf_static puts '{laser}' on '{base}' {told}"
@@ -153,7 +153,7 @@ impl ExtrinsicsResolver {
         })
     }
 
-    /// What `/tf_static` says, if it does.
+    /// Extrinsics from `/tf_static`; `None` without a transform.
     fn told(&self) -> Option<Result<LaserExtrinsics, MessageError>> {
         Some(LaserExtrinsics::from_transform(
             &self.static_transforms.between(self.base.as_deref().unwrap_or(BASE), self.laser.as_ref()?)?,
@@ -161,12 +161,12 @@ impl ExtrinsicsResolver {
     }
 }
 
-/// Joints that do not move: each frame, with its parent and where it is there.
+/// Static transforms: each frame with its parent and its pose there.
 #[derive(Clone, Debug, Default)]
 struct StaticTransforms(BTreeMap<String, (String, Isometry3<f64>)>);
 
 impl StaticTransforms {
-    /// Takes in a joint; of two that tell of the same frame, the later counts.
+    /// Adds a transform; a later one replaces that of the same frame.
     fn learn(&mut self, static_transform: &TransformStamped) -> Result<(), MessageError> {
         let parent_from_child = isometry(&static_transform.transform)?;
         let (parent, child) =
@@ -175,13 +175,13 @@ impl StaticTransforms {
         Ok(())
     }
 
-    /// Where `frame` is on `base`, if they hang together.
+    /// Pose of `frame` on `base`; `None` if they are not connected.
     fn between(&self, base: &str, frame: &str) -> Option<Isometry3<f64>> {
         let ((root, root_from_base), (other, other_from_frame)) = (self.rooted(base), self.rooted(frame));
         (root == other).then(|| root_from_base.inverse() * other_from_frame)
     }
 
-    /// What `frame` hangs on at last, and where it is there. Joints in a ring hang on nothing; they are followed once around.
+    /// Root of `frame`, and its pose there. A cycle is followed once.
     fn rooted<'a>(&'a self, frame: &'a str) -> (&'a str, Isometry3<f64>) {
         let (mut root, mut root_from_frame) = (frame, Isometry3::identity());
         for _ in 0..self.0.len() {
@@ -192,7 +192,7 @@ impl StaticTransforms {
     }
 }
 
-/// A transform in space; what makes it a pose in the plane must be sound as well.
+/// Converts a transform, which must give a valid pose in the plane.
 fn isometry(transform: &message::Transform) -> Result<Isometry3<f64>, MessageError> {
     let message::Vector3 { x, y, z } = transform.translation;
     let position = message::Point { x, y, z };
@@ -203,20 +203,22 @@ fn isometry(transform: &message::Transform) -> Result<Isometry3<f64>, MessageErr
     Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
 }
 
-/// A frame's name as tf2 has it: without the slash that tf had before it.
+/// Frame name of tf2, without a leading slash.
 fn plain(frame: &str) -> &str {
     frame.trim_start_matches('/')
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use surepose::time::Stamp;
+    use surepose_config::Config;
+
     use crate::convert::header;
     use crate::message::{Transform, Vector3};
-    use surepose::Stamp;
-    use surepose_data::Config;
 
-    /// A joint at x, y, z, turned by so many degrees about x and then about z.
+    use super::*;
+
+    /// Transform at x, y, z, rotated about x and then about z \[°].
     fn static_transform(
         parent: &str,
         child: &str,
@@ -252,7 +254,7 @@ mod tests {
 
     #[test]
     fn transform_chains_are_resolved_from_any_root() {
-        // A mast on the body, turned by 90°, on which the laser sits 20 cm ahead of it: to the body's left.
+        // The laser is 20 cm ahead of a mast that is rotated by 90°: to the body's left.
         let static_transforms = || {
             vec![
                 static_transform("base_link", "mast", [0.3, 0.0, 0.5], (0.0, 90.0)),
@@ -272,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_laser_may_hang_upside_down_but_not_lean() {
+    fn upside_down_laser_is_accepted_and_tilted_one_rejected() {
         let at = |roll| {
             extrinsics(
                 &Config::default(),
@@ -293,19 +295,22 @@ mod tests {
         let static_transforms = |x| vec![static_transform("base_link", "laser", [x, 0.0, 0.0], (180.0, 0.0))];
         let mut calibrated = extrinsics(&configured(), static_transforms(0.12));
         assert_is(calibrated.lookup("laser").unwrap(), (0.1, 0.0, 0.0));
-        assert!(calibrated.lookup("laser").unwrap().is_upside_down, "which the configuration cannot say");
+        assert!(
+            calibrated.lookup("laser").unwrap().is_upside_down,
+            "upside-down mounting is from /tf_static"
+        );
         assert!(!calibrated.source().unwrap().contains("warning"));
         let mut contradicted = extrinsics(&configured(), static_transforms(0.3));
         assert_is(contradicted.lookup("laser").unwrap(), (0.1, 0.0, 0.0));
         assert!(contradicted.source().unwrap().contains("warning: the laser sits at (0.100, 0.000)"));
-        // Where neither says anything the laser is in the middle, and that is said.
+        // Without either source the default pose is used, with a warning.
         let mut unknown = extrinsics(&Config::default(), vec![]);
         assert_is(unknown.lookup("laser").unwrap(), (0.0, 0.0, 0.0));
-        assert!(unknown.source().unwrap().starts_with("nothing says where"));
+        assert!(unknown.source().unwrap().contains("unknown pose"));
     }
 
     #[test]
-    fn another_laser_is_not_taken_for_the_first() {
+    fn scans_of_a_second_laser_are_rejected() {
         let mut extrinsics = extrinsics(&Config::default(), vec![]);
         assert!(extrinsics.lookup("/front").is_ok() && extrinsics.lookup("front").is_ok());
         assert!(matches!(extrinsics.lookup("rear"), Err(MessageError::WrongFrame { .. })));

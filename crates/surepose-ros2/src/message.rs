@@ -1,6 +1,6 @@
-//! The ROS 2 messages that are spoken, by their names; fields in the order of the `.msg` files, which is that of the wire.
+//! ROS 2 messages; the fields have the order of the `.msg` files, as on the wire.
 //!
-//! A `float64[36]` is six rows of six: serde has no longer arrays, and on the wire the two are the same.
+//! A `float64[36]` is an array of six rows of six, because serde supports no longer arrays; the wire format is equal.
 
 use ros2_client::Message;
 use ros2_client::builtin_interfaces::{Duration, Time};
@@ -123,12 +123,12 @@ messages! {
 }
 
 impl Vector3 {
-    /// This along x, and nothing else.
+    /// Vector along x.
     pub fn along_x(x: f64) -> Self {
         Self { x, y: 0.0, z: 0.0 }
     }
 
-    /// This along z, and nothing else.
+    /// Vector along z.
     pub fn along_z(z: f64) -> Self {
         Self { x: 0.0, y: 0.0, z }
     }

@@ -1,8 +1,8 @@
-//! What topics, the service and the action are called.
+//! Names of topics, service and action.
 
 use ros2_client::Name;
 
-/// The names that the node, and the simulated robot, use for themselves.
+/// Names in the node and the simulated robot, before remapping.
 pub const OWN: [&str; 11] = [
     "odom",
     "scan",
@@ -17,32 +17,32 @@ pub const OWN: [&str; 11] = [
     "truth",
 ];
 
-/// The node's namespace, and other names for some of its own.
+/// Namespace and remappings of a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names {
     namespace: String,
     others: Vec<(String, String)>,
 }
 
-/// A name that is none.
+/// Invalid name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NameProblem {
-    /// It is not written as one.
-    #[error("'{name}' is no name: {why}; names are letters, digits, _ and /, for example /robot1/odom")]
+    /// The syntax is invalid.
+    #[error("'{name}': invalid name: {why}; use letters, digits, _ and /, for example /robot1/odom")]
     Malformed {
         /// As given.
         name: String,
-        /// What is wrong with it.
+        /// The problem.
         why: String,
     },
-    /// It is not written as two names.
-    #[error("'{given}' does not say which name becomes which: write odom:=/base/odom")]
+    /// The remapping does not consist of two names.
+    #[error("'{given}': invalid remapping; write odom:=/base/odom")]
     NotAPair {
         /// As given.
         given: String,
     },
-    /// The node has no such name.
-    #[error("the node has no name '{name}'; its own are {}", OWN.join(", "))]
+    /// The node does not use the name.
+    #[error("'{name}': unknown name (expected one of {})", OWN.join(", "))]
     Unknown {
         /// As given.
         name: String,
@@ -59,7 +59,7 @@ impl Names {
     /// Names in `namespace`, of which some become others by remappings such as `odom:=/base/odom`.
     ///
     /// # Errors
-    /// [`NameProblem`].
+    /// [`NameProblem`] for an invalid or unknown name.
     pub fn new(namespace: &str, remappings: &[String]) -> Result<Self, NameProblem> {
         let namespace = format!("/{}", namespace.trim_matches('/'));
         if namespace != "/" {
@@ -78,17 +78,18 @@ impl Names {
         Ok(Self { namespace, others })
     }
 
-    /// The namespace, with a slash before it.
+    /// Namespace with a leading slash.
     pub fn namespace(&self) -> &str {
         &self.namespace
     }
 
-    /// Whether `own` is called otherwise.
+    /// Whether `own` is remapped.
+    #[cfg(feature = "bag")]
     pub(crate) fn is_remapped(&self, own: &str) -> bool {
         self.others.iter().any(|(from, _)| from == own)
     }
 
-    /// What the node calls `own`, from the root.
+    /// Full name of `own`.
     pub(crate) fn of(&self, own: &str) -> Result<Name, NameProblem> {
         let other = self.others.iter().rev().find(|(from, _)| from == own);
         let name = other.map_or(own, |(_, to)| to);
@@ -123,8 +124,8 @@ mod tests {
             Names::new(namespace, &[mapping.to_owned()]).unwrap_err().to_string()
         };
         assert!(said("", "odom").contains("write odom:=/base/odom"));
-        assert!(said("", "odo:=x").contains("its own are odom"));
-        assert!(said("", "odom:=a b").contains("'a b' is no name"));
-        assert!(said("1st", "odom:=x").contains("'/1st' is no name"));
+        assert!(said("", "odo:=x").contains("expected one of odom"));
+        assert!(said("", "odom:=a b").contains("'a b': invalid name"));
+        assert!(said("1st", "odom:=x").contains("'/1st': invalid name"));
     }
 }

@@ -1,33 +1,33 @@
-//! Which domain the node is in, and how far it reaches: what ROS 2's environment variables say.
+//! DDS domain and discovery range from the environment variables of ROS 2.
 
 use std::net::{IpAddr, Ipv4Addr};
 
 use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
 
-/// The highest domain whose ports exist.
+/// Highest domain with valid ports.
 const HIGHEST_DOMAIN: u16 = 232;
 
-/// The domain and its reach.
+/// DDS domain and discovery range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Network {
     /// `ROS_DOMAIN_ID`.
     pub domain: u16,
-    /// Whether nothing leaves this machine: `ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`.
+    /// Whether discovery is limited to this machine: `ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`.
     pub local: bool,
 }
 
-/// Why there is no network.
+/// Network error.
 #[derive(Debug, thiserror::Error)]
 pub enum NetworkError {
-    /// A variable, or an option for it, says something that it cannot mean.
+    /// Invalid value of a variable or its option.
     #[error("{variable} is '{value}'; {help}")]
     Variable {
-        /// Which.
+        /// Variable.
         variable: &'static str,
-        /// What it says.
+        /// Value.
         value: String,
-        /// What it may say.
+        /// Valid values.
         help: &'static str,
     },
     /// DDS does not start.
@@ -35,16 +35,16 @@ pub enum NetworkError {
     Participant {
         /// The domain.
         domain: u16,
-        /// What DDS says.
+        /// Error of DDS.
         why: String,
     },
 }
 
 impl Network {
-    /// What the environment says, as `variable` looks it up: `ROS_DOMAIN_ID` and `ROS_AUTOMATIC_DISCOVERY_RANGE`.
+    /// Reads the environment through `variable`: `ROS_DOMAIN_ID` and `ROS_AUTOMATIC_DISCOVERY_RANGE`.
     ///
     /// # Errors
-    /// [`NetworkError::Variable`].
+    /// [`NetworkError::Variable`] for an invalid value.
     pub fn from_env(variable: impl Fn(&str) -> Option<String>) -> Result<Self, NetworkError> {
         let wrong = |variable, value: &str, help| {
             Err(NetworkError::Variable { variable, value: value.escape_debug().to_string(), help })
@@ -61,17 +61,17 @@ impl Network {
             "" | "SUBNET" | "SYSTEM_DEFAULT" => false,
             "LOCALHOST" => true,
             _ => {
-                let help = "this node knows SUBNET and LOCALHOST";
+                let help = "use SUBNET or LOCALHOST";
                 return wrong("ROS_AUTOMATIC_DISCOVERY_RANGE", &range, help);
             }
         };
         Ok(Self { domain, local })
     }
 
-    /// A participant of its own in this network.
+    /// Creates a participant.
     ///
     /// # Errors
-    /// [`NetworkError::Participant`].
+    /// [`NetworkError::Participant`] if DDS does not start.
     pub fn join(self) -> Result<Context, NetworkError> {
         let refused = |why: String| NetworkError::Participant { domain: self.domain, why };
         let mut builder = DomainParticipantBuilder::new(self.domain).same_host_loopback(true);

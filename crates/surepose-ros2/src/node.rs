@@ -1,65 +1,51 @@
-//! The node: it hears messages, lets the driver think, and says what comes of it.
+//! The node: subscribes to messages, steps the driver and publishes its results.
 //!
-//! Everything happens on one thread, one message after the other, so that nothing is decided twice.
+//! One thread handles all messages in sequence.
 
 mod action;
 mod diagnostics;
 mod parameters;
 mod publishers;
+mod settings;
 mod subscriptions;
 
 use std::time::{Duration, Instant};
 
+use action::{NavigateAction, ResultDelivery};
+use diagnostics::Diagnostics;
 use futures::future::LocalBoxFuture;
 use futures::stream::{FuturesUnordered, StreamExt};
 use futures::{FutureExt, select};
+use publishers::Publishers;
 use ros2_client::RmwRequestId;
-use surepose::{Goal, Map, Pose, Stamp, Stamped, Twist};
-use surepose_lab::optimal::fastest;
+use subscriptions::{NodeEvent, Subscriptions};
+use surepose::control::{Controller, NavigationVariables};
+use surepose::geometry::{Goal, Map, Pose};
+use surepose::kinematics::Twist;
+use surepose::navigator::GoalResult;
+use surepose::time::{Stamp, Stamped};
 
 use crate::convert::{MessageError, belief_of, pose_of, stamp_of};
 use crate::dds::{self, NodeError, spinning};
+use crate::driver::{DriverReport, NodeDriver, START_STD};
 use crate::extrinsics::ExtrinsicsResolver;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped};
-use crate::names::Names;
-use crate::network::Network;
-use crate::pilot::{DriverReport, GoalResult, NodeDriver, NodeDriverSettings, START_STD};
 use crate::sense;
 
-use action::{NavigateAction, ResultDelivery};
-use diagnostics::Diagnostics;
-use publishers::Publishers;
-use subscriptions::{NodeEvent, Subscriptions};
+pub use settings::NodeSettings;
 
-/// Everything that a node is told at its start.
-#[derive(Clone, Debug)]
-pub struct NodeSettings {
-    /// What the driver flies by.
-    pub driver: NodeDriverSettings,
-    /// What its topics are called.
-    pub names: Names,
-    /// The frame of the map.
-    pub map_frame: String,
-    /// Whether `cmd_vel` is a `TwistStamped`, as since Jazzy, or a `Twist`.
-    pub stamped: bool,
-    /// The network.
-    pub network: Network,
-    /// What is to be said of the configuration in diagnostics: that it is not certified, for example.
-    pub warnings: Vec<String>,
-}
-
-/// How often the node looks at the clock on the wall.
+/// Period of the timer that checks the wall clock.
 const TIMER_PERIOD: Duration = Duration::from_millis(100);
 
-/// A diagnosis with every so many beats.
+/// Timer periods per diagnostics message.
 const DIAGNOSTICS_EVERY: u32 = 10;
 
-/// Runs the node until `stops` says so, which is asked with every beat; `say` is told what happens, in a line each.
+/// Runs the node until `stops` returns true. Each timer period calls `stops`; `say` receives one line per event.
 ///
-/// The last command is to rest, if the wheels were told anything.
+/// If the node has commanded the wheels, its last command is rest.
 ///
 /// # Errors
-/// [`NodeError`], before anything is driven.
+/// [`NodeError`], before the first command.
 pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&str)) -> Result<(), NodeError> {
     let context = settings.network.join()?;
     let options = parameters::declared(&settings.driver.config);
@@ -85,7 +71,7 @@ pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&st
     Ok(())
 }
 
-/// A node at work.
+/// Running node.
 struct Run<Say> {
     driver: NodeDriver,
     extrinsics: ExtrinsicsResolver,
@@ -93,7 +79,7 @@ struct Run<Say> {
     action: NavigateAction,
     deliveries: FuturesUnordered<LocalBoxFuture<'static, ()>>,
     diagnostics: Diagnostics,
-    /// When odometry last came, by the clock on the wall.
+    /// Wall-clock time of the last odometry.
     last_rolled: Option<Instant>,
     timer_ticks: u32,
     settings: NodeSettings,
@@ -116,7 +102,7 @@ impl<Say: FnMut(&str)> Run<Say> {
         }
         let ended = self.driver.cancel();
         self.finish(ended);
-        // Whoever waits for the result hears of it.
+        // Clients that wait for the result receive it.
         let mut patience = FutureExt::fuse(smol::Timer::after(5 * TIMER_PERIOD));
         while !self.deliveries.is_empty() {
             select! {
@@ -127,7 +113,7 @@ impl<Say: FnMut(&str)> Run<Say> {
     }
 
     async fn on(&mut self, event: NodeEvent, subscriptions: &Subscriptions) {
-        let heard = match event {
+        let handled = match event {
             NodeEvent::Odometry(odometry) => self.rolled(&odometry).await,
             NodeEvent::Scan(scan) => self.seen(scan),
             NodeEvent::StaticTransforms(told) => {
@@ -160,10 +146,10 @@ impl<Say: FnMut(&str)> Run<Say> {
                 Ok(())
             }
         };
-        if let Err((topic, refused)) = heard
+        if let Err((topic, refused)) = handled
             && self.diagnostics.refuse(topic, &refused)
         {
-            self.say(&format!("{topic}: a message is not used: {refused}"));
+            self.say(&format!("{topic}: message rejected: {refused}"));
         }
     }
 
@@ -180,13 +166,11 @@ impl<Say: FnMut(&str)> Run<Say> {
             if let Some(change) = self.diagnostics.keep(&report) {
                 self.say(&change);
             }
-            if let (Some(GoalResult::Reached), Some(seen)) = (report.ended, report.navigation) {
+            if let (Some(GoalResult::Reached), Some(seen)) = (report.result, report.navigation) {
                 let (position, heading) = (1e3 * seen.rho, seen.heading_error().degrees().abs());
-                self.say(&format!(
-                    "rests {position:.1} mm and {heading:.2}° from the goal, as far as it knows"
-                ));
+                self.say(&format!("rests {position:.1} mm and {heading:.2}° from the goal (estimated)"));
             }
-            self.finish(report.ended);
+            self.finish(report.result);
         }
         Ok(())
     }
@@ -207,18 +191,18 @@ impl<Say: FnMut(&str)> Run<Say> {
         Ok(())
     }
 
-    /// A goal by topic: RViz's "2D Goal Pose".
+    /// Handles a goal by topic: RViz's "2D Goal Pose".
     fn on_goal_pose(&mut self, goal: &PoseStamped) -> Result<(), (&'static str, MessageError)> {
         self.set_goal(goal).map_err(|why| ("goal_pose", why))
     }
 
-    /// A goal by action.
+    /// Handles a goal by action.
     async fn asked(&mut self, handle: action::NewGoal) {
         let Some(goal) = self.action.goal_of(&handle) else { return };
         match self.set_goal(&goal.pose) {
             Ok(()) => self.action.accept(handle, self.driver.belief_stamp()).await,
             Err(refused) => {
-                self.say(&format!("navigate_to_pose: a goal is rejected: {refused}"));
+                self.say(&format!("navigate_to_pose: goal rejected: {refused}"));
                 self.diagnostics.refuse("navigate_to_pose", &refused);
                 self.action.reject(handle).await;
             }
@@ -231,11 +215,11 @@ impl<Say: FnMut(&str)> Run<Say> {
         let wall = self.driver.wall_on_straight_path(goal).copied();
         let before = self.driver.set_goal(goal)?;
         self.finish(before);
-        self.say(&format!("to ({:.3}, {:.3}) facing {:.1}°", goal.x, goal.y, goal.heading.degrees()));
+        self.say(&format!("new goal: ({:.3}, {:.3}) facing {:.1}°", goal.x, goal.y, goal.heading.degrees()));
         if let Some(wall) = wall {
-            let (a, b) = (wall.start, wall.end);
+            let [a, b] = wall.ends();
             self.say(&format!(
-                "warning: the wall from ({}, {}) to ({}, {}) stands between robot and goal: the law does not go round \
+                "warning: the wall from ({:.2}, {:.2}) to ({:.2}, {:.2}) stands between robot and goal: the law does not go round \
                  obstacles, and the robot will stop before it",
                 a.x, a.y, b.x, b.y
             ));
@@ -243,21 +227,21 @@ impl<Say: FnMut(&str)> Run<Say> {
         Ok(())
     }
 
-    /// Somebody says where the robot is: RViz's "2D Pose Estimate".
+    /// Handles an initial pose: RViz's "2D Pose Estimate".
     fn told(&mut self, told: &PoseWithCovarianceStamped) -> Result<(), (&'static str, MessageError)> {
         let refused = |why| ("initialpose", why);
         self.in_map(&told.header.frame_id).map_err(refused)?;
         let belief = belief_of(&told.pose, START_STD).map_err(refused)?;
         self.driver.set_pose(Stamped::new(stamp_of(told.header.stamp), belief));
         let (pose, heading) = (belief.pose, belief.pose.heading.degrees());
-        self.say(&format!("told to be at ({:.3}, {:.3}) facing {heading:.1}°", pose.x, pose.y));
+        self.say(&format!("initial pose: ({:.3}, {:.3}) facing {heading:.1}°", pose.x, pose.y));
         Ok(())
     }
 
     fn lost(&mut self, request: RmwRequestId, subscriptions: &Subscriptions) {
         self.driver.start_global_localization();
         subscriptions.answer(request);
-        self.say("told to find out where it is");
+        self.say("global localization requested");
     }
 
     fn in_map(&self, frame: &str) -> Result<(), MessageError> {
@@ -269,21 +253,21 @@ impl<Say: FnMut(&str)> Run<Say> {
     }
 
     async fn feed_back(&mut self, report: &DriverReport) {
-        let (Some(navigation), Some(goal)) = (report.navigation, self.driver.goal()) else { return };
+        let Some(navigation) = report.navigation else { return };
         let controller = self.driver.controller();
-        let goal_from_body = goal.inverse() * report.belief.pose;
-        let least = fastest(goal_from_body, &controller.drive, controller.limits.wheel_speed).time;
-        self.action.feed_back(report, navigation.rho, least, &self.settings.map_frame).await;
+        let remaining = turn_drive_turn_time(&navigation, controller);
+        self.action.feed_back(report, navigation.rho, remaining, &self.settings.map_frame).await;
     }
 
-    /// A goal is over.
+    /// Handles the end of a goal.
     fn finish(&mut self, ended: Option<GoalResult>) {
         let Some(ended) = ended else { return };
         match ended {
-            GoalResult::Reached => {}
-            GoalResult::Cancelled => self.say("the goal is given up"),
-            GoalResult::Preempted => self.say("another goal takes its place"),
-            GoalResult::Stopped(reason) => self.say(&format!("the goal is given up: {reason}")),
+            GoalResult::Canceled => self.say("goal canceled"),
+            GoalResult::Preempted => self.say("goal preempted by another goal"),
+            GoalResult::Aborted(reason) => self.say(&format!("goal aborted: {}", reason.name())),
+            // A reached goal has a line of its own.
+            _ => {}
         }
         if let Some(delivery) = self.action.ended(ended) {
             self.deliveries.push(ResultDelivery::made(delivery));
@@ -304,14 +288,14 @@ impl<Say: FnMut(&str)> Run<Say> {
         }
     }
 
-    /// How long ago odometry last came, by the clock on the wall \[s]. A robot whose odometry never came is as silent as one
-    /// whose odometry stopped.
+    /// Age of the last odometry by the wall clock \[s]; before the first one, the time since the start.
     fn age(&mut self) -> f64 {
         self.last_rolled.get_or_insert_with(Instant::now).elapsed().as_secs_f64()
     }
 
-    /// Tells the wheels to rest, as of what the clock that stamps odometry shows, if that goes as fast as the one on the wall:
-    /// a base takes no command of long ago. Before the first odometry the stamp is zero, which bases take for now.
+    /// Commands rest, stamped with the odometry time extrapolated by the wall clock, because bases reject old commands.
+    ///
+    /// Before the first odometry the stamp is zero, which bases take as the current time.
     fn stop_wheels(&mut self) {
         let (last, age) = (self.driver.belief_stamp(), self.age());
         let now = if last == Stamp::default() { last } else { last.after(age) };
@@ -321,4 +305,11 @@ impl<Say: FnMut(&str)> Run<Say> {
     fn say(&mut self, what: &str) {
         (self.say)(what);
     }
+}
+
+/// Time to turn towards the goal, drive to it and turn to its heading, each at the wheels' limit \[s].
+fn turn_drive_turn_time(navigation: &NavigationVariables<f64>, controller: &Controller<f64>) -> f64 {
+    let NavigationVariables { rho, alpha, phi } = navigation;
+    let turns = alpha.radians().abs() + phi.radians().abs();
+    (rho + 0.5 * controller.drive.wheel_separation * turns) / controller.limits.wheel_speed
 }

@@ -1,56 +1,59 @@
-//! A simulated robot with the topics of a real one: it takes velocity commands, and gives odometry, scans and headings.
+//! Simulated robot: subscribes to velocity commands, publishes odometry, scans and headings.
 //!
-//! Its world is that of `surepose run`, in real time: motors with lag, slip, quantised encoders, noisy sensors.
+//! Its world is that of `surepose run`, in real time: motors with lag, slip, quantized encoders, noisy sensors.
 
+mod cmd_vel_subscriber;
 pub(crate) mod messages;
 
 use std::time::{Duration, Instant};
 
+use cmd_vel_subscriber::CmdVelSubscriber;
 use futures::select;
 use futures::stream::StreamExt;
 use ros2_client::builtin_interfaces::Time;
 use ros2_client::{Node, NodeOptions, Publisher};
-use surepose::{Angle, Body, Integration, Pose, Stamp, Stamped, Twist};
-use surepose_lab::robot::Scenario;
+use surepose::geometry::{Angle, Body, Pose};
+use surepose::kinematics::{Integration, Twist};
+use surepose::time::{Stamp, Stamped};
+use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, SimulatedScan, World};
 
 use crate::convert::{header, pose_message};
 use crate::dds::{
     self, NodeError, advertise, global_name, latched, publish_result, reliable, sensor, spinning,
 };
+use crate::driver::Odom;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, TfMessage};
 use crate::names::Names;
 use crate::network::Network;
-use crate::pilot::Odom;
-use crate::velocity::CmdVelSubscriber;
 
-/// From one odometry to the next \[s].
+/// Odometry period \[s].
 const PERIOD: f64 = 0.02;
 
-/// Wheels that were told nothing for so long rest.
+/// Time without a command after which the wheels stop.
 const COMMAND_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// A simulated robot.
+/// Settings of a simulated robot.
 #[derive(Clone, Debug)]
 pub struct RobotSettings {
-    /// The place, the robot, and where it starts.
+    /// Arena, robot and start pose.
     pub scenario: Scenario,
-    /// What all noise is drawn from.
+    /// Seed of all noise.
     pub seed: u64,
-    /// What its topics are called.
+    /// Names of its topics.
     pub names: Names,
     /// Whether `cmd_vel` is a `TwistStamped` or a `Twist`.
     pub stamped: bool,
-    /// The frame of its place, in which it says where it truly is.
+    /// Frame of the true pose.
     pub map_frame: String,
     /// The network.
     pub network: Network,
 }
 
-/// Runs the robot in real time until `stops` says so.
+/// Runs the robot in real time until `stops` returns true.
 ///
 /// # Errors
-/// [`NodeError`], before anything moves.
+/// [`NodeError`], before the robot moves.
 pub fn run(settings: &RobotSettings, stops: impl Fn() -> bool) -> Result<(), NodeError> {
     let context = settings.network.join()?;
     let options = NodeOptions::new().enable_rosout(false);
@@ -73,13 +76,13 @@ pub fn run(settings: &RobotSettings, stops: impl Fn() -> bool) -> Result<(), Nod
     Ok(())
 }
 
-/// The robot, and the clock on the wall.
+/// Simulated robot with its wall clock.
 struct Robot {
     world: World,
     compass_std: f64,
     odometry: Pose<Odom, Body, f64>,
     cmd_vel: Twist<f64>,
-    heard: Instant,
+    last_command: Instant,
     born: (Instant, Time),
 }
 
@@ -91,19 +94,19 @@ impl Robot {
             compass_std: scenario.config.compass().std,
             odometry: Pose::identity(),
             cmd_vel: Twist::zero(),
-            heard: Instant::now(),
+            last_command: Instant::now(),
             born: (Instant::now(), Time::now()),
         }
     }
 
     fn apply(&mut self, twist: Twist<f64>) {
-        (self.cmd_vel, self.heard) = (twist, Instant::now());
+        (self.cmd_vel, self.last_command) = (twist, Instant::now());
     }
 
-    /// Lives until now, period by period, and says what it sensed.
+    /// Advances the world to the current time and publishes its measurements.
     fn advance(&mut self, publishers: &RobotPublishers) {
         while self.world.now().seconds() + PERIOD <= self.born.0.elapsed().as_secs_f64() {
-            if self.heard.elapsed() > COMMAND_TIMEOUT {
+            if self.last_command.elapsed() > COMMAND_TIMEOUT {
                 self.cmd_vel = Twist::zero();
             }
             let drive = self.world.model().drive;
@@ -121,13 +124,13 @@ impl Robot {
         }
     }
 
-    /// ROS's time of a moment of the world.
+    /// ROS time of a simulated time.
     fn stamp(&self, moment: Stamp) -> Stamp {
         Stamp::from_nanoseconds(self.born.1.to_nanos().saturating_add(moment.nanoseconds()))
     }
 }
 
-/// Its publishers.
+/// Publishers of the robot.
 struct RobotPublishers {
     odometry: Publisher<Odometry>,
     transforms: Publisher<TfMessage>,
@@ -135,7 +138,7 @@ struct RobotPublishers {
     headings: Publisher<Imu>,
     truth: Publisher<PoseStamped>,
     map_frame: String,
-    /// Where the laser sits was said once, and is told to whoever comes.
+    /// Latched publisher of the laser extrinsics.
     _joints: Publisher<TfMessage>,
 }
 

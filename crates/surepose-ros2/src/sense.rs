@@ -1,28 +1,30 @@
-//! What sensors' messages say to the driver.
+//! Converts sensor messages to the driver's measurements.
 
-use surepose::{Body, HeadingMeasurement, Measurement, Pose, Stamped};
-use surepose_data::config::CompassParameters;
+use surepose::estimation::{HeadingMeasurement, Measurement};
+use surepose::geometry::{Body, Pose};
+use surepose::time::Stamped;
+use surepose_config::CompassParameters;
 
 use crate::convert::{MessageError, heading_of, pose_of, stamp_of};
+use crate::driver::{self, Odom, SensorMessage};
 use crate::extrinsics::LaserExtrinsics;
 use crate::message::{Imu, LaserScan, Odometry};
-use crate::pilot::{self, Odom, SensorMessage};
 
-/// No laser sees farther \[m].
-const FARTHEST: f64 = 200.0;
+/// Longest range of a laser \[m].
+const MAX_RANGE: f64 = 200.0;
 
-/// Where odometry says that the robot is.
+/// Pose of an odometry message.
 ///
 /// # Errors
-/// [`MessageError`], where that is no pose.
+/// [`MessageError`] for an invalid pose.
 pub(crate) fn odometry(message: &Odometry) -> Result<Stamped<Pose<Odom, Body, f64>>, MessageError> {
     Ok(Stamped::new(stamp_of(message.header.stamp), pose_of(&message.pose.pose)?))
 }
 
-/// What a laser that sits so saw; what its ranges are worth is judged beam by beam.
+/// Scan of a laser with these extrinsics; ranges are validated per beam.
 ///
 /// # Errors
-/// [`MessageError::NotFinite`] for bearings that are none.
+/// [`MessageError::NotFinite`] for invalid beam angles.
 pub(crate) fn scan(
     message: LaserScan,
     laser_extrinsics: LaserExtrinsics,
@@ -34,23 +36,23 @@ pub(crate) fn scan(
     if !angle_min.is_finite() || !angle_increment.is_finite() {
         return Err(MessageError::NotFinite);
     }
-    // A driver that says nothing of its reach says zero, infinite or NaN.
+    // Drivers without a range limit report 0, infinity or NaN.
     let known = |reach: f32| Some(f64::from(reach)).filter(|reach| *reach > 0.0);
-    let scan = pilot::LaserScan {
+    let scan = driver::LaserScan {
         angle_min,
         angle_increment,
-        range_min: known(message.range_min).unwrap_or(0.0).min(FARTHEST),
-        range_max: known(message.range_max).unwrap_or(FARTHEST).min(FARTHEST),
+        range_min: known(message.range_min).unwrap_or(0.0).min(MAX_RANGE),
+        range_max: known(message.range_max).unwrap_or(MAX_RANGE).min(MAX_RANGE),
         body_from_laser,
         ranges: message.ranges.into_iter().map(f64::from).collect(),
     };
     Ok(Stamped::new(stamp_of(message.header.stamp), SensorMessage::Scan(scan)))
 }
 
-/// Where a compass says that the robot faces, with the variance that it states, or else with that of `laser_extrinsics`.
+/// Heading of a compass with its stated variance, or else with the configured one.
 ///
 /// # Errors
-/// [`MessageError`], where it measures no orientation, or says none.
+/// [`MessageError`] for a missing or invalid orientation.
 pub(crate) fn heading(
     message: &Imu,
     laser_extrinsics: &CompassParameters,

@@ -1,10 +1,10 @@
-//! Node and simulated robot over DDS, on this machine's loopback, as a client of the action and the topics sees them.
+//! Tests node and simulated robot over DDS on the loopback interface, as a client of the action and the topics.
 
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
-    reason = "a test stops where its footing is gone"
+    reason = "tests panic on failed preconditions"
 )]
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,8 +19,8 @@ use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
 use ros2_client::{
     ActionTypeName, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, Subscription,
 };
-use surepose::{Angle, Goal, Map, Pose, param};
-use surepose_lab::robot::Scenario;
+use surepose::geometry::{Angle, Goal, Map, Pose};
+use surepose::param;
 use surepose_ros2::convert::{header, pose_message, pose_of};
 use surepose_ros2::message::{
     NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped, TwistStamped,
@@ -29,6 +29,7 @@ use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
 use surepose_ros2::robot::{self, RobotSettings};
 use surepose_ros2::{Names, NodeDriverSettings};
+use surepose_sim::robot::Scenario;
 
 type Client = ActionClient<NavigateToPoseGoal, NavigateToPoseResult, NavigateToPoseFeedback>;
 
@@ -38,7 +39,7 @@ fn stops() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// A domain that another run of this test, at the same time, hardly has.
+/// Domain that a concurrent run of this test is unlikely to use.
 fn network() -> Network {
     Network { domain: 60 + (std::process::id() % 40) as u16, local: true }
 }
@@ -52,7 +53,7 @@ fn reliable() -> QosProfile {
     }
 }
 
-/// A robot whose laser sits where nobody but its `/tf_static` says.
+/// Robot whose laser pose is known only from its `/tf_static`.
 fn settings() -> (RobotSettings, NodeSettings) {
     let driver = NodeDriverSettings::in_scenario(&Scenario::default());
     let laser_extrinsics = [(&param::LASER_X, 0.15), (&param::LASER_Y, -0.05), (&param::LASER_HEADING, 30.0)];
@@ -70,7 +71,7 @@ fn settings() -> (RobotSettings, NodeSettings) {
     (RobotSettings { scenario, seed: 3, names, stamped, map_frame, network }, node)
 }
 
-fn hear<M: 'static>(node: &mut Node, name: &str, kind: &str) -> Subscription<M> {
+fn subscribe<M: 'static>(node: &mut Node, name: &str, kind: &str) -> Subscription<M> {
     let name = Name::new("/robot1", name).unwrap();
     let topic = node.create_topic(&name, MessageTypeName::new("geometry_msgs", kind), &reliable()).unwrap();
     node.create_subscription(&topic, Some(reliable())).unwrap()
@@ -78,11 +79,12 @@ fn hear<M: 'static>(node: &mut Node, name: &str, kind: &str) -> Subscription<M> 
 
 fn request(x: f64, y: f64, degrees: f64, frame: &str) -> NavigateToPoseGoal {
     let goal: Pose<Map, Goal, f64> = Pose::new(x, y, Angle::from_degrees(degrees));
-    let pose = PoseStamped { header: header(surepose::Stamp::default(), frame), pose: pose_message(goal) };
+    let pose =
+        PoseStamped { header: header(surepose::time::Stamp::default(), frame), pose: pose_message(goal) };
     NavigateToPoseGoal { pose, behavior_tree: String::new() }
 }
 
-/// What comes of it, if it comes soon enough.
+/// Output of `future`; `None` after `seconds`.
 async fn within<T>(seconds: u64, future: impl Future<Output = T>) -> Option<T> {
     pin_mut!(future);
     match select(future, smol::Timer::after(Duration::from_secs(seconds))).await {
@@ -91,7 +93,7 @@ async fn within<T>(seconds: u64, future: impl Future<Output = T>) -> Option<T> {
     }
 }
 
-/// Asks for a goal until the server answers: a request in the first moments of a connection can be lost.
+/// Requests a goal until the server answers: requests during discovery can be lost.
 async fn ask(client: &Client, goal: NavigateToPoseGoal) -> (ros2_client::action::GoalId, bool) {
     for _ in 0..20 {
         if let Some(Ok((id, answer))) = within(2, client.async_send_goal(goal.clone())).await {
@@ -102,7 +104,7 @@ async fn ask(client: &Client, goal: NavigateToPoseGoal) -> (ros2_client::action:
 }
 
 #[test]
-fn a_client_of_the_action_parks_the_simulated_robot() {
+fn action_client_parks_the_simulated_robot() {
     let (robot, node) = settings();
     let robot = thread::spawn(move || robot::run(&robot, stops).unwrap());
     let node = thread::spawn(move || {
@@ -128,17 +130,17 @@ fn a_client_of_the_action_parks_the_simulated_robot() {
             },
         )
         .unwrap();
-    let truth = hear::<PoseStamped>(&mut tester, "truth", "PoseStamped");
-    let commands = hear::<TwistStamped>(&mut tester, "cmd_vel", "TwistStamped");
+    let truth = subscribe::<PoseStamped>(&mut tester, "truth", "PoseStamped");
+    let commands = subscribe::<TwistStamped>(&mut tester, "cmd_vel", "TwistStamped");
     let spinner = tester.spinner().unwrap();
     let spinning = smol::spawn(async move { spinner.spin().await });
 
     smol::block_on(async {
-        // What cannot be driven to is rejected.
+        // Unreachable goals are rejected.
         assert!(!ask(&client, request(2.0, 2.0, 30.0, "odom")).await.1, "a goal in another frame");
         assert!(!ask(&client, request(50.0, 0.0, 0.0, "map")).await.1, "a goal outside the walls");
 
-        // A goal that is called off ends so, and the wheels rest.
+        // A canceled goal ends as canceled, and the wheels stop.
         let (id, accepted) = ask(&client, request(2.0, 2.0, 30.0, "map")).await;
         assert!(accepted);
         smol::Timer::after(Duration::from_secs(2)).await;
@@ -149,7 +151,7 @@ fn a_client_of_the_action_parks_the_simulated_robot() {
         let (status, _) = within(10, client.async_request_result(id)).await.unwrap().unwrap();
         assert_eq!(status, GoalStatusEnum::Canceled);
 
-        // Another one is reached, with feedback on the way.
+        // The next goal is reached, with feedback.
         let (id, accepted) = ask(&client, request(2.0, 2.0, 60.0, "map")).await;
         assert!(accepted);
         let feedback = client.feedback_stream(id);
@@ -165,7 +167,7 @@ fn a_client_of_the_action_parks_the_simulated_robot() {
         last_truth = Some(pose);
     }
     let parked: Pose<Map, Goal, f64> =
-        pose_of(&last_truth.expect("the robot says where it is").pose).unwrap();
+        pose_of(&last_truth.expect("the robot publishes its true pose").pose).unwrap();
     let goal: Pose<Map, Goal, f64> = Pose::new(2.0, 2.0, Angle::from_degrees(60.0));
     assert!(parked.origin().distance(goal.origin()) < 0.01, "{parked:?}");
     assert!((parked.heading - goal.heading).degrees().abs() < 1.0, "{parked:?}");
@@ -173,7 +175,7 @@ fn a_client_of_the_action_parks_the_simulated_robot() {
     while let Ok(Some((command, _))) = commands.take() {
         last_command = Some(command.twist);
     }
-    let twist = last_command.expect("the node commands");
+    let twist = last_command.expect("the node publishes commands");
     assert_eq!((twist.linear.x, twist.angular.z), (0.0, 0.0), "the last command is to rest");
 
     STOP.store(true, Ordering::Relaxed);

@@ -1,15 +1,16 @@
-//! One piece of work, many times: for counting instructions under callgrind, see `cargo xtask instructions`.
+//! Repeats one operation for instruction counts under callgrind; see `cargo xtask instructions`.
 //!
-//! `instructions NAME COUNT` does the work NAME (`extract181`, `extract361`, `match181`) COUNT times, on 600 scans from all
-//! round the loop world.
+//! `instructions NAME COUNT` runs operation NAME (`extract181`, `extract361`, `match181`) COUNT times. The
+//! inputs are 600 scans along the course of the loop world.
 
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use surepose::{
-    Angle, Belief, DiffDrive, Ekf, ExtractedLine, Integration, LineAssociator, LineExtractor, Pose,
-    RangeFinder, Scan, Wall,
-};
+use surepose::estimation::{Belief, Ekf};
+use surepose::geometry::{Angle, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
+use surepose::lidar::{ExtractedLine, LineAssociator, LineExtractor, RangeFinder, Scan};
+use surepose::map::Wall;
 use surepose_sim::{Arena, LaserModel, Seed, loop_course};
 
 fn main() -> ExitCode {
@@ -88,11 +89,8 @@ impl Bench {
 
 impl Moment {
     fn scan(&self) -> Scan<'_, f64> {
-        Scan {
-            angle_min: Angle::from_radians(self.scan.angle_min),
-            angle_increment: self.scan.angle_increment,
-            ranges: black_box(&self.scan.ranges),
-        }
+        let angle_min = Angle::from_radians(self.scan.angle_min);
+        Scan::new(angle_min, self.scan.angle_increment, black_box(&self.scan.ranges))
     }
 
     fn lines(&self, bench: &Bench, extractor: &mut LineExtractor<f64, 361>) -> Vec<ExtractedLine<f64>> {

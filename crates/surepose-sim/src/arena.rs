@@ -1,23 +1,24 @@
-//! Where the robot drives: flat walls and plates, as segments of the map.
+//! Arenas: flat walls and plates as segments in the map frame.
 
-use surepose::{Angle, InvalidPath, Map, Path, Point, Pose};
+use surepose::control::{InvalidPath, Path};
+use surepose::geometry::{Angle, Map, Point, Pose};
 
-/// A flat piece of wall, seen from both sides.
+/// A flat wall segment, visible from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallSegment {
-    /// One end \[m].
+    /// First end point \[m].
     pub start: Point<Map, f64>,
-    /// The other end \[m].
+    /// Second end point \[m].
     pub end: Point<Map, f64>,
 }
 
 impl WallSegment {
-    /// The segment between two points, each (x, y) \[m].
+    /// Creates the segment between two points (x, y) \[m].
     pub fn between(start: (f64, f64), end: (f64, f64)) -> Self {
         Self { start: Point::new(start.0, start.1), end: Point::new(end.0, end.1) }
     }
 
-    /// Distance from `point` to the nearest point of the segment \[m].
+    /// Distance from `point` to the segment \[m].
     pub fn distance_to(&self, point: Point<Map, f64>) -> f64 {
         let (ex, ey) = (self.end.x - self.start.x, self.end.y - self.start.y);
         let (px, py) = (point.x - self.start.x, point.y - self.start.y);
@@ -26,9 +27,10 @@ impl WallSegment {
         (px - part * ex).hypot(py - part * ey)
     }
 
-    /// Whether the straight way `from` here `to` there meets the segment; touching it is meeting it.
+    /// Whether the straight path between the points meets the segment; touching counts.
     ///
-    /// A way along the segment's own line is not seen to: its ends are near the segment, which its distance tells.
+    /// A path along the line of the segment is not detected. The distance of its end points detects such a
+    /// contact.
     pub fn is_crossed_by(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> bool {
         let side = |a: Point<Map, f64>, b: Point<Map, f64>, p: Point<Map, f64>| {
             (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
@@ -40,7 +42,7 @@ impl WallSegment {
     }
 }
 
-/// A place with walls.
+/// An environment with walls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arena {
     name: &'static str,
@@ -50,11 +52,11 @@ pub struct Arena {
 }
 
 impl Arena {
-    /// The paper's arena: a rectangle of flat wall around wooden plates, [Tran2012] Sec. 5.2.
+    /// The paper's arena: a rectangle of flat walls around wooden plates, [Tran2012] Sec. 5.2.
     ///
     /// # Departure
-    /// The paper gives no measures. Here the walls are (−2, −2)–(4.5, 4.5), so that its start (0, 0, 0) and its goal
-    /// (2, 2) are at least 2 m from them, and four plates stand beside the way.
+    /// The paper gives no dimensions. Here the walls are (−2, −2)–(4.5, 4.5), so the paper's start (0, 0, 0)
+    /// and goal (2, 2) are at least 2 m away from them. Four plates stand beside the path.
     pub fn paper() -> Self {
         let plates = [
             WallSegment::between((-1.0, 0.8), (-1.0, 2.0)),
@@ -65,24 +67,24 @@ impl Arena {
         Self::rectangle("paper", (-2.0, -2.0), (4.5, 4.5), &plates)
     }
 
-    /// The paper's arena with its plates taken out.
+    /// The paper's arena without plates.
     pub fn open() -> Self {
         Self::rectangle("open", (-2.0, -2.0), (4.5, 4.5), &[])
     }
 
-    /// The loop world, in which localisation is judged: the rectangle (0, 0)–(6, 4) and two plates.
+    /// Reference environment for localization: the rectangle (0, 0)–(6, 4) with two plates.
     pub fn loop_world() -> Self {
         let plates =
             [WallSegment::between((2.5, 2.0), (3.5, 2.0)), WallSegment::between((5.2, 0.6), (5.2, 1.6))];
         Self::rectangle("loop", (0.0, 0.0), (6.0, 4.0), &plates)
     }
 
-    /// The arenas by name.
+    /// Looks up an arena by name. `None`: unknown name.
     pub fn named(name: &str) -> Option<Self> {
         [Self::paper(), Self::open(), Self::loop_world()].into_iter().find(|arena| arena.name == name)
     }
 
-    /// A rectangle of walls between two opposite corners, with `plates` in it.
+    /// Creates a rectangle of walls between two opposite corners, with `plates` inside.
     pub fn rectangle(name: &'static str, low: (f64, f64), high: (f64, f64), plates: &[WallSegment]) -> Self {
         let (a, b, c, d) = (low, (high.0, low.1), high, (low.0, high.1));
         let mut walls = vec![
@@ -95,7 +97,7 @@ impl Arena {
         Self { name, corners: [low, high], walls }
     }
 
-    /// The place with these `walls` and no others, up to the rectangle round them all.
+    /// Creates an arena from `walls`; its extent is their bounding rectangle.
     pub fn from_walls(name: &'static str, walls: Vec<WallSegment>) -> Self {
         let ends = || walls.iter().flat_map(|wall| [wall.start, wall.end]);
         let low =
@@ -105,62 +107,64 @@ impl Arena {
         Self { name, corners: [low, high], walls }
     }
 
-    /// What it is called.
+    /// Name of the arena.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Every wall and plate.
+    /// All walls and plates.
     pub fn walls(&self) -> &[WallSegment] {
         &self.walls
     }
 
-    /// The corners of the surrounding rectangle, lowest and highest (x, y) \[m].
+    /// Corners of the bounding rectangle, lowest and highest (x, y) \[m].
     pub fn corners(&self) -> [(f64, f64); 2] {
         self.corners
     }
 
-    /// Distance from `point` to the nearest wall \[m], negative outside the surrounding rectangle.
+    /// Distance from `point` to the nearest wall \[m]; negative outside of the bounding rectangle.
     ///
-    /// Both sides of a plate are inside: that a way went through one, only [`first_wall_crossed`](Self::first_wall_crossed) tells.
+    /// Both sides of a plate count as inside. [`first_wall_crossed`](Self::first_wall_crossed) detects a path
+    /// through a plate.
     pub fn clearance(&self, point: Point<Map, f64>) -> f64 {
         let nearest = self.nearest_wall(point).map_or(f64::INFINITY, |wall| wall.distance_to(point));
         let [low, high] = self.corners;
         let inside = point.x > low.0 && point.x < high.0 && point.y > low.1 && point.y < high.1;
-        // On a wall there is no distance, and it has no sign.
+        // Subtraction from 0 avoids a negative zero on a wall.
         if inside { nearest } else { 0.0 - nearest }
     }
 
-    /// The wall or plate nearest to `point`, where there are any.
+    /// Wall or plate nearest to `point`. `None`: no walls.
     pub fn nearest_wall(&self, point: Point<Map, f64>) -> Option<&WallSegment> {
         let distance = |wall: &&WallSegment| wall.distance_to(point);
         self.walls.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// A wall or plate that the straight way `from` here `to` there meets.
+    /// First wall or plate, in list order, that the straight path meets. `None`: no contact.
     pub fn first_wall_crossed(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> Option<&WallSegment> {
         self.walls.iter().find(|wall| wall.is_crossed_by(from, to))
     }
 }
 
-/// The speed at which the loop world's course is run \[m/s].
+/// Speed on the course of the loop world \[m/s].
 pub const LOOP_SPEED: f64 = 0.3;
 
-/// The course of the loop world: a 3 × 2 m rectangle with corners of 0.5 m, centred on (3, 2), from (2, 1, 0°).
+/// Course of the loop world: 3 m × 2 m rectangle, corner radius 0.5 m, center (3, 2), start (2, 1, 0°).
 ///
 /// # Errors
-/// Never: its measures are constants that make a path.
+/// Never: its dimensions are constants of a valid path.
 pub fn loop_course() -> Result<Path<f64, 8>, InvalidPath> {
     Path::rounded_rectangle(Pose::new(2.0, 1.0, Angle::zero()), 3.0, 2.0, 0.5)
 }
 
 #[cfg(test)]
 mod tests {
+    use surepose::geometry::Point;
+
     use super::{Arena, WallSegment, loop_course};
-    use surepose::Point;
 
     #[test]
-    fn clearance_is_the_distance_to_the_nearest_wall_and_negative_outside() {
+    fn clearance_is_the_signed_distance_to_the_nearest_wall() {
         let arena = Arena::loop_world();
         for (x, y, clearance) in
             [(3.0, 1.0, 1.0), (3.0, 1.75, 0.25), (5.0, 1.0, 0.2), (2.2, 2.4, 0.5), (-1.0, 2.0, -1.0)]
@@ -172,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn ways_through_walls_and_plates_meet_them_and_others_do_not() {
+    fn first_wall_crossed_detects_contacts_only() {
         let arena = Arena::loop_world();
         let met = |from: (f64, f64), to: (f64, f64)| {
             arena.first_wall_crossed(Point::new(from.0, from.1), Point::new(to.0, to.1)).copied()
@@ -180,15 +184,15 @@ mod tests {
         let plate = Some(WallSegment::between((5.2, 0.6), (5.2, 1.6)));
         assert_eq!(met((5.0, 1.0), (5.4, 1.1)), plate);
         assert_eq!(met((5.4, 1.1), (5.0, 1.0)), plate);
-        assert_eq!(met((5.0, 1.0), (5.2, 1.0)), plate, "a way that ends in a plate");
-        assert_eq!(met((5.0, 1.6), (5.4, 1.6)), plate, "a way over the end of a plate");
+        assert_eq!(met((5.0, 1.0), (5.2, 1.0)), plate, "a path that ends on a plate");
+        assert_eq!(met((5.0, 1.6), (5.4, 1.6)), plate, "a path through the end point of a plate");
         assert_eq!(met((5.0, 1.7), (5.4, 1.7)), None, "past the end of a plate");
-        assert_eq!(met((4.0, 1.0), (5.19, 1.0)), None, "a way that ends before a plate");
+        assert_eq!(met((4.0, 1.0), (5.19, 1.0)), None, "a path that ends before a plate");
         assert_eq!(met((5.5, 1.0), (6.1, 1.0)), Some(WallSegment::between((6.0, 0.0), (6.0, 4.0))));
     }
 
     #[test]
-    fn course_of_the_loop_world_keeps_clear_of_its_walls() {
+    fn loop_course_keeps_clear_of_the_walls() {
         let (arena, course) = (Arena::loop_world(), loop_course().unwrap());
         for k in 0..1000 {
             let place = course.at(f64::from(k) * 0.01).map_from_target;
@@ -197,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn every_arena_is_found_by_its_name() {
+    fn arenas_are_found_by_name() {
         for name in ["paper", "open", "loop"] {
             assert_eq!(Arena::named(name).map(|arena| arena.name()), Some(name));
         }

@@ -1,66 +1,67 @@
-//! What goes wrong, and when: for tests of what the estimator and the law make of it.
+//! Fault injection for tests of the estimator and the control law.
 
 use core::ops::Range;
 
-use surepose::Stamp;
+use surepose::time::Stamp;
 
 /// A sensor of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Sensor {
-    /// The wheels' encoders.
+    /// Wheel encoders.
     Encoders,
-    /// The compass.
+    /// Compass.
     Compass,
-    /// The laser range finder.
+    /// Laser range finder.
     Laser,
 }
 
-/// What goes wrong.
+/// Type of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
-    /// The sensor says nothing; encoders count nothing.
+    /// The sensor publishes nothing; encoders report zero travel.
     Dropout(Sensor),
-    /// Every value of the sensor is NaN.
+    /// All values of the sensor are NaN.
     NotANumber(Sensor),
-    /// Every value is off by this much: rims by a factor, the compass in rad, the laser's ranges in m.
+    /// Offset of all values: a relative travel error of the encoders, the compass in rad, the laser ranges in
+    /// m.
     Offset(Sensor, f64),
-    /// Messages carry a stamp this much too early \[s].
+    /// Stamps are too early by this time \[s].
     StampOffset(Sensor, f64),
-    /// The robot is lifted, once, and put down this much farther (x \[m], y \[m]) and turned \[rad].
+    /// Kidnapped robot: one displacement by (x \[m], y \[m], heading \[rad]).
     Displaced([f64; 3]),
 }
 
-/// Something that goes wrong for a while.
+/// A fault in a time interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// When it does; a push happens at the start.
+    /// Time interval; a displacement happens at its start.
     pub during: Range<Stamp>,
-    /// What it is.
+    /// Type of the fault.
     pub kind: FaultKind,
 }
 
 impl Fault {
-    /// `kind`, from `start` to `end` \[s].
+    /// Creates a fault from `start` to `end` \[s].
     pub fn between(start: f64, end: f64, kind: FaultKind) -> Self {
         Self { during: Stamp::from_seconds(start)..Stamp::from_seconds(end), kind }
     }
 
-    /// `kind`, once, at `time` \[s].
+    /// Creates a fault at one instant \[s].
     pub fn at(time: f64, kind: FaultKind) -> Self {
         Self::between(time, time, kind)
     }
 }
 
-/// What the faults of a moment make of one sensor's values.
+/// Combined effect of the active faults on one sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Disturbance {
     pub(crate) dropout: bool,
-    /// Added to values; NaN where they are broken.
+    /// Added to values; NaN under [`FaultKind::NotANumber`].
     pub(crate) offset: f64,
     pub(crate) stamp_offset: f64,
 }
 
-/// What `faults` do to `sensor` at `now`.
+/// Combines the effects of `faults` on `sensor` at time `now`.
 pub(crate) fn disturbance(faults: &[Fault], sensor: Sensor, now: Stamp) -> Disturbance {
     let mut result = Disturbance::default();
     for fault in faults.iter().filter(|fault| fault.during.contains(&now)) {

@@ -1,59 +1,59 @@
-//! The laser range finder: rays against wall segments, with the noise of [Tran2012] Sec. 5.2.
+//! Laser range finder: ray casting against wall segments, with the noise of [Tran2012] Sec. 5.2.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use surepose::{Angle, Body, Laser, Map, Pose};
+use surepose::geometry::{Angle, Body, Laser, Map, Pose};
 
 use crate::arena::WallSegment;
 use crate::random::Stream;
 
-/// How a laser range finder sees.
+/// Parameters of a laser range finder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaserModel {
-    /// Where it is mounted.
+    /// Extrinsics: pose of the laser in the body frame.
     pub body_from_laser: Pose<Body, Laser, f64>,
-    /// Direction of the first beam from the laser's x axis \[rad].
+    /// Angle of the first beam in the laser frame \[rad].
     pub angle_min: f64,
-    /// From one beam to the next \[rad].
+    /// Angle between successive beams \[rad]; negative for clockwise scans.
     pub angle_increment: f64,
     /// Number of beams.
     pub beams: usize,
     /// Standard deviation of a range \[m].
     pub range_std: f64,
-    /// Standard deviation of the direction a beam really takes \[rad].
+    /// Standard deviation of the beam direction \[rad].
     pub bearing_std: f64,
-    /// What is farther away gives no return \[m].
+    /// Range beyond which there is no return \[m].
     pub max_range: f64,
-    /// Things in the way that are on no map.
+    /// Obstacles that are on no map.
     pub clutter: Clutter,
-    /// Probability that a beam does not come back.
+    /// Probability that a beam has no return.
     pub lost: f64,
 }
 
-/// Things that are on no map, people for instance: each hides a few neighbouring beams.
+/// Obstacles that are on no map, such as people; each hides several adjacent beams.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clutter {
-    /// Part of the beams that is hidden, in [0, 1).
+    /// Fraction of hidden beams, in [0, 1).
     pub fraction: f64,
-    /// Mean number of neighbouring beams that one thing hides, at least 1.
+    /// Mean number of adjacent beams hidden by one obstacle, at least 1.
     pub width: f64,
 }
 
-/// What one turn of the mirror saw.
+/// One laser scan.
 ///
-/// A beam without return reads +∞; no reading is ever NaN unless a fault makes it so.
+/// The range of a beam without return is +∞. NaN occurs only as the result of a fault.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimulatedScan {
-    /// Direction of the first beam from the laser's x axis \[rad].
+    /// Angle of the first beam in the laser frame \[rad].
     pub angle_min: f64,
-    /// From one beam to the next \[rad].
+    /// Angle between successive beams \[rad].
     pub angle_increment: f64,
-    /// Range of every beam \[m].
+    /// Ranges of all beams \[m].
     pub ranges: Vec<f64>,
 }
 
 impl LaserModel {
-    /// The paper's laser with this many beams over 180°, at the robot's centre, facing forward.
+    /// The paper's laser with `beams` beams over 180°, at the body origin, facing forward.
     pub fn half_circle(beams: usize) -> Self {
         Self {
             body_from_laser: Pose::identity(),
@@ -68,7 +68,7 @@ impl LaserModel {
         }
     }
 
-    /// A scan of `walls` from where the robot is.
+    /// Simulates a scan of `walls` from the true pose.
     pub fn scan(
         &self,
         walls: &[WallSegment],
@@ -94,12 +94,13 @@ impl LaserModel {
 }
 
 impl Clutter {
-    /// Puts things between 20 % and 90 % of the way to the walls.
+    /// Hides beams at 20 % to 90 % of the distance to the wall.
     fn hide(&self, ranges: &mut [f64], noise: &mut Stream) {
         if self.fraction <= 0.0 {
             return;
         }
-        // A chain of two states, free and hidden, whose hidden runs have the mean length and the share asked for.
+        // Markov chain with the states free and hidden; the parameters give the mean run length and the
+        // fraction.
         let leave = 1.0 / self.width.max(1.0);
         let fraction = self.fraction.min(0.99);
         let enter = leave * fraction / (1.0 - fraction);
@@ -118,7 +119,7 @@ impl Clutter {
     }
 }
 
-/// Rays from one point, and how far each gets.
+/// Rays from one origin and their ranges \[m].
 struct Rays {
     origin: (f64, f64),
     cos: Vec<f64>,
@@ -143,9 +144,9 @@ impl Rays {
         Self { origin, cos, sin, ranges: vec![f64::INFINITY; beams] }
     }
 
-    /// Shortens the rays that meet `wall`.
+    /// Shortens the rays that intersect `wall`.
     ///
-    /// The rays are the inner loop, without a branch, so that the compiler can make vector code of it.
+    /// The inner loop runs over the rays without branches, so the compiler can vectorize it.
     #[allow(
         clippy::needless_bitwise_bool,
         clippy::manual_range_contains,
@@ -154,14 +155,14 @@ impl Rays {
     fn meet(&mut self, wall: &WallSegment) {
         let (ax, ay) = (wall.start.x - self.origin.0, wall.start.y - self.origin.1);
         let (ex, ey) = (wall.end.x - wall.start.x, wall.end.y - wall.start.y);
-        // The ray t·d meets the wall a + u·e where t = (a × e)/(d × e) and u = (a × d)/(d × e).
+        // Intersection of ray t·d and wall a + u·e: t = (a × e)/(d × e), u = (a × d)/(d × e).
         let area = ax * ey - ay * ex;
         let directions = self.cos.iter().zip(&self.sin);
         for (range, (cos, sin)) in self.ranges.iter_mut().zip(directions) {
             let per_cross = 1.0 / (cos * ey - sin * ex);
             let t = area * per_cross;
             let u = (ax * sin - ay * cos) * per_cross;
-            // A ray along the wall divides by 0: its NaN or ∞ compares false.
+            // A ray parallel to the wall gives NaN or ∞, which compares false.
             let meets = (t > 0.0) & (u >= 0.0) & (u <= 1.0) & (t < *range);
             *range = if meets { t } else { *range };
         }

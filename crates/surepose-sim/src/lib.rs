@@ -1,19 +1,25 @@
-//! The simulated world: arenas, motors, encoders, compass, laser; owns the clock and the seeds.
+//! Simulator: arenas, motors, encoders, compass, and laser, with a simulated clock and seeded noise.
 //!
-//! Everything random is drawn from a [`Seed`], each source from its own named stream: the same seed gives the same
-//! bits, and a sensor that is added or left out changes nothing about the others.
+//! All random numbers derive from a [`Seed`]; each noise source has its own named stream. The same seed gives
+//! the same bits. Adding or removing a sensor does not change the noise of the others.
 
 mod arena;
+mod cancel;
 mod compass;
+mod errors;
 mod fault;
 mod laser;
 mod motor;
 mod random;
+pub mod robot;
+pub mod simulation;
 mod slip;
 mod world;
 
 pub use arena::{Arena, LOOP_SPEED, WallSegment, loop_course};
+pub use cancel::CancelToken;
 pub use compass::CompassModel;
+pub use errors::{ErrorAccumulator, ErrorSummary};
 pub use fault::{Fault, FaultKind, Sensor};
 pub use laser::{Clutter, LaserModel, SimulatedScan};
 pub use motor::MotorModel;

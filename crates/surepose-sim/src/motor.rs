@@ -1,37 +1,37 @@
-//! A drive wheel: its motor with lag, friction and ripple, its encoder, and the PID that holds its speed.
+//! Drive wheel: motor with lag, friction, and ripple; encoder; PID speed controller.
 
 use core::f64::consts::TAU;
 
-use surepose::{Pid, PidState};
+use surepose::control::{Pid, PidState};
 
 use crate::random::Stream;
 
-/// How a motor turns its wheel.
+/// Parameters of a motor with its encoder and controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorModel {
-    /// Turn rate of the unloaded wheel at full supply \[rad/s].
+    /// Wheel rate without load at full supply \[rad/s].
     pub full_rate: f64,
     /// Time constant of the first-order lag \[s].
     pub lag: f64,
-    /// Turn rate that dry friction costs \[rad/s]; below it a standing wheel does not break away.
+    /// Wheel rate lost to dry friction \[rad/s]; a stopped wheel starts only above it.
     pub friction: f64,
-    /// Standard deviation of the slow change of the motor's gain: supply, temperature, load.
+    /// Standard deviation of the relative gain drift, from supply, temperature, and load.
     pub gain_std: f64,
-    /// Correlation time of that change \[s].
+    /// Correlation time of the gain drift \[s].
     pub gain_time: f64,
-    /// Amplitude of the gain's change over one turn of the wheel: gears, brushes.
+    /// Amplitude of the relative gain ripple over one turn of the wheel, from gears and brushes.
     pub cogging: f64,
-    /// Encoder ticks per turn of the wheel.
+    /// Encoder ticks per wheel turn.
     pub ticks_per_turn: f64,
-    /// The speed controller's gains.
+    /// Gains of the speed controller.
     pub pid: Pid<f64>,
 }
 
 impl Default for MotorModel {
-    /// A geared motor whose speed wanders by a tenth by itself and that the PID keeps within the paper's ±5 %.
+    /// A geared motor with an open-loop speed error of 10 %, which the PID reduces to the paper's ±5 %.
     ///
     /// # Departure
-    /// [Tran2012] Sec. 5.2 gives the ±5 % only; lag, friction and ripple are those of ordinary geared motors.
+    /// [Tran2012] Sec. 5.2 gives only the ±5 %; lag, friction, and ripple are typical of geared motors.
     fn default() -> Self {
         Self {
             full_rate: 10.0,
@@ -53,10 +53,11 @@ impl Default for MotorModel {
 }
 
 impl MotorModel {
-    /// The default motor, geared for a robot whose wheels turn at `max_speed` \[rad/s] at the most, as the default one is for 6.
+    /// Creates the default motor, geared for wheel rates up to `max_speed` \[rad/s]; the default is geared
+    /// for 6.
     ///
-    /// At its fastest it keeps within ±5 %. Slower, cogging may come too fast for the controller of a motor that is geared for
-    /// much more than the default one: at 12 rad/s of 60 it strays by 6 %.
+    /// At `max_speed` the speed error stays within ±5 %. At lower rates, cogging can be too fast for the
+    /// controller of a motor geared much higher than the default: at 12 rad/s of 60 the error is 6 %.
     #[must_use]
     pub fn for_max_speed(max_speed: f64) -> Self {
         let Self { full_rate, friction, pid, .. } = Self::default();
@@ -72,7 +73,7 @@ impl MotorModel {
     }
 }
 
-/// One wheel as it is now.
+/// State of one wheel.
 #[derive(Clone, Debug)]
 pub(crate) struct Wheel {
     rate: f64,
@@ -93,12 +94,12 @@ impl Wheel {
         self.rate
     }
 
-    /// What the encoder has counted \[rad].
+    /// Encoder angle \[rad].
     pub(crate) fn counted(&self, model: &MotorModel) -> f64 {
         (self.angle * (model.ticks_per_turn / TAU)).floor() * (TAU / model.ticks_per_turn)
     }
 
-    /// Controls the wheel towards the turn rate `desired` for `period` \[s]; returns how far it truly turned \[rad].
+    /// Controls the wheel to the rate `desired` \[rad/s] for `period` \[s]; returns the true turn \[rad].
     pub(crate) fn turn(&mut self, model: &MotorModel, desired: f64, period: f64) -> f64 {
         let counted = self.counted(model);
         let measured = (counted - self.counted_before) / period;
@@ -114,9 +115,10 @@ impl Wheel {
         turned
     }
 
-    /// Lets the rate follow `drive`, where it would settle without friction; returns the angle turned.
+    /// Integrates the rate toward `drive`, its steady state without friction \[rad/s]; returns the turn
+    /// \[rad].
     fn coast(&mut self, model: &MotorModel, drive: f64, period: f64) -> f64 {
-        // Friction works against the motion, or holds a standing wheel.
+        // Friction opposes the motion or holds a stopped wheel.
         let direction = if self.rate == 0.0 { drive } else { self.rate };
         if self.rate == 0.0 && drive.abs() <= model.friction {
             return 0.0;
@@ -126,7 +128,7 @@ impl Wheel {
         let after = settled + (self.rate - settled) * part;
         let turned = settled * period + (self.rate - settled) * model.lag * (1.0 - part);
         if after * direction < 0.0 && drive.abs() <= model.friction {
-            // It comes to rest on the way: how far it still turns is where the rate passes 0.
+            // The wheel stops within the period: the turn ends where the rate crosses 0.
             let moving = model.lag * ((self.rate - settled) / -settled).ln();
             let turned = settled * moving + self.rate * model.lag;
             self.rate = 0.0;
@@ -139,13 +141,15 @@ impl Wheel {
 
 #[cfg(test)]
 mod tests {
-    use super::{MotorModel, Wheel};
+    use surepose::control::Pid;
+
     use crate::random::Seed;
-    use surepose::Pid;
+
+    use super::{MotorModel, Wheel};
 
     const PERIOD: f64 = 0.01;
 
-    /// The largest relative deviation of the speed from `desired`, measured over 50 ms after 1 s of settling.
+    /// Largest relative speed deviation from `desired`, over windows of 50 ms after 1 s of settling.
     fn ripple(model: &MotorModel, desired: f64) -> f64 {
         let mut wheel = Wheel::at_rest(Seed(4).stream("right wheel"));
         let mut worst = 0.0_f64;
@@ -158,7 +162,7 @@ mod tests {
         worst
     }
 
-    /// [Tran2012] Sec. 5.2: ±5 %, at its speeds of 0.3 m/s and 0.05 m/s on a wheel of 5 cm radius.
+    /// [Tran2012] Sec. 5.2: ±5 % at 0.3 m/s and 0.05 m/s with a wheel radius of 5 cm.
     #[test]
     fn pid_keeps_the_speed_within_five_percent_and_open_loop_does_not() {
         let model = MotorModel::default();
@@ -172,17 +176,17 @@ mod tests {
     }
 
     #[test]
-    fn a_geared_motor_reaches_what_it_is_geared_for() {
+    fn geared_motor_reaches_its_maximum_speed() {
         for max_speed in [0.6, 6.0, 60.0] {
             let held = ripple(&MotorModel::for_max_speed(max_speed), max_speed);
             assert!(held < 0.05, "geared for {max_speed} rad/s: {held}");
         }
         let short = ripple(&MotorModel::default(), 20.0);
-        assert!(short > 0.4, "the default motor, told to turn at 20 rad/s: {short}");
+        assert!(short > 0.4, "default motor with a setpoint of 20 rad/s: {short}");
     }
 
     #[test]
-    fn stopped_wheel_stands_still_for_good() {
+    fn stopped_wheel_stays_stopped() {
         let model = MotorModel::default();
         let mut wheel = Wheel::at_rest(Seed(4).stream("left wheel"));
         for _ in 0..100 {

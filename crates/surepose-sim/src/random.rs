@@ -1,17 +1,17 @@
-//! Seeded randomness: one seed, as many independent streams as there are names.
+//! Seeded random numbers: one seed, and independent streams by name.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
-/// What everything random in a world is drawn from.
+/// Seed of all random numbers of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Seed(pub u64);
 
 impl Seed {
-    /// The stream called `name`: the same for the same seed and name, independent of every other.
+    /// Creates the stream `name`, deterministic and independent of all other streams.
     ///
-    /// ChaCha takes a key and a stream number; the seed makes the key and the name the number.
+    /// ChaCha takes a key and a stream number; the key derives from the seed, and the number from the name.
     pub fn stream(self, name: &str) -> Stream {
         let mut generator = ChaCha8Rng::seed_from_u64(self.0);
         generator.set_stream(hash(name));
@@ -19,34 +19,34 @@ impl Seed {
     }
 }
 
-/// One source of randomness.
+/// One random number stream.
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
 impl Stream {
-    /// A standard normal number.
+    /// Draws a standard normal number.
     pub fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// A number between `low` and `high`.
+    /// Draws a number uniformly from [`low`, `high`).
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         let part: f64 = StandardUniform.sample(&mut self.0);
         low + (high - low) * part
     }
 
-    /// True with `probability`.
+    /// Returns `true` with the given probability.
     pub fn bernoulli(&mut self, probability: f64) -> bool {
         self.uniform(0.0, 1.0) < probability
     }
 
-    /// A seed for something that has streams of its own.
+    /// Draws a seed for an object with its own streams.
     pub fn seed(&mut self) -> Seed {
         Seed(self.0.next_u64())
     }
 }
 
-/// FNV-1a of 64 bits: fixed for all time, unlike the standard library's hash.
+/// 64-bit FNV-1a hash; stable across releases, unlike the hash of the standard library.
 fn hash(name: &str) -> u64 {
     name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
@@ -58,7 +58,7 @@ mod tests {
     use super::Seed;
 
     #[test]
-    fn same_name_same_bits_other_name_or_seed_others() {
+    fn streams_depend_on_seed_and_name_only() {
         let draw = |seed: u64, name: &str| {
             let mut stream = Seed(seed).stream(name);
             [stream.normal(), stream.normal(), stream.uniform(0.0, 1.0)].map(f64::to_bits)
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn streams_of_two_names_are_not_correlated() {
+    fn streams_are_uncorrelated() {
         let (mut a, mut b) = (Seed(1).stream("left wheel"), Seed(1).stream("right wheel"));
         let n = 20_000;
         let (mut product, mut square) = (0.0, 0.0);
@@ -78,7 +78,7 @@ mod tests {
             product += x * y;
             square += x * x;
         }
-        // Four standard errors of the sample correlation and of the sample variance.
+        // Bounds of four standard errors of the sample correlation and of the sample variance.
         let n = f64::from(n);
         assert!((product / n).abs() < 4.0 / n.sqrt());
         assert!((square / n - 1.0).abs() < 4.0 * (2.0 / n).sqrt());

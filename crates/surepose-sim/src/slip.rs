@@ -1,30 +1,30 @@
-//! Slip: what stands between how far a wheel rolled by its encoder and how far its rim came.
+//! Wheel slip: ratio between the travel measured by the encoder and the true travel.
 
-use surepose::WheelPair;
+use surepose::kinematics::WheelPair;
 
 use crate::random::Stream;
 
-/// Independent white noise of each wheel, proportional to its travel: what Q of [Tran2012] Eq. (15) describes.
+/// Independent white noise per wheel, proportional to the travel, as Q of [Tran2012] Eq. (15) models it.
 ///
-/// One factor holds for one odometry period; periods are independent. The variance of a distance therefore depends
-/// on the period, in the paper's model as here.
+/// One factor holds for one odometry period; periods are independent. The variance of a distance therefore
+/// depends on the period, here as in the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slip {
-    /// δ, the variance of the relative error of one period's travel.
+    /// Variance δ of the relative travel error of one period.
     pub delta: f64,
 }
 
 impl Slip {
-    /// One period's factors between a wheel's two travels.
+    /// Draws the slip factors of one period.
     pub fn factors(&self, noise: &mut Stream) -> WheelPair<f64> {
         let std = self.delta.sqrt();
         WheelPair::new(1.0 + std * noise.normal(), 1.0 + std * noise.normal())
     }
 
-    /// What one of the two travels of a period makes of the other.
+    /// Applies the slip of one period to a travel \[m].
     ///
-    /// To first order in √δ it does not matter which is given: a world turns encoder travel into true travel, a
-    /// prescribed course true travel into encoder travel.
+    /// To first order in √δ, the direction of the conversion does not matter. `World` converts encoder travel
+    /// to true travel; a prescribed course converts true travel to encoder travel.
     pub fn apply(&self, travel: WheelPair<f64>, noise: &mut Stream) -> WheelPair<f64> {
         let factors = self.factors(noise);
         WheelPair::new(travel.right * factors.right, travel.left * factors.left)
@@ -33,9 +33,11 @@ impl Slip {
 
 #[cfg(test)]
 mod tests {
-    use super::Slip;
+    use surepose::kinematics::WheelPair;
+
     use crate::random::Seed;
-    use surepose::WheelPair;
+
+    use super::Slip;
 
     #[test]
     fn relative_error_has_variance_delta_on_each_wheel() {
@@ -50,7 +52,7 @@ mod tests {
             left += l * l;
             both += r * l;
         }
-        // Four standard errors: √(2/n) of a variance, 1/√n of a correlation.
+        // Bounds of four standard errors: √(2/n) for a variance, 1/√n for a correlation.
         let n = f64::from(n);
         for variance in [right / n, left / n] {
             assert!((variance / 0.0025 - 1.0).abs() < 4.0 * (2.0 / n).sqrt(), "{variance}");

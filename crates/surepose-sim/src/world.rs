@@ -1,8 +1,10 @@
-//! The world: one robot in an arena, and the clock.
+//! Simulated world: one robot in an arena, and the clock.
 
 use core::ops::Range;
 
-use surepose::{Angle, Body, DiffDrive, Integration, Map, Pose, Stamp, Stamped, Twist, WheelPair};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist, WheelPair};
+use surepose::time::{Stamp, Stamped};
 
 use crate::arena::Arena;
 use crate::compass::CompassModel;
@@ -12,43 +14,43 @@ use crate::motor::{MotorModel, Wheel};
 use crate::random::{Seed, Stream};
 use crate::slip::Slip;
 
-/// How often the wheels' controllers run and the world moves on at the least \[ns].
+/// Largest period of the wheel controllers and of the simulation \[ns].
 const MAX_SUBSTEP: i64 = 10_000_000;
 
-/// When a sensor measures, and how long its message is under way.
+/// Measurement period and latency of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// From one measurement to the next \[s]; each is taken when the world next moves on, within 10 ms.
+    /// Time between measurements \[s]. Each is taken at the next simulation step, within 10 ms.
     pub period: f64,
-    /// From a measurement to its arrival \[s].
+    /// Time from a measurement to its arrival \[s].
     pub latency: f64,
 }
 
-/// What a world is made of.
+/// Parameters of a world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldModel {
-    /// The walls.
+    /// Walls.
     pub arena: Arena,
-    /// The robot's geometry.
+    /// Wheel separation and wheel radii.
     pub drive: DiffDrive<f64>,
-    /// Its motors with their encoders and controllers.
+    /// Motors with encoders and speed controllers.
     pub motor: MotorModel,
-    /// Between wheel and floor.
+    /// Wheel slip.
     pub slip: Slip,
-    /// The compass, where there is one.
+    /// Compass. `None`: no compass.
     pub compass: Option<(CompassModel, Timing)>,
-    /// The laser, where there is one.
+    /// Laser. `None`: no laser.
     pub laser: Option<(LaserModel, Timing)>,
-    /// What goes wrong.
+    /// Faults to inject.
     pub faults: Vec<Fault>,
 }
 
 impl WorldModel {
-    /// The paper's robot, [Tran2012] Sec. 5.2, in `arena`; nothing goes wrong.
+    /// The paper's robot, [Tran2012] Sec. 5.2, in `arena`, without faults.
     ///
     /// # Departure
-    /// The paper gives no rates or latencies of its sensors. Here both measure at its ΔT of 100 ms; a scan arrives
-    /// 40 ms late, a heading 10 ms.
+    /// The paper gives no sensor rates or latencies. Here both sensors measure at its ΔT of 100 ms. The
+    /// latency is 40 ms for scans and 10 ms for headings.
     pub fn paper(arena: Arena) -> Self {
         Self {
             arena,
@@ -62,23 +64,23 @@ impl WorldModel {
     }
 }
 
-/// What the robot sensed during one step.
+/// Sensor data of one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorOutput {
-    /// Now.
+    /// Time at the end of the step.
     pub stamp: Stamp,
-    /// How far the rims rolled since the last step, by the encoders \[m].
+    /// Wheel travel since the previous step, measured by the encoders \[m].
     pub rims: WheelPair<f64>,
-    /// Headings that arrived, as the compass reads them.
+    /// Compass headings that arrived during the step.
     pub headings: Vec<Stamped<Angle<f64>>>,
-    /// Scans that arrived.
+    /// Scans that arrived during the step.
     pub scans: Vec<Stamped<SimulatedScan>>,
 }
 
-/// A message under way: when it arrives, and what it says.
+/// Messages in transit, each with its arrival time.
 type UnderWay<T> = Vec<(Stamp, Stamped<T>)>;
 
-/// One robot in an arena.
+/// One robot in an arena, with its clock.
 #[derive(Clone, Debug)]
 pub struct World {
     model: WorldModel,
@@ -95,7 +97,7 @@ pub struct World {
 }
 
 impl World {
-    /// The robot stands at `start` and it is 0 o'clock.
+    /// Creates a world with the robot at `start` and the time 0.
     pub fn new(model: WorldModel, start: Pose<Map, Body, f64>, seed: Seed) -> Self {
         Self {
             model,
@@ -115,36 +117,36 @@ impl World {
         }
     }
 
-    /// What the world is made of.
+    /// Parameters of the world.
     pub fn model(&self) -> &WorldModel {
         &self.model
     }
 
-    /// The time.
+    /// Current time.
     pub fn now(&self) -> Stamp {
         self.now
     }
 
-    /// Where the robot truly is.
+    /// True pose.
     pub fn pose(&self) -> Pose<Map, Body, f64> {
         self.pose
     }
 
-    /// How it truly moves.
+    /// True twist.
     pub fn twist(&self) -> Twist<f64> {
         self.twist
     }
 
-    /// True rim speeds of the wheels, before slip \[m/s].
+    /// True wheel speeds before slip \[m/s].
     pub fn rim_speeds(&self) -> WheelPair<f64> {
         let rates = WheelPair::new(self.wheels.right.rate(), self.wheels.left.rate());
         self.model.drive.wheel_travel_from_angle(rates)
     }
 
-    /// Lets the wheels' controllers hold the turn rates `desired` \[rad/s] for `period` \[s]: they run every 10 ms, or oftener
-    /// so that the period is a whole number of theirs.
+    /// Runs the wheel controllers with the setpoints `desired` \[rad/s] for `period` \[s].
     ///
-    /// One step is one odometry period: one slip factor for each wheel holds throughout.
+    /// The controllers run every 10 ms, or slightly faster so that they divide the period. One step is one
+    /// odometry period, with one slip factor per wheel.
     pub fn step(&mut self, desired: WheelPair<f64>, period: f64) -> SensorOutput {
         let slip = self.model.slip.factors(&mut self.slip);
         let (start, period) = (self.now.nanoseconds(), nanoseconds(period));
@@ -163,7 +165,7 @@ impl World {
         }
     }
 
-    /// Moves everything on until `end`.
+    /// Simulates the motion until `end`.
     fn roll(&mut self, desired: WheelPair<f64>, slip: WheelPair<f64>, end: Stamp) {
         let motor = &self.model.motor;
         let time = (end.nanoseconds() - self.now.nanoseconds()) as f64 / 1e9;
@@ -178,7 +180,7 @@ impl World {
         self.now = end;
     }
 
-    /// Lets the sensors measure whose time has come since `before`.
+    /// Takes the measurements that became due after `before`.
     fn measure(&mut self, before: Stamp) {
         if let Some((compass, timing)) = &self.model.compass
             && let Some(disturbance) = self.due(Sensor::Compass, timing, before)
@@ -197,7 +199,7 @@ impl World {
         }
     }
 
-    /// Whether `sensor` measures now, having last been asked `before`, and what disturbs it.
+    /// Disturbance of `sensor` if it measures now. `None`: not due since `before`, or dropout.
     fn due(&self, sensor: Sensor, timing: &Timing, before: Stamp) -> Option<Disturbance> {
         let count = |at: Stamp| at.nanoseconds() / nanoseconds(timing.period);
         (count(self.now) > count(before))
@@ -205,7 +207,7 @@ impl World {
             .filter(|disturbance| !disturbance.dropout)
     }
 
-    /// How far the rims rolled by the encoders since this was last asked.
+    /// Wheel travel since the previous call, measured by the encoders \[m].
     fn rims(&mut self) -> WheelPair<f64> {
         let motor = &self.model.motor;
         let counted = WheelPair::new(self.wheels.right.counted(motor), self.wheels.left.counted(motor));
@@ -216,7 +218,7 @@ impl World {
         self.model.drive.wheel_travel_from_angle(turned).scaled(factor)
     }
 
-    /// Puts the robot elsewhere where somebody does so in this time.
+    /// Applies the displacements that begin in this time interval.
     fn push(&mut self, time: Range<Stamp>) {
         for fault in &self.model.faults {
             if let FaultKind::Displaced([x, y, turn]) = fault.kind
@@ -229,7 +231,7 @@ impl World {
     }
 }
 
-/// At least one.
+/// Converts to nanoseconds, at least 1.
 fn nanoseconds(seconds: f64) -> i64 {
     Stamp::from_seconds(seconds).nanoseconds().max(1)
 }

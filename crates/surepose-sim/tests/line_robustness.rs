@@ -1,16 +1,17 @@
-//! Lines where scans are bad: clutter, legs, sectors without return, values that are none.
+//! Line extraction from impaired scans: clutter, legs, sectors without returns, and invalid values.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic")]
 
 mod common;
 
 use common::{NEES_BAND, at, error, lines, range_finder, wall};
-use surepose::{Angle, LineExtractor, Map, Point, Pose, RangeFinder, Scan, ScanError};
+use surepose::geometry::{Angle, Map, Point, Pose};
+use surepose::lidar::{LineExtractor, RangeFinder, Scan, ScanError};
 use surepose_sim::{Clutter, LaserModel, Seed, WallSegment};
 
-/// Cutting clutter off at a gate leaves the wall several standard errors short in the mean; the mixture does not.
+/// A plain outlier gate biases the wall by several standard errors; the mixture model does not.
 #[test]
-fn clutter_does_not_pull_walls_towards_the_laser() {
+fn clutter_does_not_bias_wall_distances() {
     let laser = LaserModel { clutter: Clutter { fraction: 0.2, width: 1.0 }, ..LaserModel::half_circle(181) };
     let (segment, wall) = wall((1.0, -3.0), (1.0, 3.0));
     let mut noise = Seed(3).stream("laser");
@@ -25,12 +26,12 @@ fn clutter_does_not_pull_walls_towards_the_laser() {
     }
     assert!(count > 950.0, "{count}");
     let (bias, std) = (sum / count, (variance / count).sqrt());
-    assert!(bias.abs() < 0.35 * std, "{bias} m, where one scan knows {std} m");
+    assert!(bias.abs() < 0.35 * std, "bias {bias} m, standard deviation of one scan {std} m");
 }
 
-/// Legs before a wall, as round things of 6 and 10 cm radius, are no walls, and the wall is where it is.
+/// Legs are cylinders of 6 cm and 10 cm radius; they give no lines and do not bias the wall behind them.
 #[test]
-fn legs_are_no_walls() {
+fn legs_are_not_extracted_as_walls() {
     let laser = LaserModel::half_circle(361);
     let place = at(0.0, 0.0, 0.0);
     let (back, wall) = wall((3.0, -2.5), (3.0, 2.5));
@@ -57,15 +58,15 @@ fn legs_are_no_walls() {
     assert!(count > 490.0 && nees / count < 2.5, "NEES {} over {count}", nees / count);
 }
 
-/// The sides of a polygon round `centre`, too many to be told from a circle.
-fn round(centre: Point<Map, f64>, radius: f64) -> Vec<WallSegment> {
-    let corner = |k: u32| at(centre.x, centre.y, 15.0 * f64::from(k)) * Point::new(radius, 0.0);
+/// Polygon with 24 sides, which approximates a circle around `center`.
+fn round(center: Point<Map, f64>, radius: f64) -> Vec<WallSegment> {
+    let corner = |k: u32| at(center.x, center.y, 15.0 * f64::from(k)) * Point::new(radius, 0.0);
     (0..24).map(|k| WallSegment { start: corner(k), end: corner(k + 1) }).collect()
 }
 
-/// Some lasers report what did not come back as their greatest range or as zero, and a window lets a whole sector through.
+/// Some lasers report a missing return as the maximum range or as 0; a window removes a whole sector.
 #[test]
-fn a_sector_without_return_cuts_a_wall_and_moves_it_not() {
+fn sector_without_returns_does_not_bias_the_wall() {
     let laser = LaserModel::half_circle(361);
     let place = at(0.0, 0.0, 0.0);
     let (segment, wall) = wall((2.0, -3.0), (2.0, 3.0));
@@ -79,7 +80,7 @@ fn a_sector_without_return_cuts_a_wall_and_moves_it_not() {
             }
             scan.ranges[165..210].fill(nothing);
             let lines = lines(&laser, &scan);
-            // Once in 1000 times its two pieces are too far apart to be one line.
+            // In about one of 1000 scans, the two pieces are too far apart to merge.
             if lines.len() != 1 {
                 continue;
             }
@@ -93,14 +94,11 @@ fn a_sector_without_return_cuts_a_wall_and_moves_it_not() {
 }
 
 #[test]
-fn hostile_scans_are_refused_or_read_without_harm() {
+fn invalid_scans_give_errors_or_valid_lines() {
     let laser = range_finder(&LaserModel::half_circle(181));
     let mut extractor = LineExtractor::<f64, 8>::new();
-    let scan = |first: f64, step: f64, ranges: &'static [f64]| Scan {
-        angle_min: Angle::from_radians(first),
-        angle_increment: step,
-        ranges,
-    };
+    let scan =
+        |first: f64, step: f64, ranges: &'static [f64]| Scan::new(Angle::from_radians(first), step, ranges);
     let mut refusal = |laser: &RangeFinder<f64>, scan: Scan<'_, f64>| extractor.extract(laser, &scan).err();
     for (first, step) in [(f64::NAN, 0.1), (0.0, 0.0), (0.0, f64::INFINITY), (0.0, f64::NAN), (0.0, 2.0)] {
         assert_eq!(refusal(&laser, scan(first, step, &[1.0; 4])), Some(ScanError::InvalidAngles));
@@ -122,9 +120,9 @@ fn hostile_scans_are_refused_or_read_without_harm() {
     }
 }
 
-/// Any ranges whatever give finite lines with positive definite covariances, in `f32` too.
+/// Arbitrary ranges give finite lines with positive definite covariances, also in `f32`.
 #[test]
-fn noise_is_no_wall_and_harms_nothing() {
+fn random_ranges_give_valid_lines() {
     let mut noise = Seed(8).stream("laser");
     let mut extractor = Box::<LineExtractor<f32, 361>>::default();
     let laser: RangeFinder<f32> = RangeFinder {
@@ -137,7 +135,7 @@ fn noise_is_no_wall_and_harms_nothing() {
     for round in 0..300 {
         let scale = 10_f64.powi(round % 9 - 4);
         let ranges: Vec<f32> = (0..361).map(|_| (noise.uniform(-0.1, 1.0) * scale) as f32).collect();
-        let scan = Scan { angle_min: Angle::from_radians(-1.5), angle_increment: 0.0087, ranges: &ranges };
+        let scan = Scan::new(Angle::from_radians(-1.5), 0.0087, &ranges);
         for line in extractor.extract(&laser, &scan).unwrap().lines {
             let (v, w, c) = (line.distance_variance, line.direction_variance, line.covariance);
             assert!(v.is_finite() && w.is_finite() && v > 0.0 && w > 0.0 && c * c < v * w, "{line:?}");

@@ -1,18 +1,20 @@
-//! Lines from simulated scans: right, with a covariance that is right, whatever the laser and the mounting.
+//! Line extraction from simulated scans: accuracy and consistent covariances for all lasers and extrinsics.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic")]
 
 mod common;
 
 use common::{MapPose, NEES_BAND, at, error, lines, range_finder, wall};
-use surepose::{
-    Angle, Association, Belief, DiffDrive, Ekf, Integration, LineAssociator, LineExtractor, Point, Pose,
-    RangeFinder, Scan, Wall,
-};
+use surepose::estimation::{Belief, Ekf};
+use surepose::geometry::{Angle, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
+use surepose::lidar::{Association, LineAssociator, LineExtractor, RangeFinder, Scan};
+use surepose::map::Wall;
 use surepose_sim::{Arena, LaserModel, Seed, WallSegment};
 
-/// Mean normalised squared error over many scans of one wall, which is χ² with 2 degrees of freedom each, and the mean
-/// error in standard errors of that mean.
+/// Statistics over many scans of one wall: mean normalized squared error and mean error.
+///
+/// The squared errors are χ² with 2 degrees of freedom. The mean error is in units of its standard error.
 fn statistics(laser: &LaserModel, place: MapPose, segment: WallSegment, wall: &Wall<f64>) -> (f64, [f64; 2]) {
     let runs = 2000;
     let mut noise = Seed(17).stream("laser");
@@ -34,10 +36,10 @@ fn statistics(laser: &LaserModel, place: MapPose, segment: WallSegment, wall: &W
 }
 
 #[test]
-fn covariance_is_right_near_far_and_at_a_grazing_angle() {
+fn covariance_is_consistent_near_far_and_at_grazing_angles() {
     for (beams, segment, name) in [
         (181, ((2.0, -1.0), (2.0, 1.0)), "ahead"),
-        (181, ((1.5, 1.0), (4.0, 1.2)), "beside and far from the foot of the perpendicular"),
+        (181, ((1.5, 1.0), (4.0, 1.2)), "to the side, far from the foot of the perpendicular"),
         (181, ((0.8, -0.9), (4.5, -0.7)), "grazing"),
         (181, ((5.0, 1.0), (5.0, 2.5)), "far and short"),
         (361, ((2.8, 3.0), (3.5, 3.0)), "short and far from the foot"),
@@ -50,7 +52,7 @@ fn covariance_is_right_near_far_and_at_a_grazing_angle() {
 }
 
 #[test]
-fn mounting_field_of_view_and_beam_order_make_no_difference() {
+fn covariance_is_consistent_for_all_extrinsics_and_beam_orders() {
     let base = LaserModel::half_circle(361);
     let (segment, wall) = wall((1.0, 2.0), (4.0, 2.5));
     for (name, laser, place) in [
@@ -60,12 +62,12 @@ fn mounting_field_of_view_and_beam_order_make_no_difference() {
             at(1.0, 0.5, 60.0),
         ),
         (
-            "off-centre, backwards",
+            "off-center, backward",
             LaserModel { body_from_laser: Pose::new(0.2, -0.1, Angle::from_degrees(180.0)), ..base },
             at(2.0, 0.5, -80.0),
         ),
         (
-            "whole circle, its seam on the wall",
+            "full circle, seam on the wall",
             LaserModel { angle_min: 0.0, angle_increment: 2.0 * base.angle_increment, ..base },
             at(2.0, 0.5, 80.0),
         ),
@@ -76,7 +78,7 @@ fn mounting_field_of_view_and_beam_order_make_no_difference() {
 }
 
 #[test]
-fn lost_beams_and_a_closed_room() {
+fn closed_room_with_missing_returns_gives_three_lines() {
     let laser = LaserModel { lost: 0.2, ..LaserModel::half_circle(361) };
     let arena = Arena::rectangle("room", (0.0, 0.0), (5.0, 4.0), &[]);
     let mut noise = Seed(2).stream("laser");
@@ -90,9 +92,9 @@ fn lost_beams_and_a_closed_room() {
     }
 }
 
-/// A plate hides the middle of the wall behind it: one wall, not two.
+/// A plate hides the middle of a wall, which still gives one line.
 #[test]
-fn a_wall_seen_in_two_pieces_is_one_line() {
+fn pieces_of_one_wall_merge() {
     let laser = LaserModel::half_circle(361);
     let (back, plate) =
         (WallSegment::between((3.0, -3.0), (3.0, 3.0)), WallSegment::between((2.0, -0.4), (2.0, 0.4)));
@@ -106,9 +108,10 @@ fn a_wall_seen_in_two_pieces_is_one_line() {
     }
 }
 
-/// Its line goes on to cross the wall behind it not far from its end: no corner, and that wall's beams are not its own.
+/// The line of the plate crosses the wall behind it near an end. That is no corner; the beams belong to the
+/// wall.
 #[test]
-fn a_plate_takes_no_beams_from_the_wall_behind_it() {
+fn plate_does_not_take_beams_from_the_wall_behind() {
     let laser = LaserModel::half_circle(181);
     let place = at(1.5, 1.9, -90.0);
     let (floor, plate) = (WallSegment::between((0.0, 0.0), (6.0, 0.0)), ((5.2, 0.6), (5.2, 1.6)));
@@ -130,7 +133,7 @@ fn a_plate_takes_no_beams_from_the_wall_behind_it() {
 }
 
 #[test]
-fn single_precision_sees_the_same_walls() {
+fn f32_extracts_the_same_lines_as_f64() {
     let model = LaserModel::half_circle(361);
     let mut noise = Seed(9).stream("laser");
     let wide = range_finder(&model);
@@ -147,11 +150,8 @@ fn single_precision_sees_the_same_walls() {
         let place = at(1.5 + 0.03 * f64::from(k), 1.0, f64::from(k));
         let scan = model.scan(Arena::loop_world().walls(), place, &mut noise);
         let ranges: Vec<f32> = scan.ranges.iter().map(|range| *range as f32).collect();
-        let single = Scan {
-            angle_min: Angle::from_radians(scan.angle_min as f32),
-            angle_increment: scan.angle_increment as f32,
-            ranges: &ranges,
-        };
+        let single =
+            Scan::new(Angle::from_radians(scan.angle_min as f32), scan.angle_increment as f32, &ranges);
         let seen = extractor.extract(&narrow, &single).unwrap().lines;
         for line in lines(&model, &scan) {
             all += 1;
@@ -161,7 +161,7 @@ fn single_precision_sees_the_same_walls() {
             }));
         }
     }
-    assert!(same * 100 >= all * 98, "{same} of {all} within a twentieth of their standard deviation");
+    assert!(same * 100 >= all * 98, "{same} of {all} lines within 0.05 standard deviations");
 }
 
 fn ekf() -> Ekf<f64> {
@@ -192,7 +192,7 @@ fn numbers(
 }
 
 #[test]
-fn plates_are_matched_from_both_sides_and_only_where_they_are() {
+fn plates_associate_from_both_sides_at_their_position_only() {
     let laser = LaserModel::half_circle(181);
     let (segment, plate) = wall((2.0, -0.5), (2.0, 0.5));
     let beside = Wall::between(Point::new(2.0, 2.0), Point::new(2.0, 3.0)).unwrap();
@@ -202,7 +202,8 @@ fn plates_are_matched_from_both_sides_and_only_where_they_are() {
     assert_eq!(numbers(at(0.5, 0.0, 0.0), known, &laser, &[segment], &[beside]), [None]);
 }
 
-/// A recess of 10 cm beside a wall, and a belief that is off by more than that: the corner's other wall settles it.
+/// The belief error exceeds the 10 cm between the parallel walls; the other wall of the corner resolves the
+/// ambiguity.
 #[test]
 fn close_parallel_walls_are_disambiguated_by_neighbors() {
     let laser = LaserModel::half_circle(361);
@@ -210,10 +211,10 @@ fn close_parallel_walls_are_disambiguated_by_neighbors() {
     let recess = Wall::between(Point::new(2.1, -1.0), Point::new(2.1, 1.0)).unwrap();
     let vague = [0.15, 0.15, 0.01];
     assert_eq!(numbers(at(0.0, 0.0, 0.0), vague, &laser, &[front_segment], &[front, recess]), [None]);
-    // A long wall at 45° knows the distance along x only together with y; a second one settles both.
+    // A wall at 45° couples x and y; a second wall determines both.
     let (left_segment, left) = wall((0.3, 1.6), (1.6, 1.8));
     let (right_segment, right) = wall((0.3, -0.7), (1.8, -1.9));
     let world = [front_segment, left_segment, right_segment];
-    let told = numbers(at(0.0, 0.0, 0.0), vague, &laser, &world, &[front, recess, left, right]);
-    assert_eq!(told, [Some(3), Some(0), Some(2)]);
+    let resolved = numbers(at(0.0, 0.0, 0.0), vague, &laser, &world, &[front, recess, left, right]);
+    assert_eq!(resolved, [Some(3), Some(0), Some(2)]);
 }

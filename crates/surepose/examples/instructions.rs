@@ -5,11 +5,12 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use surepose::closed_loop::{Controller, ControllerState};
-use surepose::{
-    Angle, Belief, DiffDrive, Direction, Ekf, Gate, Goal, HeadingMeasurement, HybridState, Integration,
-    Limits, Line, LineMeasurement, Map, NavigationVariables, Pose, Tolerance, WheelPair,
+use surepose::control::{
+    Controller, ControllerState, Direction, HybridState, Limits, NavigationVariables, Tolerance,
 };
+use surepose::estimation::{Belief, Ekf, Gate, HeadingMeasurement, LineMeasurement};
+use surepose::geometry::{Angle, Goal, Line, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);

@@ -1,7 +1,6 @@
 //! Differential drive: wheels ↔ twist ↔ motion of the pose, [Tran2012] Eq. (1), (7)–(9).
 
-use crate::frame::Frame;
-use crate::pose::Pose;
+use crate::geometry::{Frame, Pose};
 use crate::scalar::Scalar;
 
 /// No wheel turns as fast as this \[rad/s]: a rate beyond it is of a broken encoder, or of constants that no robot has.
@@ -197,6 +196,19 @@ pub enum Integration {
 }
 
 impl<S: Scalar> Motion<S> {
+    /// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::integrate`].
+    ///
+    /// An offset of the second pose across that arc is no motion of wheels, and is left out.
+    #[inline(always)]
+    pub fn between<To: Frame, From: Frame>(from: Pose<To, From, S>, to: Pose<To, From, S>) -> Self {
+        let (one, turn) = (S::from_f64(1.0), (to.heading - from.heading).radians());
+        let (sin, cos) = from.heading.rotated_by(S::from_f64(0.5) * turn).sin_cos();
+        let chord = (to.x - from.x) * cos + (to.y - from.y) * sin;
+        let start = Pose::<To, From, S>::identity();
+        let unit = start.integrate(Self { length: one, turn }, Integration::Arc);
+        Self { length: chord / unit.origin().distance(start.origin()), turn }
+    }
+
     /// The chord of the arc over its length Δs.
     #[inline(always)]
     fn chord(self, integration: Integration) -> S {
@@ -228,5 +240,23 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
         let (sin, cos) = (self.heading.radians() + motion.turn * S::from_f64(0.5)).sin_cos_bounded();
         let length = motion.length * motion.chord(integration);
         Self::new(self.x + length * cos, self.y + length * sin, self.heading.rotated_by_small(motion.turn))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::geometry::{Angle, Body, Map, Pose};
+
+    use super::{Integration, Motion};
+
+    #[test]
+    fn the_motion_between_poses_leads_from_one_to_the_other() {
+        let from: Pose<Map, Body, f64> = Pose::new(1.0, -2.0, Angle::from_degrees(170.0));
+        for motion in [(0.3, 0.5), (-0.2, -3.0), (0.4, 0.0), (0.0, 1.0)] {
+            let motion = Motion { length: motion.0, turn: motion.1 };
+            let to = from.integrate(motion, Integration::Arc);
+            let found = Motion::between(from, to);
+            assert!((found.length - motion.length).abs() < 1e-12 && (found.turn - motion.turn).abs() < 1e-12);
+        }
     }
 }

@@ -91,11 +91,13 @@ pub enum Unit {
     MeterPerSecondSquared,
     /// Per second.
     PerSecond,
+    /// Degrees per second; radians per second inside the program.
+    DegreePerSecond,
 }
 
 impl Unit {
-    /// All units.
-    pub const ALL: [Self; 7] = [
+    /// Every unit.
+    pub const ALL: [Self; 8] = [
         Self::One,
         Self::Meter,
         Self::Second,
@@ -103,6 +105,7 @@ impl Unit {
         Self::MeterPerSecond,
         Self::MeterPerSecondSquared,
         Self::PerSecond,
+        Self::DegreePerSecond,
     ];
 
     /// Returns the symbol of the unit; empty for [`Unit::One`].
@@ -115,6 +118,7 @@ impl Unit {
             Self::MeterPerSecond => "m/s",
             Self::MeterPerSecondSquared => "m/s²",
             Self::PerSecond => "1/s",
+            Self::DegreePerSecond => "°/s",
         }
     }
 
@@ -127,13 +131,14 @@ impl Unit {
             Self::Degree => "_deg",
             Self::MeterPerSecond => "_m_s",
             Self::MeterPerSecondSquared => "_m_s2",
+            Self::DegreePerSecond => "_deg_s",
         }
     }
 
     /// Returns the factor that converts a value under the key to SI units (radians for degrees).
     pub const fn to_si(self) -> f64 {
         match self {
-            Self::Degree => core::f64::consts::PI / 180.0,
+            Self::Degree | Self::DegreePerSecond => core::f64::consts::PI / 180.0,
             _ => 1.0,
         }
     }

@@ -1,29 +1,30 @@
-//! The numbers the law is evaluated with: one trait, so that there is one law.
+//! Scalar types with which models, laws and filters are evaluated.
 //!
-//! The same source runs in `f32` on a microcontroller, in `f64` on a robot, in SIMD lanes over millions of
-//! trials, in intervals for the certificate and in dual numbers for derivatives. A scalar therefore has **no
-//! order and no `if`**: comparisons give a [`Mask`], and [`Scalar::select`] chooses. For an interval the mask has
-//! three values and `select` answers with the hull; for lanes it chooses lane by lane.
+//! One source runs in `f32` on a microcontroller, in `f64` on a robot and in SIMD lanes over millions of trials. It also
+//! runs in intervals for the certificate and in dual numbers for derivatives. A scalar therefore has **no order and no
+//! `if`**: comparisons return a [`Mask`], and [`Scalar::select`] chooses. The mask of an interval has three values, and
+//! `select` returns the hull of both operands. For lanes, `select` chooses in each lane.
 
 mod dual;
 mod float;
 
+use core::f64::consts::{PI, TAU};
 use core::ops::{Add, Div, Mul, Neg, Not, Sub};
 
 pub use dual::Dual;
 pub use float::Float;
 
-/// The outcome of comparing scalars: one `bool`, or one per lane, or "cannot tell" for an interval.
+/// Result of a scalar comparison: one `bool`, one per lane, or undecided for an interval.
 pub trait Mask: Copy + core::fmt::Debug + PartialEq + Not<Output = Self> + 'static {
-    /// The mask that is `value` everywhere.
+    /// Returns a mask with `value` in every lane.
     fn splat(value: bool) -> Self;
-    /// True where both are.
+    /// True where both masks are true.
     #[must_use]
     fn and(self, other: Self) -> Self;
-    /// True where either is.
+    /// True where either mask is true.
     #[must_use]
     fn or(self, other: Self) -> Self;
-    /// `other` where `self` is true, else `otherwise`: how a hysteresis keeps or changes its mind.
+    /// Returns `other` where `self` is true, else `otherwise`.
     #[must_use]
     fn select(self, other: Self, otherwise: Self) -> Self {
         self.and(other).or((!self).and(otherwise))
@@ -45,7 +46,7 @@ impl Mask for bool {
     }
 }
 
-/// A number, or a bundle of numbers, that the model, the law and the filter can be evaluated with.
+/// Number, or vector of numbers, with which models, laws and filters are evaluated.
 ///
 /// Implementations must be *total*: no method panics, whatever the value.
 pub trait Scalar:
@@ -59,10 +60,10 @@ pub trait Scalar:
     + Neg<Output = Self>
     + 'static
 {
-    /// What comparing gives.
+    /// Result type of comparisons.
     type Mask: Mask;
 
-    /// The constant `value`, rounded to this type.
+    /// Converts the constant `value` to this type, rounded.
     fn from_f64(value: f64) -> Self;
 
     /// True where `self < other`; false where either is NaN.
@@ -74,16 +75,16 @@ pub trait Scalar:
     /// Absolute value.
     #[must_use]
     fn abs(self) -> Self;
-    /// The smaller of two.
+    /// Minimum of two values.
     #[must_use]
     fn min(self, other: Self) -> Self;
-    /// The larger of two.
+    /// Maximum of two values.
     #[must_use]
     fn max(self, other: Self) -> Self;
-    /// The nearest integer (which of two at a tie is left to the implementation).
+    /// Rounds to the nearest integer; ties are implementation-defined.
     #[must_use]
     fn round(self) -> Self;
-    /// Square root; callers pass values that are not negative.
+    /// Square root; callers pass values ≥ 0.
     #[must_use]
     fn sqrt(self) -> Self;
     /// Sine and cosine of an angle in radians.
@@ -92,9 +93,9 @@ pub trait Scalar:
     #[must_use]
     fn atan2(self, x: Self) -> Self;
 
-    /// The length of the vector (`x`, `self`), and its angle.
+    /// Length and angle \[rad] of the vector (`x`, `self`).
     ///
-    /// For scalars that come to the angle by the length.
+    /// Types override it if they compute the angle from the length.
     #[inline(always)]
     fn polar(self, x: Self) -> (Self, Self) {
         ((x.squared() + self.squared()).sqrt(), self.atan2(x))
@@ -118,15 +119,16 @@ pub trait Scalar:
         self.sin_cos_sinc().2
     }
 
-    /// Sine and cosine of an angle of at most 5π/4, as a wrapped one is that turns on for a period \[rad].
+    /// Sine and cosine of an angle \[rad] with |angle| ≤ 5π/4.
     ///
-    /// For scalars that know a shorter way than [`Scalar::sin_cos`], which takes any angle.
+    /// A wrapped angle plus the rotation of one period is in this range. Types override it if they have a faster method
+    /// than [`Scalar::sin_cos`], which accepts any angle.
     #[inline(always)]
     fn sin_cos_bounded(self) -> (Self, Self) {
         self.sin_cos()
     }
 
-    /// Cosine and `sin(x)/x` of such an angle.
+    /// Cosine and `sin(x)/x` of an angle \[rad] with |angle| ≤ 5π/4.
     #[inline(always)]
     fn cos_sinc_bounded(self) -> (Self, Self) {
         let (_, cos, sinc) = self.sin_cos_sinc();
@@ -143,23 +145,24 @@ pub trait Scalar:
         Self::select(small, -self * Self::from_f64(1.0 / 3.0), (cos - sinc) / safe)
     }
 
-    /// An angle \[rad] that is at most a turn too large, as the sum of two wrapped ones is, wrapped to (−π, π].
+    /// Wraps an angle \[rad] that is at most one turn out of range to (−π, π].
     ///
-    /// For scalars that know a shorter way than [`Angle::from_radians`](crate::Angle::from_radians), which takes any angle.
+    /// The sum of two wrapped angles is in this range. Types override it if they have a faster method than the general
+    /// wrap of `Angle::from_radians`.
     #[must_use]
     #[inline(always)]
     fn wrap_once(self) -> Self {
-        crate::Angle::from_radians(self).radians()
+        wrap_radians(self)
     }
 
-    /// The value limited to [`low`, `high`].
+    /// Limits the value to [`low`, `high`].
     #[must_use]
     #[inline(always)]
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
 
-    /// The square.
+    /// Square.
     #[must_use]
     #[inline(always)]
     fn squared(self) -> Self {
@@ -172,7 +175,7 @@ pub trait Scalar:
         other.lt(self)
     }
 
-    /// The magnitude of `self` with the sign of `other`; which of the two where that is 0 is left to the implementation.
+    /// Magnitude of `self` with the sign of `other`; the sign of 0 is implementation-defined.
     #[must_use]
     #[inline(always)]
     fn copysign(self, other: Self) -> Self {
@@ -187,7 +190,7 @@ pub trait Scalar:
         Self::from_f64(1.0).copysign(self)
     }
 
-    /// `self / divisor`, or 0 where the divisor is not positive: a direction without variance has nothing to share.
+    /// `self / divisor`, or 0 where the divisor is not positive, as for a direction without variance.
     #[must_use]
     #[inline(always)]
     fn div_or_zero(self, divisor: Self) -> Self {
@@ -195,4 +198,15 @@ pub trait Scalar:
         let positive = divisor.gt(zero);
         Self::select(positive, self / Self::select(positive, divisor, Self::from_f64(1.0)), zero)
     }
+}
+
+/// Wraps an angle of any size \[rad] to (−π, π].
+#[inline(always)]
+pub(crate) fn wrap_radians<S: Scalar>(radians: S) -> S {
+    let (pi, tau) = (S::from_f64(PI), S::from_f64(TAU));
+    let near = radians - tau * (radians * S::from_f64(1.0 / TAU)).round();
+    // Rounding may leave the remainder one ulp outside. −π is represented by π. NaN stays NaN, so that filters can
+    // reject it.
+    let inside = near.clamp(-pi, pi);
+    S::select(inside.gt(-pi), inside, inside.abs())
 }

@@ -3,9 +3,9 @@
 use core::f64::consts::PI;
 
 use proptest::prelude::*;
-use surepose::{
-    Angle, Body, DiffDrive, Goal, Integration, Line, Map, Motion, Point, Pose, Scalar, Twist, WheelPair,
-};
+use surepose::geometry::{Angle, Body, Goal, Line, Map, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
+use surepose::scalar::Scalar;
 
 type MapFromBody = Pose<Map, Body, f64>;
 

@@ -1,9 +1,8 @@
 //! The law slows down as the wheels can: they follow it to the goal, however fast they may run.
 
-use surepose::closed_loop::{Controller, ControllerState};
-use surepose::{
-    Angle, Body, BrakingProfile, DiffDrive, Direction, Gains, Goal, Integration, Limits, Map, Pose, Tolerance,
-};
+use surepose::control::{BrakingProfile, Controller, ControllerState, Direction, Gains, Limits, Tolerance};
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
 
 const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
 /// What braking takes of the wheels' acceleration.

@@ -1,7 +1,8 @@
 //! The factored covariance is the matrix of the textbook, and stays a covariance.
 
 use proptest::prelude::*;
-use surepose::{Covariance, Float, InvalidCovariance, Matrix};
+use surepose::linalg::{Covariance, InvalidCovariance, Matrix};
+use surepose::scalar::Float;
 
 type M3 = Matrix<f64, 3, 3>;
 

@@ -1,14 +1,15 @@
-//! Late, stale, broken and outlying measurements: each is expected, named, counted, and kept out of the state.
+//! Late, stale, invalid and outlying measurements: each is classified, counted and kept out of the state.
 
-mod common;
-
-use common::Noise;
 use proptest::prelude::*;
-use surepose::{
-    Angle, Belief, DelayedEkf, DiffDrive, Ekf, Float, Gate, HeadingMeasurement, Integration, Line,
-    LineMeasurement, Matrix, Measurement, MeasurementOutcome, Point, Pose, PoseMeasurement,
-    PositionMeasurement, RangeBearingMeasurement, RejectReason, Stamp, Stamped, WheelPair,
+use surepose::estimation::{
+    Belief, DelayedEkf, Ekf, Gate, HeadingMeasurement, LineMeasurement, Measurement, MeasurementOutcome,
+    PoseMeasurement, PositionMeasurement, RangeBearingMeasurement, RejectReason,
 };
+use surepose::geometry::{Angle, Line, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::linalg::Matrix;
+use surepose::scalar::Float;
+use surepose::time::{Stamp, Stamped};
 
 fn estimator<S: Float>() -> DelayedEkf<S, 64> {
     let ekf = Ekf {
@@ -45,7 +46,7 @@ fn same(a: &Belief<f64>, b: &Belief<f64>) -> bool {
     pose && covariance
 }
 
-/// Whatever order measurements arrive in, the belief is the one of their order in time.
+/// The belief depends on the time order of measurements, not on their arrival order.
 #[test]
 fn late_measurements_match_timely_ones() {
     let rims = WheelPair::new(0.03, 0.02);
@@ -55,7 +56,7 @@ fn late_measurements_match_timely_ones() {
     let mut late = timely;
     let mut pending = measured.iter().peekable();
     for tick in 1..=6_i64 {
-        // The timely one is told of every stretch as soon as a measurement falls into it.
+        // The timely filter receives each stretch as soon as a measurement falls into it.
         let mut from = (tick - 1) * 50;
         let whole = timely.ekf().wheel_odometry(rims);
         while let Some((time, value)) = pending.next_if(|(time, _)| *time <= tick * 50) {
@@ -283,7 +284,9 @@ fn any_measurement<S: Float>() -> impl Strategy<Value = Measurement<S>> {
 }
 
 /// Whatever arrives, and by whatever clock, the belief stays finite with a valid covariance, and every refusal changes nothing.
-fn endures<S: Float>(inputs: Vec<(Measurement<S>, f64, f64, i64, i64)>) -> Result<(), TestCaseError> {
+fn beliefs_stay_valid<S: Float>(
+    inputs: Vec<(Measurement<S>, f64, f64, i64, i64)>,
+) -> Result<(), TestCaseError> {
     let mut estimator = estimator::<S>();
     let mut now = 0;
     for (measurement, right, left, lateness, step) in inputs {
@@ -313,12 +316,12 @@ fn any_inputs<S: Float>() -> impl Strategy<Value = Vec<(Measurement<S>, f64, f64
 proptest! {
     #[test]
     fn belief_stays_valid_for_any_input(inputs in any_inputs::<f64>()) {
-        endures(inputs)?;
+        beliefs_stay_valid(inputs)?;
     }
 
     #[test]
     fn belief_stays_valid_for_any_input_in_f32(inputs in any_inputs::<f32>()) {
-        endures(inputs)?;
+        beliefs_stay_valid(inputs)?;
     }
 }
 
@@ -346,52 +349,4 @@ fn landmark_at_zero_range_leaves_the_belief_finite() {
         tried::<f64>(apart);
         tried::<f32>(apart);
     }
-}
-
-/// A simulated filter's mistakes have the size it claims: mean NEES within the 95 % χ² band of 3, in both precisions.
-fn consistent<S: Float>() {
-    let runs = 400;
-    let mut sum = 0.0;
-    let mut random = Noise(7);
-    for _ in 0..runs {
-        let mut estimator = estimator::<S>();
-        let start = [random.normal() * 0.05, random.normal() * 0.05, random.normal() * 0.02];
-        let mut truth = Pose::new(
-            S::from_f64(start[0]),
-            S::from_f64(start[1]),
-            Angle::from_radians(S::from_f64(start[2])),
-        );
-        for tick in 1..=50_i64 {
-            let rims = WheelPair::new(S::from_f64(0.03), S::from_f64(0.025));
-            assert_eq!(estimator.predict(at(tick * 100), rims), Ok(()));
-            let slip = |rim: S, noise: f64| rim * S::from_f64(1.0 + 0.05 * noise);
-            let real = WheelPair::new(slip(rims.right, random.normal()), slip(rims.left, random.normal()));
-            truth = truth.integrate(estimator.ekf().drive.motion_from_travel(real), Integration::Arc);
-
-            let point = Point::new(S::from_f64(2.0), S::from_f64(1.0));
-            let seen = RangeBearingMeasurement {
-                landmark: point,
-                range: truth.origin().distance(point) + S::from_f64(0.05 * random.normal()),
-                bearing: (truth.origin().direction_to(point) - truth.heading)
-                    .rotated_by(S::from_f64(0.02 * random.normal())),
-                range_std: S::from_f64(0.05),
-                bearing_std: S::from_f64(0.02),
-            };
-            estimator.update(Stamped::new(at(tick * 100), Measurement::RangeBearing(seen)));
-        }
-        sum += estimator.belief().nees(truth).to_f64();
-    }
-    // χ² with 3·runs degrees of freedom: mean 3, standard deviation √(6/runs).
-    let (mean, band) = (sum / f64::from(runs), 1.96 * (6.0 / f64::from(runs)).sqrt());
-    assert!((mean - 3.0).abs() < band, "mean NEES {mean}, expected 3 ± {band}");
-}
-
-#[test]
-fn filter_is_consistent_in_f64() {
-    consistent::<f64>();
-}
-
-#[test]
-fn filter_is_consistent_in_f32() {
-    consistent::<f32>();
 }

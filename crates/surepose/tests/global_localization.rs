@@ -4,10 +4,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use surepose::{
-    AcceptanceCriteria, Angle, DiffDrive, Ekf, GlobalLocalizer, GlobalStatus, HeadingMeasurement,
-    Integration, LineExtractor, Point, Pose, RangeFinder, Scan, Stamp, Stamped, Wall, WheelPair,
-};
+use surepose::estimation::{Ekf, HeadingMeasurement};
+use surepose::geometry::{Angle, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::lidar::{LineExtractor, RangeFinder, Scan};
+use surepose::localization::{AcceptanceCriteria, GlobalLocalizer, GlobalStatus};
+use surepose::map::Wall;
+use surepose::time::{Stamp, Stamped};
 
 const BEAMS: usize = 240;
 
@@ -37,7 +40,7 @@ fn hypothesis_does_not_inherit_the_age_of_its_slot() {
         x.min(y)
     };
     let ranges: Vec<f64> = (0..BEAMS).map(range).collect();
-    let scan = Scan { angle_min: Angle::from_radians(-PI), angle_increment: step, ranges: &ranges };
+    let scan = Scan::new(Angle::from_radians(-PI), step, &ranges);
     let mut extractor = LineExtractor::<f64, BEAMS>::new();
     let lines = extractor.extract(&laser, &scan).unwrap().lines.to_vec();
 

@@ -1,11 +1,13 @@
 //! The hybrid law: it descends, it does not change its mind on noise, and it parks, noise or not.
 
 use proptest::prelude::*;
-use surepose::closed_loop::{Controller, ControllerState};
-use surepose::{
-    Angle, Body, BrakingProfile, Deadband, DiffDrive, Direction, Float, Gains, Goal, HybridLaw, HybridState,
-    Integration, Law, Limits, LocalLaw, Map, NavigationVariables, Pose, Tolerance, Tran2012Law, Twist,
+use surepose::control::{
+    BrakingProfile, Controller, ControllerState, Deadband, Direction, Gains, HybridLaw, HybridState, Law,
+    Limits, LocalLaw, NavigationVariables, Tolerance, Tran2012Law,
 };
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist};
+use surepose::scalar::Float;
 
 const PI: f64 = core::f64::consts::PI;
 
@@ -253,7 +255,7 @@ proptest! {
     }
 }
 
-/// Told of noise the robot does not follow it to and fro, and turns its travel round only for what noise is not.
+/// The deadband suppresses motion by noise and reverses only for errors larger than the noise.
 #[test]
 fn deadband_suppresses_noise_driven_motion() {
     let with_deadband = |noise: f64| HybridLaw {
@@ -268,7 +270,7 @@ fn deadband_suppresses_noise_driven_motion() {
             .v;
         i32::from(v > 0.0) - i32::from(v < 0.0)
     };
-    // Both ways: what the robot is told, and with far too much noise what is left for resting. A robot that rests is within
+    // Once with the reach of the given noise, once with the upper bound of the reach. A robot at rest is within
     // 0.35 capture radii of the goal, where the local law turns it.
     for (noise, reach) in [(0.005, 0.005 * 0.12 / 0.02_f64.sqrt()), (1.0, 0.13 * 0.033)] {
         assert!(2.4 * reach < 0.35 * 0.033);

@@ -1,11 +1,13 @@
 //! Every Jacobian against central differences of the function it claims to be the derivative of.
 
 use proptest::prelude::*;
-use surepose::{
-    Angle, Belief, Body, DiffDrive, Ekf, HeadingMeasurement, Innovation, Integration, Line, LineMeasurement,
-    Map, Matrix, Point, Pose, PoseMeasurement, PositionMeasurement, RangeBearingMeasurement, WheelOdometry,
-    WheelPair,
+use surepose::estimation::{
+    Belief, Ekf, HeadingMeasurement, Innovation, LineMeasurement, PoseMeasurement, PositionMeasurement,
+    RangeBearingMeasurement, WheelOdometry,
 };
+use surepose::geometry::{Angle, Body, Line, Map, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::linalg::Matrix;
 
 type MapFromBody = Pose<Map, Body, f64>;
 const STEP: f64 = 1e-5;

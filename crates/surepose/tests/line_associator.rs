@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
-use surepose::{
-    Angle, Association, Belief, DiffDrive, Ekf, ExtractedLine, Integration, Laser, Line, LineAssociator,
-    Point, Pose, Wall,
-};
+use surepose::estimation::{Belief, Ekf};
+use surepose::geometry::{Angle, Laser, Line, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
+use surepose::lidar::{Association, ExtractedLine, LineAssociator};
+use surepose::map::Wall;
 
 fn ekf() -> Ekf<f64> {
     Ekf { drive: DiffDrive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc }

@@ -1,10 +1,9 @@
 //! V̇ of both laws: [Tran2012] Eq. (2), (19)–(29), checked against differences along the real motion.
 
 use proptest::prelude::*;
-use surepose::{
-    Angle, Body, GlobalLaw, Goal, Integration, LocalLaw, Map, NavigationNoise, NavigationVariables, Pose,
-    Twist,
-};
+use surepose::control::{GlobalLaw, LocalLaw, NavigationNoise, NavigationVariables};
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{Integration, Twist};
 
 const GLOBAL: GlobalLaw<f64> = GlobalLaw { k_v: 1.5, k_alpha: 4.0, h: 0.7 };
 const LOCAL: LocalLaw<f64> = LocalLaw { k_v: 1.5, k_theta: 2.0 };

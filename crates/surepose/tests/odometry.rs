@@ -5,10 +5,12 @@
 mod common;
 
 use common::Noise;
-use surepose::{
-    Angle, Belief, DelayedEkf, DiffDrive, Ekf, Gate, HeadingMeasurement, Integration, Measurement,
-    MeasurementOutcome, Pose, Stamp, Stamped, WheelOdometry, WheelPair,
+use surepose::estimation::{
+    Belief, DelayedEkf, Ekf, Gate, HeadingMeasurement, Measurement, MeasurementOutcome, WheelOdometry,
 };
+use surepose::geometry::{Angle, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::time::{Stamp, Stamped};
 
 const DELTA: f64 = 0.04;
 const PERIOD: f64 = 0.05;

@@ -1,7 +1,8 @@
 //! The closed loop comes to rest at the goal.
 
-use surepose::closed_loop::{Controller, ControllerState};
-use surepose::{Angle, Body, DiffDrive, Direction, Goal, Integration, Limits, Map, Pose, Tolerance};
+use surepose::control::{Controller, ControllerState, Direction, Limits, Tolerance};
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
 
 fn controller(direction: Direction) -> Controller<f64> {
     let (drive, period) = (DiffDrive::new(0.05, 0.6), 0.02);

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
-use surepose::closed_loop::{PathController, PathProgress};
-use surepose::{
-    Angle, Body, DiffDrive, Float, Integration, Limits, Map, Path, PathFollowingLaw, Pose, Twist, WheelPair,
-};
+use surepose::control::{Limits, Path, PathController, PathFollowingLaw, PathProgress};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist, WheelPair};
+use surepose::scalar::Float;
 
 fn controller<S: Float>() -> PathController<S, 8> {
     let num = S::from_f64;
@@ -24,8 +24,7 @@ fn controller<S: Float>() -> PathController<S, 8> {
     }
 }
 
-/// The robot after `laps`, having gone where its wheels were told to; the most by which it was off its target after the
-/// first \[m].
+/// Pose after `laps` with ideal wheels, and the largest distance from the target after the first lap \[m].
 fn max_path_error<S: Float>(laps: f64) -> f64 {
     let controller = controller::<S>();
     let start = controller.path.at(S::from_f64(0.0)).map_from_target;

@@ -4,15 +4,20 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use surepose::{
-    Angle, BeamModelMatcher, Belief, DiffDrive, Ekf, Float, Gate, Integration, Matrix, Measurement, Point,
-    Pose, PoseMeasurement, RangeFinder, Scan, ScanError, ScanMatch, ScanMatchResult, ScanMatcher,
-    ScanMatcherWorkspace, Wall,
+use surepose::estimation::{Belief, Ekf, Gate, Measurement, PoseMeasurement};
+use surepose::geometry::{Angle, Point, Pose};
+use surepose::kinematics::{DiffDrive, Integration};
+use surepose::lidar::{
+    BeamModelMatcher, RangeFinder, Scan, ScanError, ScanMatch, ScanMatchResult, ScanMatcher,
+    ScanMatcherWorkspace,
 };
+use surepose::linalg::Matrix;
+use surepose::map::Wall;
+use surepose::scalar::Float;
 
 const BEAMS: usize = 181;
 const STEP: f64 = std::f64::consts::PI / 180.0;
-type Place = Pose<surepose::Map, surepose::Body, f64>;
+type MapPose = Pose<surepose::geometry::Map, surepose::geometry::Body, f64>;
 
 fn wall(from: (f64, f64), to: (f64, f64)) -> Wall<f64> {
     Wall::between(Point::new(from.0, from.1), Point::new(to.0, to.1)).unwrap()
@@ -49,7 +54,7 @@ fn ekf() -> Ekf<f64> {
 }
 
 /// Ranges over 180°, each off by a fixed pattern of at most 3σ that looks like noise.
-fn ranges(pose: Place, walls: &[Wall<f64>]) -> Vec<f64> {
+fn ranges(pose: MapPose, walls: &[Wall<f64>]) -> Vec<f64> {
     let origin = pose * laser().body_from_laser;
     let mut noise = 12345_u32;
     (0..BEAMS)
@@ -75,7 +80,7 @@ fn ranges(pose: Place, walls: &[Wall<f64>]) -> Vec<f64> {
 }
 
 fn matched(belief: Belief<f64>, ranges: &[f64], walls: &[Wall<f64>]) -> ScanMatch<f64> {
-    let scan = Scan { angle_min: Angle::from_degrees(-90.0), angle_increment: 1_f64.to_radians(), ranges };
+    let scan = Scan::new(Angle::from_degrees(-90.0), 1_f64.to_radians(), ranges);
     let mut workspace = ScanMatcherWorkspace::<f64, BEAMS>::default();
     scan_matcher().match_scan(&mut workspace, &ekf(), &belief, &laser(), &scan, walls).unwrap()
 }
@@ -93,7 +98,7 @@ fn corrected(belief: Belief<f64>, result: &ScanMatchResult<f64>) -> Belief<f64> 
 
 #[test]
 fn finds_the_pose_in_a_room() {
-    let truth: Place = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
+    let truth: MapPose = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
     let start = Pose::new(2.15, 1.4, Angle::from_degrees(44.0));
     let belief = Belief::new(start, [0.2, 0.2, 0.1]);
     let result = found(matched(belief, &ranges(truth, &room()), &room()));
@@ -107,7 +112,7 @@ fn finds_the_pose_in_a_room() {
 
 #[test]
 fn finds_a_heading_that_is_half_a_radian_off() {
-    let truth: Place = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
+    let truth: MapPose = Pose::new(2.0, 1.5, Angle::from_degrees(40.0));
     let belief = Belief::new(Pose::new(2.1, 1.5, Angle::from_degrees(68.0)), [0.2, 0.2, 0.25]);
     let result = found(matched(belief, &ranges(truth, &room()), &room()));
     assert!(corrected(belief, &result).error(truth).iter().all(|e| e.abs() < 0.01));
@@ -116,7 +121,7 @@ fn finds_a_heading_that_is_half_a_radian_off() {
 #[test]
 fn corridor_leaves_its_axis_unobserved() {
     let corridor = [wall((-50.0, 0.0), (50.0, 0.0)), wall((-50.0, 2.0), (50.0, 2.0))];
-    let truth: Place = Pose::new(0.0, 1.0, Angle::zero());
+    let truth: MapPose = Pose::new(0.0, 1.0, Angle::zero());
     let belief = Belief::new(Pose::new(0.3, 1.05, Angle::from_degrees(1.0)), [0.4, 0.1, 0.03]);
     let after = corrected(belief, &found(matched(belief, &ranges(truth, &corridor), &corridor)));
     let error = after.error(truth);
@@ -143,11 +148,7 @@ fn corridor_information_is_valid_in_every_direction() {
             num(if across < 0.03 { f64::INFINITY } else { 1.0 / across })
         };
         let ranges: Vec<S> = (0..BEAMS).map(range).collect();
-        let scan = Scan {
-            angle_min: Angle::from_radians(num(-FRAC_PI_2)),
-            angle_increment: num(STEP),
-            ranges: &ranges,
-        };
+        let scan = Scan::new(Angle::from_radians(num(-FRAC_PI_2)), num(STEP), &ranges);
         let matcher =
             BeamModelMatcher { min_hit_ratio: num(0.4), scan_std: [num(0.06), num(0.06), num(0.01)] };
         let is_refused = |quarters: &usize| {
@@ -175,7 +176,7 @@ fn corridor_information_is_valid_in_every_direction() {
 
 #[test]
 fn too_little_overlap_is_reported() {
-    let truth: Place = Pose::new(2.0, 1.5, Angle::zero());
+    let truth: MapPose = Pose::new(2.0, 1.5, Angle::zero());
     let belief = Belief::new(truth, [0.05, 0.05, 0.02]);
     let seen = ranges(truth, &room());
     assert_eq!(matched(belief, &seen, &[]), ScanMatch::NoOverlap);
@@ -189,14 +190,14 @@ fn too_little_overlap_is_reported() {
         .collect();
     assert!(matches!(matched(belief, &people, &room()), ScanMatch::LowOverlap(_)));
     let mut workspace = ScanMatcherWorkspace::<f64, 8>::default();
-    let scan = Scan { angle_min: Angle::zero(), angle_increment: 0.01, ranges: &seen };
+    let scan = Scan::new(Angle::zero(), 0.01, &seen);
     let refused = scan_matcher().match_scan(&mut workspace, &ekf(), &belief, &laser(), &scan, &room());
     assert_eq!(refused, Err(ScanError::TooManyBeams));
 }
 
 #[test]
 fn uncertain_walls_carry_less_information() {
-    let truth: Place = Pose::new(2.0, 1.5, Angle::zero());
+    let truth: MapPose = Pose::new(2.0, 1.5, Angle::zero());
     let belief = Belief::new(truth, [0.1, 0.1, 0.05]);
     let seen = ranges(truth, &room());
     let vague: Vec<_> = room().into_iter().map(|wall| wall.with_covariance([0.04, 0.0, 1e-4])).collect();
@@ -225,7 +226,7 @@ fn inflation_adds_variance() {
 
 #[test]
 fn pose_measurement_solves_the_observed_subspace() {
-    let near: Place = Pose::new(1.0, 2.0, Angle::zero());
+    let near: MapPose = Pose::new(1.0, 2.0, Angle::zero());
     let information = Matrix([[4.0, 0.0, 2.0], [0.0, 0.0, 0.0], [2.0, 0.0, 9.0]]);
     let fix = PoseMeasurement::from_information(
         near,

@@ -1,8 +1,8 @@
-//! Documents against code: every name they give must exist.
+//! Checks of documents against code: crates, citations, tests, and links exist.
 
 use std::path::Path;
 
-use super::Source;
+use super::source::Source;
 
 pub(super) fn check(root: &Path, files: &[Source], findings: &mut Vec<String>) -> Result<(), String> {
     let text = |path: &str| files.iter().find(|file| file.path == path).map(|file| file.text.as_str());
@@ -15,18 +15,18 @@ pub(super) fn check(root: &Path, files: &[Source], findings: &mut Vec<String>) -
     Ok(())
 }
 
-/// Every crate has its line in ARCHITECTURE.md.
+/// Checks that ARCHITECTURE.md names every crate.
 fn crates(root: &Path, architecture: &str, findings: &mut Vec<String>) -> Result<(), String> {
     for entry in std::fs::read_dir(root.join("crates")).map_err(|e| e.to_string())?.filter_map(Result::ok) {
         let name = entry.file_name().to_string_lossy().into_owned();
         if !architecture.contains(&format!("`{name}`")) {
-            findings.push(format!("ARCHITECTURE.md: does not name the crate `{name}`"));
+            findings.push(format!("ARCHITECTURE.md: the crate `{name}` is missing"));
         }
     }
     Ok(())
 }
 
-/// Every citation, a key in brackets, in sources and documents is in docs/references.bib.
+/// Checks that every citation (a key in brackets) is in docs/references.bib.
 fn citations(files: &[Source], references: &str, findings: &mut Vec<String>) {
     for file in files {
         for (number, line) in file.text.lines().enumerate() {
@@ -40,7 +40,7 @@ fn citations(files: &[Source], references: &str, findings: &mut Vec<String>) {
     }
 }
 
-/// A name that begins with a capital and ends in a year.
+/// Whether `key` begins with a capital letter and ends with a year.
 fn is_citation(key: &str) -> bool {
     let name = key.trim_end_matches(|c: char| c.is_ascii_digit());
     key.len() == name.len() + 4
@@ -50,7 +50,7 @@ fn is_citation(key: &str) -> bool {
         && name.chars().all(|c| c.is_ascii_alphabetic())
 }
 
-/// Where a document says "tested by `name`", that test exists.
+/// Checks that every test named in "tested by `name`" exists.
 fn named_tests(files: &[Source], findings: &mut Vec<String>) {
     let exists = |name: &str| {
         let function = name.rsplit("::").next().unwrap_or(name);
@@ -60,13 +60,13 @@ fn named_tests(files: &[Source], findings: &mut Vec<String>) {
         for (number, line) in file.text.lines().enumerate() {
             for marker in ["ested by `", "uarded by `"] {
                 for rest in line.split(marker).skip(1) {
-                    // Several tests are a list: `one`, `two`.
+                    // A list of tests has the form: `one`, `two`.
                     for name in rest.split("`, `").filter_map(|part| part.split('`').next()) {
-                        // A command or an attribute is no test's name.
+                        // Commands and attributes are not test names.
                         let is_name = name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == ':');
                         if is_name && !exists(name) {
                             let at = format!("{}:{}", file.path, number + 1);
-                            findings.push(format!("{at}: there is no test `{name}`"));
+                            findings.push(format!("{at}: test `{name}` does not exist"));
                         }
                     }
                 }
@@ -75,7 +75,7 @@ fn named_tests(files: &[Source], findings: &mut Vec<String>) {
     }
 }
 
-/// Relative links of documents lead somewhere.
+/// Checks that relative links in documents have existing targets.
 fn links(root: &Path, files: &[Source], findings: &mut Vec<String>) {
     for file in files.iter().filter(|file| Path::new(&file.path).extension().is_some_and(|e| e == "md")) {
         let folder = Path::new(&file.path).parent().unwrap_or(Path::new(""));
@@ -83,7 +83,7 @@ fn links(root: &Path, files: &[Source], findings: &mut Vec<String>) {
             let target = link.split('#').next().unwrap_or_default();
             let local = !target.is_empty() && !target.contains("://") && !target.contains(' ');
             if local && !root.join(folder).join(target).exists() {
-                findings.push(format!("{}: the link {target} leads nowhere", file.path));
+                findings.push(format!("{}: broken link {target}", file.path));
             }
         }
     }

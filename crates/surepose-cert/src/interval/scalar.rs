@@ -1,8 +1,9 @@
-//! Intervals as a scalar of the core: its law, limits and motion take them as they take floats.
+//! Implementation of the core's `Scalar` trait for intervals.
 
 use core::f64::consts::{PI, TAU};
 
-use surepose::{Angle, Scalar};
+use surepose::geometry::Angle;
+use surepose::scalar::Scalar;
 
 use crate::branching::choose_branch;
 use crate::interval::Interval;
@@ -11,7 +12,7 @@ use crate::tribool::Tribool;
 impl Scalar for Interval {
     type Mask = Tribool;
 
-    /// The float `value`, which is what the program has: π, for one, is the `f64` π.
+    /// The float `value` as the program has it; π, for example, is the `f64` π.
     #[inline]
     fn from_f64(value: f64) -> Self {
         Self::point(value)
@@ -88,11 +89,12 @@ impl Scalar for Interval {
     }
     #[inline]
     fn wrap_once(self) -> Self {
-        // Floats in (−π, π] stay as they are: they are less than half a turn from 0, and half a turn rounds to none.
+        // Floats in (−π, π] are returned unchanged: they are less than half a turn from 0, so the turn count
+        // rounds to 0.
         if self.lo > -PI && self.hi <= PI {
             return self;
         }
-        // Across the branch: each piece on its own way. −π comes as π with the piece that is one turn on.
+        // An interval across ±π is split into branches. −π appears as π in the piece of the next turn.
         let turns = (self * Self::from_f64(1.0 / TAU)).nearest();
         let count = turns.hi - turns.lo + 1.0;
         if (2.0..=3.0).contains(&count)
@@ -106,7 +108,7 @@ impl Scalar for Interval {
 }
 
 impl Interval {
-    /// The nearest integers, both at a tie.
+    /// Nearest integers; both at a tie.
     #[inline]
     fn nearest(self) -> Self {
         let (lo, hi) = ((self.lo - 0.5).ceil(), (self.hi + 0.5).floor());

@@ -1,10 +1,10 @@
-//! Every operation against an arbitrary-precision oracle, on random intervals and the numbers that break things.
+//! Tests of every operation against an arbitrary-precision oracle, with random intervals and special values.
 
 use std::cell::RefCell;
 
 use astro_float::{BigFloat, Consts, RoundingMode};
 use proptest::prelude::*;
-use surepose::Scalar;
+use surepose::scalar::Scalar;
 
 use super::Interval;
 
@@ -16,7 +16,7 @@ thread_local! {
 }
 
 fn big(x: f64) -> BigFloat {
-    // The oracle reads subnormal floats wrongly: they reach it scaled to normal ones.
+    // The oracle misreads subnormal floats, so they are scaled to normal floats first.
     if x != 0.0 && x.abs() < 1e-290 {
         let scale = 2_f64.powi(600);
         return big(x * scale).div(&big(scale), BITS, NEAREST);
@@ -24,7 +24,7 @@ fn big(x: f64) -> BigFloat {
     BigFloat::from_f64(x, BITS)
 }
 
-/// Whether the exact `value` lies in `interval`; an infinite bound bounds nothing.
+/// Whether the exact `value` lies in `interval`; an infinite bound always holds.
 fn holds(interval: Interval, value: &BigFloat) -> bool {
     let above = interval.lo() == f64::NEG_INFINITY || big(interval.lo()) <= *value;
     let below = interval.hi() == f64::INFINITY || *value <= big(interval.hi());
@@ -66,7 +66,7 @@ fn arc(y: &BigFloat, x: &BigFloat) -> BigFloat {
     })
 }
 
-/// Numbers of every size, and the special ones more often than chance has them.
+/// Numbers of all magnitudes, with special values at increased frequency.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -10.0..10.0_f64,
@@ -119,7 +119,7 @@ proptest! {
     }
 
     #[test]
-    fn functions_enclose_the_exact_result_and_the_program_s((a, x) in with_member(), (b, y) in with_member()) {
+    fn functions_enclose_the_exact_and_the_f64_result((a, x) in with_member(), (b, y) in with_member()) {
         let p = big(x);
         let (sin, cos, sinc) = a.sin_cos_sinc();
         prop_assert!(holds(sin, &sine(&p)), "sin {a:?} at {x}");
@@ -129,7 +129,7 @@ proptest! {
         if x != 0.0 {
             prop_assert!(holds(sinc, &sine(&p).div(&p, BITS, NEAREST)), "sinc {a:?} at {x}");
             let slope = cosine(&p).sub(&sine(&p).div(&p, BITS, NEAREST), BITS, NEAREST).div(&p, BITS, NEAREST);
-            // Below that the oracle itself loses all digits to cancellation.
+            // Below 1e-20, the oracle loses all digits to cancellation.
             prop_assert!(x.abs() < 1e-20 || holds(a.sinc_derivative(cos, sinc), &slope), "slope {a:?} at {x}");
         }
         if x >= 0.0 {
@@ -139,7 +139,7 @@ proptest! {
     }
 
     #[test]
-    fn nothing_is_lost_by_cutting(a in with_member(), pieces in 1_usize..7) {
+    fn halves_and_pieces_cover_the_interval(a in with_member(), pieces in 1_usize..7) {
         let (set, member) = a;
         let (left, right) = set.halves();
         prop_assert!(left.contains(member) || right.contains(member));
@@ -166,7 +166,7 @@ fn narrow_arguments_give_narrow_results() {
 }
 
 #[test]
-fn what_is_not_a_number_is_the_whole_line() {
+fn nan_and_undefined_results_are_the_entire_line() {
     let nan = Interval::point(f64::NAN);
     let all = Interval::ENTIRE;
     assert_eq!(nan, all);
@@ -185,9 +185,9 @@ fn what_is_not_a_number_is_the_whole_line() {
     assert!((Interval::point(f64::MAX) + Interval::point(f64::MAX)).contains(f64::MAX));
 }
 
-/// A bound may be "arbitrarily large", and 0 times that is whatever the members say it is.
+/// A bound can mean "arbitrarily large"; 0 times such a bound contains every product of members.
 #[test]
-fn unbounded_intervals_lose_no_product_and_no_quotient() {
+fn unbounded_intervals_enclose_all_products_and_quotients() {
     let bounds = [f64::NEG_INFINITY, -2.0, 0.0, 3.0, f64::INFINITY];
     let members = [-1e9, -2.0, -1e-9, 0.0, 1e-9, 3.0, 1e9];
     let pairs = || bounds.into_iter().flat_map(move |a| bounds.map(|b| Interval::new(a, b)));

@@ -1,15 +1,16 @@
-//! What the certificate's tests share: the deployed law and requests for it.
+//! Shared fixtures of the certificate tests: the deployed law and requests for it.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses a part")]
 
 use std::f64::consts::PI;
 
-use surepose::{DiffDrive, Direction, Gains, HybridLaw, Law, Limits};
+use surepose::control::{Direction, Gains, HybridLaw, Law, Limits};
+use surepose::kinematics::DiffDrive;
 use surepose_cert::{DeployedController, DisturbedState, NoiseBounds, Request, SampledController};
 
 pub const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
 pub const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 1e9 };
 
-/// The default law for a period \[s].
+/// Default control law for a period \[s].
 pub fn hybrid(period: f64) -> HybridLaw<f64> {
     HybridLaw::fitted(&DRIVE, &LIMITS, period, Direction::Auto)
 }
@@ -18,12 +19,12 @@ pub fn deployed(law: HybridLaw<f64>) -> DeployedController {
     DeployedController { law: Law::Hybrid(law), drive: DRIVE, braking: None, limits: LIMITS }
 }
 
-/// The default law with the gains that the paper prints.
+/// Default control law with the gains of the paper.
 pub fn paper_gains(period: f64) -> HybridLaw<f64> {
     HybridLaw { gains: Gains::tran2012(), ..hybrid(period) }
 }
 
-/// Bounds as on the command line: \[m], \[°].
+/// Noise bounds in the units of the command line: position \[m], heading \[°].
 pub fn noise(position: f64, heading_deg: f64) -> NoiseBounds {
     NoiseBounds { position, heading: heading_deg.to_radians(), ..NoiseBounds::default() }
 }
@@ -48,7 +49,7 @@ pub fn request<L: SampledController>(
     }
 }
 
-/// Repeatable random numbers in [−1, 1): a 64-bit linear congruential generator's upper half.
+/// Deterministic random numbers in [−1, 1): upper half of a 64-bit linear congruential generator.
 pub struct Rng(pub u64);
 
 impl Rng {
@@ -65,7 +66,7 @@ pub fn trials() -> u64 {
     std::env::var("SUREPOSE_CERT_TRIALS").ok().and_then(|n| n.parse().ok()).unwrap_or(400_000)
 }
 
-/// Noise inside its bounds, on them half of the time.
+/// Draws noise within its bounds; half of the position and heading samples lie on them.
 pub fn disturb(disturbed_state: &mut DisturbedState, bounds: &NoiseBounds, rng: &mut Rng) {
     let (direction, size) = (PI * rng.either(), if rng.flip() { 1.0 } else { rng.either().abs() });
     let reach = bounds.position * size * (1.0 - 1e-12);

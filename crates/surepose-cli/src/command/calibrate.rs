@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use surepose_data::Config;
-use surepose_data::mines_rover::{self, ROVER};
-use surepose_lab::CancelToken;
-use surepose_lab::calibrate::{CalibrationError, CalibrationRecording, Options, STAGES, calibrate};
+use surepose_config::Config;
+use surepose_io::mines_rover::{self, ROVER};
+use surepose_mapping::calibrate::{CalibrationError, CalibrationRecording, Options, STAGES, calibrate};
 use surepose_ros2::bag::{self, Recorded};
+use surepose_sim::CancelToken;
 
 use crate::error::CliError;
 use crate::exit::Exit;

@@ -8,8 +8,8 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 use surepose_cert::{Certificate, Counterexample, Margins, NoiseBounds};
-use surepose_data::Config;
-use surepose_lab::picture;
+use surepose_config::Config;
+use surepose_figures as picture;
 
 use crate::certification::CertifiedBounds;
 use crate::error::CliError;

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{Kind, Parameter, Range};
-use surepose_data::config::{ConfigProblem, Setting, Value, parameter};
-use surepose_data::{Config, ConfigError};
-use surepose_lab::robot::Scenario;
+use surepose_config::{Config, ConfigError, ConfigProblem, Setting, Value, parameter};
+use surepose_sim::robot::Scenario;
 
 use crate::certification;
 use crate::error::CliError;
@@ -114,9 +113,8 @@ fn check(output: Output, config: &Config) -> Result<(), CliError> {
     }
     let json = Map::from_iter([("valid".to_owned(), json!(true)), ("warnings".to_owned(), json!(warnings))]);
     output.result(&json, || {
-        let set =
-            config.settings().iter().filter(|s| s.origin != surepose_data::config::ValueSource::Default);
-        let mut table = table(&["parameter", "value", "origin"]);
+        let set = config.settings().iter().filter(|s| s.origin != surepose_config::ValueSource::Default);
+        let mut table = table(&["parameter", "value", "from"]);
         for setting in set {
             table.add_row([name(setting.parameter), shown(setting), setting.origin.to_string()]);
         }

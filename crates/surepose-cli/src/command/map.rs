@@ -5,10 +5,11 @@ mod output;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
-use surepose_data::{carmen, map_server, wall_map};
-use surepose_lab::mapping::{MapReport, MappingResult, from_grid, from_log};
-use surepose_lab::picture::{self, MapBackground};
-use surepose_lab::replay::carmen::{map_from_log, views};
+use output::{MapOutput, keep, name_of, pictures_of};
+use surepose_figures::{self as picture, MapBackground};
+use surepose_io::{carmen, map_server, wall_map};
+use surepose_mapping::{MapReport, MappingResult, from_grid, from_log};
+use surepose_replay::carmen::{map_from_log, views};
 
 use crate::error::CliError;
 use crate::exit::Exit;
@@ -16,7 +17,6 @@ use crate::interrupt;
 use crate::maps::grid_in;
 use crate::output::{Output, object, table, warning};
 use crate::output_dir::{OutputDir, write_file};
-use output::{MapOutput, keep, name_of, pictures_of};
 
 /// Create a wall map, or show one.
 #[derive(Debug, Args)]

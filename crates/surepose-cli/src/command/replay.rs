@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use surepose::Belief;
-use surepose_data::Config;
-use surepose_data::wall_map::WallMap;
-use surepose_lab::replay::{
+use surepose::estimation::Belief;
+use surepose_config::{Config, ScanMethod};
+use surepose_figures as picture;
+use surepose_io::wall_map::WallMap;
+use surepose_replay::{
     BuildingMap, LaserReplaySettings, ReplayError, ReplayReport, carmen, cmu_wean, mines_rover, mrclam,
 };
-use surepose_lab::robot::ScanMethod;
-use surepose_lab::{CancelToken, picture};
 use surepose_ros2::bag::{self, Notice};
 use surepose_ros2::{NodeDriverSettings, START_STD};
+use surepose_sim::CancelToken;
 
 use crate::error::CliError;
 use crate::exit::Exit;
@@ -93,13 +93,13 @@ impl ReplayCommand {
                 let settings =
                     carmen::CarmenSettings::from_config(&self.config.over(carmen::CarmenSettings::preset())?);
                 let map = self.map.as_deref().map(walls_in).transpose()?;
-                let log = surepose_data::carmen::read(&self.path)?;
+                let log = surepose_io::carmen::read(&self.path)?;
                 let replay = |cancel: &CancelToken| carmen::replay_log(&log, map.as_ref(), &settings, cancel);
                 watched(output, log.scans.len(), replay)?
             }
             Format::Ticks => {
                 let settings = LaserReplaySettings::from_config(&self.config.over(mines_rover::preset())?);
-                let log = surepose_data::mines_rover::read(&self.path)?;
+                let log = surepose_io::mines_rover::read(&self.path)?;
                 let replay = |cancel: &CancelToken| mines_rover::replay_log(&log, &settings, cancel);
                 Ok(watched(output, log.scans.len(), replay)?.report)
             }
@@ -143,7 +143,7 @@ impl ReplayCommand {
             Some(MapFile::Walls(map)) => BuildingMap::from_wall_map(&map),
             None => BuildingMap::from_wall_map(&WallMap::default()),
         };
-        let log = surepose_data::cmu_wean::read(&self.path)?;
+        let log = surepose_io::cmu_wean::read(&self.path)?;
         let (start, settings) = (self.start.map(PoseArg::pose), cmu_wean::settings(&config));
         let replay = |cancel: &CancelToken| cmu_wean::replay(&log, &building, start, &settings, cancel);
         let followed = watched(output, log.scans.len(), replay)?;

@@ -1,14 +1,17 @@
 //! `surepose reproduce`: reproduces the figures of the paper, with their data.
 
+mod figure_result;
 mod localization;
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use figure_result::FigureResult;
+use localization::LocalizationRuns;
 use serde::Serialize;
-use serde_json::{Map, Value as Json, json};
-use surepose_data::Config;
-use surepose_lab::{picture, reproduce};
+use serde_json::{Map, json};
+use surepose_config::Config;
+use surepose_experiments::{picture, reproduce};
 
 use crate::error::CliError;
 use crate::exit::Exit;
@@ -16,7 +19,6 @@ use crate::interrupt;
 use crate::output::{Output, table, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, whole};
-use localization::LocalizationRuns;
 
 /// Reproduce the figures of the paper, as SVG and PNG, with their data.
 #[derive(Debug, Args)]
@@ -55,13 +57,6 @@ enum Figure {
     Fig6,
     /// The full robot, to three goals
     Fig7,
-}
-
-/// The result of one figure.
-struct Outcome {
-    json: Json,
-    good: bool,
-    rows: Vec<[String; 2]>,
 }
 
 impl ReproduceCommand {
@@ -119,7 +114,7 @@ impl ReproduceCommand {
         })
     }
 
-    fn fig3(&self, folder: &OutputDir) -> Result<Outcome, CliError> {
+    fn fig3(&self, folder: &OutputDir) -> Result<FigureResult, CliError> {
         let goals = reproduce::stabilization(self.seed);
         let (printed, corrected) = (reproduce::local_law(true), reproduce::local_law(false));
         folder.picture("fig3", &picture::fig3(&goals, &printed, &corrected))?;
@@ -129,7 +124,7 @@ impl ReproduceCommand {
         folder.table("fig3_local_law_as_printed.csv", printed)?;
         folder.table("fig3_local_law_corrected.csv", corrected)?;
         let figures: Vec<_> = goals.iter().map(|goal| goal.figures).collect();
-        Ok(Outcome {
+        Ok(FigureResult {
             json: json!(figures),
             good: figures.iter().all(|goal| goal.reached),
             rows: figures
@@ -151,7 +146,7 @@ impl ReproduceCommand {
         }
     }
 
-    fn fig6(&self, folder: &OutputDir, config: &Config) -> Result<Outcome, CliError> {
+    fn fig6(&self, folder: &OutputDir, config: &Config) -> Result<FigureResult, CliError> {
         let runs = (self.runs / 10).max(1);
         let following = reproduce::following(config, self.seed, runs).map_err(|error| CliError::Usage {
             what: error.to_string(),
@@ -167,24 +162,24 @@ impl ReproduceCommand {
             for (part, points) in
                 [("path", &shape.path), ("with_ekf", &shape.with_ekf), ("without_ekf", &shape.without_ekf)]
             {
-                let points = points.iter().map(|point| Place { x_m: point.x, y_m: point.y });
+                let points = points.iter().map(|point| PathSample { x_m: point.x, y_m: point.y });
                 folder.table(&format!("fig6_{name}_{part}.csv"), points)?;
             }
             let (with, without) = (figures.with_ekf.path_rmse_m, figures.without_ekf.path_rmse_m);
             let found = format!("{:.1} mm with EKF, {:.1} mm without (RMS)", 1e3 * with, 1e3 * without);
             rows.push([name.replace('_', " "), found]);
         }
-        Ok(Outcome { json: json!(following.figures), good: true, rows })
+        Ok(FigureResult { json: json!(following.figures), good: true, rows })
     }
 
-    fn fig7(&self, folder: &OutputDir, config: &Config) -> Result<Outcome, CliError> {
+    fn fig7(&self, folder: &OutputDir, config: &Config) -> Result<FigureResult, CliError> {
         let goals = reproduce::parking(config, self.seed);
         folder.picture("fig7", &picture::fig7(&goals))?;
         for goal in &goals {
             folder.table(&format!("fig7_{}deg.csv", goal.figures.goal[2]), &goal.samples)?;
         }
         let figures: Vec<_> = goals.iter().map(|goal| goal.figures).collect();
-        Ok(Outcome {
+        Ok(FigureResult {
             json: json!(figures),
             good: figures.iter().all(|goal| goal.reached),
             rows: figures
@@ -196,7 +191,7 @@ impl ReproduceCommand {
 }
 
 #[derive(Serialize)]
-struct Place {
+struct PathSample {
     x_m: f64,
     y_m: f64,
 }

@@ -4,22 +4,21 @@ use std::path::PathBuf;
 use std::thread;
 
 use clap::{Args, ValueEnum};
-use surepose::Belief;
-use surepose_data::Config;
-use surepose_data::wall_map::WallMap;
-use surepose_lab::robot::{ScanMethod, Scenario};
+use surepose::estimation::Belief;
+use surepose_config::{Config, ScanMethod};
+use surepose_io::wall_map::WallMap;
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
 use surepose_ros2::robot::{self, RobotSettings};
 use surepose_ros2::{Names, NodeDriverSettings, NodeError, START_STD};
+use surepose_sim::robot::Scenario;
 
-use crate::certification;
 use crate::error::CliError;
 use crate::exit::Exit;
-use crate::interrupt;
 use crate::maps::walls_to_read;
 use crate::output::{Output, say, text, warning};
 use crate::settings::{LawArgs, PoseArg, whole};
+use crate::{certification, interrupt};
 
 /// Run the ROS 2 node: parks a robot at the goal pose that RViz ("2D Goal Pose") or the action navigate_to_pose sends
 #[derive(Debug, Args)]
@@ -144,7 +143,7 @@ impl Ros2Command {
                 let (map, scan_method) =
                     map.map_or((None, ScanMethod::Lines), |(map, scan_method)| (Some(map), scan_method));
                 let compass = self.compass || self.simulate;
-                let safety_radius = NodeDriverSettings::default_safety_radius(&config);
+                let safety_radius = config.default_safety_radius();
                 NodeDriverSettings {
                     config,
                     map,
@@ -215,7 +214,7 @@ fn failure(error: &NodeError) -> CliError {
 
 #[cfg(test)]
 mod tests {
-    use surepose_data::wall_map::{MapWall, WallMap};
+    use surepose_io::wall_map::{MapWall, WallMap};
 
     use super::{PoseArg, outside};
 

@@ -4,19 +4,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use surepose::param;
-use surepose_data::Config;
-use surepose_lab::picture::{self, Picture};
-use surepose_lab::robot::{InsufficientClearance, Scenario};
-use surepose_lab::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
+use surepose_config::Config;
+use surepose_figures::{self as picture, Picture};
 use surepose_sim::WallSegment;
+use surepose_sim::robot::{InsufficientClearance, Scenario};
+use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
 
-use crate::certification;
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::{Output, object, table, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
-use crate::{interrupt, progress};
+use crate::{certification, interrupt, progress};
 
 /// Simulate one closed-loop run of the robot, with motors, sensors and estimator, to a goal pose
 #[derive(Debug, Args)]

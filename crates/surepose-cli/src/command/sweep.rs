@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value as Json};
-use surepose_data::start_poses;
-use surepose_lab::sweep::{Precision, Quantiles, Starts, Sweep, SweepReport};
-use surepose_lab::{CancelToken, picture};
+use surepose_figures as picture;
+use surepose_io::start_poses;
+use surepose_montecarlo::sweep::{Precision, Quantiles, Starts, Sweep, SweepReport};
+use surepose_sim::CancelToken;
 
-use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::{Output, align_numbers, object, table, warning};
@@ -16,7 +16,9 @@ use crate::output_dir::OutputDir;
 use crate::settings::{toml_of, whole};
 use crate::{interrupt, progress};
 
-/// Run the bench trial from many start poses: success rate, time ratio to the minimum time, final error
+use super::trials::{LoopName, NoiseName, TrialArgs, Trials, name};
+
+/// Run the bench trial from many starts: success, time over the least possible, final error.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose sweep --runs 100000 --noise bench --json

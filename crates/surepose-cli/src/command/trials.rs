@@ -3,9 +3,8 @@
 use clap::{Args, ValueEnum};
 use serde_json::{Value as Json, json};
 use surepose::param;
-use surepose_data::Config;
-use surepose_data::config::{Setting, ValueSource};
-use surepose_lab::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise};
+use surepose_config::{Config, Setting, ValueSource};
+use surepose_montecarlo::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise};
 
 use crate::error::CliError;
 use crate::settings::{LawArgs, whole};

@@ -5,25 +5,25 @@ mod certificates;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use certificates::Certificates;
 use clap::Args;
 use serde_json::{Map, Value as Json, json};
+use surepose::control::{Gains, Law};
 use surepose::param::{self, Kind, Parameter};
-use surepose::{Gains, Law};
 use surepose_cert::NoiseBounds;
-use surepose_data::Config;
-use surepose_data::config::ValueSource;
-use surepose_lab::sweep::{Precision, Quantiles, Starts, SweepReport};
-use surepose_lab::tune::{GainCandidate, STRESS, Tune, TuneProgress, TuneResult};
+use surepose_config::{Config, ValueSource};
+use surepose_montecarlo::sweep::{Precision, Quantiles, Starts, SweepReport};
+use surepose_montecarlo::tune::{GainCandidate, STRESS, Tune, TuneProgress, TuneResult};
 
-use super::certify::NoiseArgs;
-use super::trials::{NoiseName, TrialArgs, Trials};
 use crate::certification::CertifiedBounds;
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::{Output, align_numbers, object, say, table, warning};
 use crate::settings::{toml_of_those, whole};
 use crate::{interrupt, output_dir, progress};
-use certificates::Certificates;
+
+use super::certify::NoiseArgs;
+use super::trials::{NoiseName, TrialArgs, Trials};
 
 /// Find the gains and the capture radius with minimum time to the goal, full success and a certificate
 #[derive(Debug, Args)]

@@ -1,32 +1,34 @@
-//! What is to be known of a recording before it is heard from its beginning.
+//! Reads truth and laser extrinsics of a recording before its replay.
 
-use surepose::{Body, Map, Pose, Stamp};
-use surepose_data::Config;
-use surepose_data::recording::StampedPose;
-use surepose_lab::replay::Reference;
+use surepose::geometry::{Body, Map, Pose};
+use surepose::time::Stamp;
+use surepose_config::Config;
+use surepose_io::recording::StampedPose;
+use surepose_replay::Reference;
 
-use super::BagError;
-use super::reader::{Bag, BagMessage};
 use crate::convert::{MessageError, pose_of, stamp_of};
 use crate::extrinsics::ExtrinsicsResolver;
 
-/// How well a reference tells the start: standard deviations of x, y \[m] and heading \[rad].
+use super::BagError;
+use super::reader::{Bag, BagMessage};
+
+/// Uncertainty of a start from the reference: standard deviations of x, y \[m] and heading \[rad].
 pub(super) const REFERENCE_STD: [f64; 3] = [0.01, 0.01, 0.01];
 
-/// The truth, and how the laser sits: a node hears the latter as soon as it listens, whenever it was said.
+/// Reference poses, and laser extrinsics from `/tf_static`: a node receives these at its start.
 pub(super) struct BagIndex {
-    /// The reference poses in the order of time.
+    /// Reference poses in the order of time.
     pub(super) poses: Vec<StampedPose>,
-    /// When the first odometry was, if there is a truth.
+    /// Time of the first odometry; `None` without a reference.
     first: Option<Stamp>,
     pub(super) extrinsics: ExtrinsicsResolver,
 }
 
 impl BagIndex {
-    /// That of `bag`, whose laser sits as `config` says, or `/tf_static`; `skip` hears of what is no pose.
+    /// Reads the index of `bag`; the laser's pose is from `config` or `/tf_static`. `skip` receives rejected messages.
     ///
     /// # Errors
-    /// [`BagError`].
+    /// [`BagError`] for an unreadable recording.
     pub(super) fn from_bag(
         bag: &Bag,
         config: &Config,
@@ -36,7 +38,7 @@ impl BagIndex {
             Self { poses: Vec::new(), first: None, extrinsics: ExtrinsicsResolver::new(config) };
         if bag.needs_index() {
             bag.messages(|said| {
-                if let Err(why) = bag_index.hear(said) {
+                if let Err(why) = bag_index.add(said) {
                     skip(why);
                 }
             })?;
@@ -45,12 +47,12 @@ impl BagIndex {
         Ok(bag_index)
     }
 
-    /// Where the robot truly was at the first odometry.
+    /// Reference pose at the first odometry; `None` without one.
     pub(super) fn start(&self) -> Option<Pose<Map, Body, f64>> {
         Reference::new(&self.poses).at(self.first?.seconds())
     }
 
-    fn hear(&mut self, said: BagMessage) -> Result<(), MessageError> {
+    fn add(&mut self, said: BagMessage) -> Result<(), MessageError> {
         match said {
             BagMessage::Truth(told) => {
                 let Pose { x, y, heading, .. } = pose_of::<Map, Body>(&told.pose)?;

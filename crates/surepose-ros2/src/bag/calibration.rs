@@ -1,56 +1,60 @@
-//! What a recording has to calibrate from: how far the wheels turned by the base's own odometry, scans, and headings.
+//! Reads calibration data from a recording: wheel travel by odometry, scans and headings.
 
 use core::f64::consts::TAU;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use surepose::closed_loop::Controller;
-use surepose::{Angle, HeadingMeasurement, Measurement, Stamp, Stamped, WheelPair};
-use surepose_data::Config;
-use surepose_data::config::CompassParameters;
-use surepose_data::recording::{ScanRecord, SensorPose, StampedTicks};
-use surepose_lab::calibrate::{CalibrationRecording, Options, StampedHeading};
+use surepose::control::Controller;
+use surepose::estimation::{HeadingMeasurement, Measurement};
+use surepose::geometry::Angle;
+use surepose::kinematics::WheelPair;
+use surepose::time::{Stamp, Stamped};
+use surepose_config::{CompassParameters, Config};
+use surepose_io::recording::{ScanRecord, SensorPose, StampedTicks};
+use surepose_mapping::calibrate::{CalibrationRecording, Options, StampedHeading};
+
+use crate::convert::MessageError;
+use crate::driver::{OdometryAccumulator, SensorMessage};
+use crate::extrinsics::ExtrinsicsResolver;
+use crate::message::{LaserScan, Odometry};
+use crate::names::Names;
+use crate::sense;
 
 use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Truncation};
-use crate::convert::MessageError;
-use crate::extrinsics::ExtrinsicsResolver;
-use crate::message::{LaserScan, Odometry};
-use crate::names::Names;
-use crate::pilot::{OdometryAccumulator, SensorMessage};
-use crate::sense;
 
-/// The wheels' counters, which odometry's poses do not have, are made up so fine.
+/// Resolution of the encoder counts that are derived from odometry poses.
 const TICKS_PER_TURN: f64 = 1e5;
 
-/// How a wall's distance \[m] and direction \[rad] scatter beyond what a usual laser's noise explains.
+/// Standard deviation of a wall's distance \[m] and direction \[rad] beyond the usual laser noise.
 const WALL_STD: (f64, f64) = (0.01, 0.5 * TAU / 360.0);
 
-/// No mirror takes longer for a turn \[s].
+/// Longest sweep time of a scan \[s].
 const MAX_SWEEP_TIME: f64 = 1.0;
 
-/// A recording made ready, and what is known beforehand.
+/// Calibration data of a recording, with the initial values.
 #[derive(Clone, Debug)]
 pub struct Recorded {
-    /// What calibration reads. The counters come once in a period of the loop, for which δ is wanted.
+    /// Input of the calibration. Encoder counts have the control period, for which δ is estimated.
     pub recording: CalibrationRecording,
     /// Where it begins: the configuration's robot, with the laser's reach and the time of its sweep from the scans, and the
     /// heading at the start from the truth, where there is one.
     pub options: Options,
-    /// What was not used, by name and count.
+    /// Counts of unused messages, by reason.
     pub skipped: BTreeMap<&'static str, u64>,
-    /// Where the laser is taken to sit at first, and who says so; nothing, without a scan.
+    /// Initial laser extrinsics and their source; `None` without a scan.
     pub mounted: Option<String>,
-    /// The files that are cut short.
+    /// Truncated files.
     pub truncations: Vec<Truncation>,
 }
 
-/// Reads the recording at `path`, of which the topics are called as in `names`, of a base that takes its wheels for those
-/// of `config`: by these its odometry is turned back into how far they turned. `compass`: whether its headings count.
+/// Reads the recording at `path` with the topics of `names`, for calibration.
+///
+/// The wheel parameters of `config` convert odometry back to wheel travel. `compass`: whether headings are used.
 ///
 /// # Errors
-/// [`BagError`], where it is no recording, or is damaged.
+/// [`BagError`] for an unreadable or damaged recording.
 pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> Result<Recorded, BagError> {
     let required: &[Role] = if compass { &[Role::Scan, Role::Imu] } else { &[Role::Scan] };
     let bag = Bag::open(path, names, required)?;
@@ -62,14 +66,14 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
     options.start_heading =
         start.map(|start| HeadingMeasurement { heading: start.heading, std: REFERENCE_STD[2] });
     let mut gathering = Gathering::new(config, options, bag_index.extrinsics, skipped);
-    // Where the compass' zero is, is to be found.
+    // The compass offset is estimated.
     let laser_extrinsics = CompassParameters { offset: Angle::zero(), ..config.compass() };
     bag.messages(|said| {
         let refused = match said {
             BagMessage::Odometry(odometry) => gathering.roll(&odometry),
             BagMessage::Scan(scan) => gathering.see(scan),
             BagMessage::Imu(imu) if compass => {
-                sense::heading(&imu, &laser_extrinsics).map(|heard| gathering.turn(&heard))
+                sense::heading(&imu, &laser_extrinsics).map(|message| gathering.turn(&message))
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
@@ -81,13 +85,13 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
     Ok(gathering.finished())
 }
 
-/// A recording while it is read.
+/// Calibration data while the recording is read.
 struct Gathering {
     recorded: Recorded,
     extrinsics: ExtrinsicsResolver,
     controller: Controller<f64>,
     odometry_accumulator: Option<OdometryAccumulator>,
-    /// How far the wheels turned since the first odometry \[rad].
+    /// Wheel angles since the first odometry \[rad].
     turned: WheelPair<f64>,
 }
 
@@ -121,7 +125,7 @@ impl Gathering {
             return Ok(());
         };
         let Some(rims) = odometry_accumulator.add(&self.controller, at)? else { return Ok(()) };
-        // Where odometry was reset the wheels turned as nobody knows; the walls tell how far the robot came meanwhile.
+        // Wheel travel over an odometry reset is unknown; the walls constrain the motion.
         if (rims.right + rims.left).is_finite() {
             let turns = self.controller.drive.wheel_angle_from_travel(rims);
             self.turned = WheelPair::new(self.turned.right + turns.right, self.turned.left + turns.left);
@@ -141,8 +145,8 @@ impl Gathering {
     fn see(&mut self, message: LaserScan) -> Result<(), MessageError> {
         let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
         let laser_extrinsics = self.extrinsics.lookup(&message.header.frame_id)?;
-        let heard = sense::scan(message, laser_extrinsics)?;
-        let Stamped { stamp, value: SensorMessage::Scan(scan) } = heard else { return Ok(()) };
+        let stamped = sense::scan(message, laser_extrinsics)?;
+        let Stamped { stamp, value: SensorMessage::Scan(scan) } = stamped else { return Ok(()) };
         let time = stamp.seconds();
         let Recorded { recording, options, .. } = &mut self.recorded;
         if recording.scans.is_empty() {
@@ -155,7 +159,7 @@ impl Gathering {
         let returned = |range: f64| if reach.contains(&range) { range } else { f64::INFINITY };
         let mut ranges: Vec<f64> = scan.ranges.into_iter().map(returned).collect();
         let (mut angle_min, mut angle_increment) = (scan.angle_min, scan.angle_increment);
-        // Some lasers turn clockwise.
+        // Some lasers scan clockwise.
         if angle_increment < 0.0 {
             ranges.reverse();
             angle_min += angle_increment * ranges.len().saturating_sub(1) as f64;
@@ -176,11 +180,11 @@ impl Gathering {
         Ok(())
     }
 
-    fn turn(&mut self, heard: &Stamped<SensorMessage>) {
+    fn turn(&mut self, message: &Stamped<SensorMessage>) {
         if let SensorMessage::Measurement(Measurement::Heading(HeadingMeasurement { heading, .. })) =
-            heard.value
+            message.value
         {
-            let time = heard.stamp.seconds();
+            let time = message.stamp.seconds();
             self.recorded.recording.headings.push(StampedHeading { time, heading });
         }
     }
@@ -189,8 +193,7 @@ impl Gathering {
         *self.recorded.skipped.entry(why).or_default() += 1;
     }
 
-    /// In the order of time, for messages are recorded as they arrive; and only what odometry was there for, which a stamp
-    /// that nobody filled in is not.
+    /// Sorts the data by time, and drops measurements before the first odometry, including those with an unset stamp.
     fn finished(mut self) -> Recorded {
         let Recorded { mut recording, options, mut skipped, truncations, .. } = self.recorded;
         let CalibrationRecording { ticks, scans, headings, .. } = &mut recording;

@@ -1,14 +1,15 @@
-//! Which files a recording has: one, or the parts in which rosbag2 splits a long one.
+//! Finds the files of a recording: one file, or the parts of a split recording.
 
 use std::path::{Path, PathBuf};
 
 use super::BagError;
 
-/// The files of the recording at `path`, in the order of time: itself; or, in the folder that rosbag2 makes for it, the one that
-/// is there, or its parts `drive_0.mcap`, `drive_1.mcap` and so on.
+/// Files of the recording at `path`, in the order of time.
+///
+/// `path` is a file, or a folder of rosbag2 with one file or the parts `drive_0.mcap`, `drive_1.mcap` and so on.
 ///
 /// # Errors
-/// [`BagError::Unreadable`], and [`BagError::NotOneRecording`] where which files are meant is not plain.
+/// [`BagError::Unreadable`], and [`BagError::NotOneRecording`] for an ambiguous folder.
 pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
@@ -32,14 +33,14 @@ pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     Ok(parts.into_iter().map(|(_, path)| path).collect())
 }
 
-/// The name of a file of a recording without its extensions, that of the whole file's compression included.
+/// Name of a recording's file without its extensions, including that of a compression.
 fn name_of(path: &Path) -> Option<&str> {
     let name = path.file_name()?.to_str()?;
     let plain = [".zstd", ".zst", ".gz"].iter().find_map(|extension| name.strip_suffix(extension));
     plain.unwrap_or(name).strip_suffix(".mcap")
 }
 
-/// The name of the recording that a file is a part of, and which part.
+/// Name of the recording and number of the part.
 fn part_of(path: &Path) -> Option<(String, u64)> {
     let (name, number) = name_of(path)?.rsplit_once('_')?;
     Some((name.to_owned(), number.parse().ok()?))

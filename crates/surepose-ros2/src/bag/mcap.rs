@@ -1,4 +1,4 @@
-//! MCAP records, read front to back: those that ROS 2 messages follow from, and no others.
+//! Reads the MCAP records of ROS 2 messages sequentially.
 //!
 //! The format is MCAP version 0, <https://mcap.dev/spec>. A file is a magic number and records of opcode, length and
 //! content; a chunk is a record that holds records, compressed or not. Every length is checked before its use, memory is
@@ -6,6 +6,7 @@
 
 mod chunk;
 mod content;
+mod error;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -13,19 +14,19 @@ pub(super) mod writer;
 
 use std::io::{ErrorKind, Read};
 
-use chunk::Chunk;
+pub(super) use content::Record;
+pub use error::McapError;
+
+use chunk::{Chunk, MAX_RECORD_LENGTH};
 use content::Content;
 
 /// First and last bytes of a file.
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// Longest record that is held in memory, compressed or not \[bytes\].
-const MAX_RECORD_LENGTH: u64 = 1 << 28;
-
-/// Longest record that is passed over, such as an attachment \[bytes\].
+/// Longest record that is skipped, such as an attachment \[bytes\].
 const MAX_SKIPPED_LENGTH: u64 = 1 << 40;
 
-/// Opcodes, by the names of the specification. All others are passed over.
+/// Opcodes, by the names of the specification. All others are skipped.
 pub(super) mod opcode {
     pub(crate) const FOOTER: u8 = 0x02;
     pub(crate) const SCHEMA: u8 = 0x03;
@@ -35,14 +36,6 @@ pub(super) mod opcode {
     pub(crate) const DATA_END: u8 = 0x0f;
 }
 
-/// A record that is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Record<'a> {
-    Schema { id: u16, name: &'a str },
-    Channel { id: u16, schema_id: u16, topic: &'a str, encoding: &'a str },
-    Message { channel_id: u16, data: &'a [u8] },
-}
-
 /// How a file ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ending {
@@ -50,73 +43,6 @@ pub(super) enum Ending {
     Complete,
     /// Before the end of its data, at this offset \[bytes, decompressed file\].
     Truncated { offset: u64 },
-}
-
-/// What is wrong with the records of a file. Offsets count the bytes of the decompressed file.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum McapError {
-    /// The file does not start as MCAP does.
-    #[error("the MCAP magic number is missing")]
-    NoMagic,
-    /// A record is longer than any that is read.
-    #[error("record at byte {offset}: too long (got {length} bytes, expected at most {limit})")]
-    RecordTooLong {
-        /// Start of the record.
-        offset: u64,
-        /// Its declared length \[bytes\].
-        length: u64,
-        /// Longest that is read \[bytes\].
-        limit: u64,
-    },
-    /// A record is shorter than its fields, or a text in it is not UTF-8.
-    #[error("record at byte {offset}: its fields do not fit its length, or a text in it is not UTF-8")]
-    Malformed {
-        /// Start of the record, or of its chunk.
-        offset: u64,
-    },
-    /// A chunk is compressed by an unknown method.
-    #[error("chunk at byte {offset}: unknown compression '{name}' (expected zstd, lz4 or none)")]
-    UnknownCompression {
-        /// Start of the chunk.
-        offset: u64,
-        /// The method.
-        name: String,
-    },
-    /// A chunk cannot be decompressed.
-    #[error("chunk at byte {offset}: cannot be decompressed: {problem}")]
-    Decompression {
-        /// Start of the chunk.
-        offset: u64,
-        /// What is wrong with it.
-        problem: std::io::Error,
-    },
-    /// A chunk does not hold as many bytes as it declares.
-    #[error("chunk at byte {offset}: wrong size (expected {declared} bytes, got {}{found})", if .found > .declared { "at least " } else { "" })]
-    ChunkSize {
-        /// Start of the chunk.
-        offset: u64,
-        /// Declared size of its records \[bytes\].
-        declared: u64,
-        /// Bytes that were decompressed; one more than declared, if there are more.
-        found: u64,
-    },
-    /// The checksum of a chunk is wrong.
-    #[error("chunk at byte {offset}: wrong CRC (got {found:08x}, expected {declared:08x})")]
-    Checksum {
-        /// Start of the chunk.
-        offset: u64,
-        /// Declared CRC-32.
-        declared: u32,
-        /// CRC-32 of its records.
-        found: u32,
-    },
-    /// The file expands to more than any recording of its length.
-    #[error("the recording expands to more than {limit} bytes, which its length does not justify")]
-    TooLarge {
-        /// Most bytes that are read \[bytes\].
-        limit: u64,
-    },
 }
 
 /// Why reading stopped: a file that cannot be read, records that are damaged, or the error of the record's consumer.
@@ -148,7 +74,7 @@ impl Limits {
 
 /// Reads the records of `input` up to the end of its data, those in chunks as well, and passes them to `consume`.
 ///
-/// A file that is cut short yields the records before the cut.
+/// A truncated file yields the records before the cut.
 ///
 /// # Errors
 /// [`ReadError`].
@@ -253,7 +179,7 @@ impl<R: Read, E, F: FnMut(Record<'_>) -> Result<(), E>> Reader<R, F> {
         self.advance(read, length, result.map(|_| ()))
     }
 
-    /// Passes over `length` bytes. `false`: the file ends before.
+    /// Skips `length` bytes. `false`: the file ends before.
     fn skip(&mut self, length: u64) -> Result<bool, ReadError<E>> {
         let mut left = length;
         while left > 0 {
@@ -271,7 +197,7 @@ impl<R: Read, E, F: FnMut(Record<'_>) -> Result<(), E>> Reader<R, F> {
         Ok(true)
     }
 
-    /// Counts what was `read` of the bytes that were `required`. A compressed file that is cut short ends at the cut.
+    /// Counts what was `read` of the bytes that were `required`. A truncated compressed file ends at the cut.
     fn advance(
         &mut self,
         read: u64,

@@ -1,4 +1,4 @@
-//! From a recording in MCAP to its messages.
+//! Reads the messages of an MCAP recording.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
 use serde::de::DeserializeOwned;
-use surepose_data::read_plain;
+use surepose_io::read_plain;
+
+use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
+use crate::names::Names;
 
 use super::files::files_of;
 use super::mcap::{Ending, Limits, McapError, ReadError, Record, read_records};
 use super::{BagError, Truncation};
-use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
-use crate::names::Names;
 
-/// The types that are understood.
+/// Message types that are read.
 const ODOMETRY: &str = "nav_msgs/msg/Odometry";
 const SCAN: &str = "sensor_msgs/msg/LaserScan";
 const IMU: &str = "sensor_msgs/msg/Imu";
@@ -22,10 +23,10 @@ const POSE: &str = "geometry_msgs/msg/PoseStamped";
 const POSE_WITH_COVARIANCE: &str = "geometry_msgs/msg/PoseWithCovarianceStamped";
 const JOINTS: &str = "tf2_msgs/msg/TFMessage";
 
-/// Where joints are told that do not move, by convention the same for all robots.
+/// Topic of static transforms, the same for all robots by convention.
 const STATIC: &str = "/tf_static";
 
-/// A message that says something of the robot.
+/// Message of the recording that the driver uses.
 pub(super) enum BagMessage {
     Odometry(Box<Odometry>),
     Scan(LaserScan),
@@ -34,7 +35,7 @@ pub(super) enum BagMessage {
     StaticTransforms(TfMessage),
 }
 
-/// What a channel is for.
+/// Role of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Odometry,
@@ -45,7 +46,7 @@ pub(super) enum Role {
 }
 
 impl Role {
-    /// What the node calls a topic of this role.
+    /// Name of this role's topic in the node.
     fn name(self) -> &'static str {
         match self {
             Self::Odometry => "odom",
@@ -56,7 +57,7 @@ impl Role {
         }
     }
 
-    /// The types that its messages may have.
+    /// Message types of this role.
     fn kinds(self) -> &'static [&'static str] {
         match self {
             Self::Odometry => &[ODOMETRY],
@@ -67,13 +68,13 @@ impl Role {
         }
     }
 
-    /// Whether a channel's messages can be read for it.
+    /// Whether the messages of `channel` can have this role.
     fn fits(self, channel: &Channel) -> bool {
         channel.encoding == "cdr" && self.kinds().contains(&channel.kind.as_str())
     }
 }
 
-/// A channel of the recording.
+/// Channel of a recording.
 #[derive(Clone, Debug)]
 struct Channel {
     topic: String,
@@ -81,24 +82,25 @@ struct Channel {
     encoding: String,
 }
 
-/// A recording.
+/// Recording with its files.
 pub(super) struct Bag {
     parts: Vec<Part>,
     truncations: Vec<Truncation>,
 }
 
-/// One file of it, and what is meant by its channels.
+/// File of a recording, with the roles of its channels.
 struct Part {
     path: PathBuf,
     roles: BTreeMap<u16, (Role, Channel)>,
 }
 
 impl Bag {
-    /// The recording at `path`, or the one in that folder, with the topics of `names`; a topic that is the only one of its type may
-    /// have any name, but for the truth. Besides odometry those that are `required` must be there.
+    /// Opens the recording at `path`, a file or a folder with one recording, with the topics of `names`.
+    ///
+    /// Except for the truth, a topic that is the only one of its type may have any name. Odometry and `required` topics must exist.
     ///
     /// # Errors
-    /// [`BagError`].
+    /// [`BagError`] for an unreadable, damaged or ambiguous recording.
     pub(super) fn open(path: &Path, names: &Names, required: &[Role]) -> Result<Self, BagError> {
         let files = files_of(path)?;
         let read = |file: &PathBuf| channels(file).map_err(|problem| in_part(files.len(), file, problem));
@@ -107,7 +109,7 @@ impl Bag {
         let truncations =
             files.iter().zip(endings).filter_map(|(file, ending)| truncation(file, ending)).collect();
         let channels: Vec<_> = of_files.iter().flat_map(|channels| channels.values().cloned()).collect();
-        // A truth may be odometry by its type; then it is not the robot's own.
+        // A truth of type odometry is not the robot's odometry.
         let truth = topic(&channels, names, Role::Truth, None)?;
         let of = |role: Role| match topic(&channels, names, role, truth.as_deref())? {
             None if role == Role::Odometry || required.contains(&role) => Err(BagError::NoTopic {
@@ -138,22 +140,22 @@ impl Bag {
         Ok(Self { parts: files.into_iter().zip(of_files).map(part).collect(), truncations })
     }
 
-    /// The files that end before their data do.
+    /// Truncated files.
     pub(super) fn truncations(&self) -> &[Truncation] {
         &self.truncations
     }
 
-    /// Whether anything is to be known beforehand: a truth to judge by, or how the laser sits.
+    /// Whether a replay needs the index: for a truth or static transforms.
     pub(super) fn needs_index(&self) -> bool {
         let mut roles = self.parts.iter().flat_map(|part| part.roles.values());
         roles.any(|(role, _)| matches!(role, Role::Truth | Role::StaticTransforms))
     }
 
-    /// Gives `hear` the messages that say something, in the order of the files.
+    /// Passes each message of a known role to `consume`, in the order of the files.
     ///
     /// # Errors
-    /// Where the recording is damaged, or a message is not what its type says.
-    pub(super) fn messages(&self, mut hear: impl FnMut(BagMessage)) -> Result<(), BagError> {
+    /// [`BagError`] for a damaged recording, or a message that does not match its type.
+    pub(super) fn messages(&self, mut consume: impl FnMut(BagMessage)) -> Result<(), BagError> {
         let mut numbers = BTreeMap::<&str, u64>::new();
         self.parts.iter().try_for_each(|part| {
             records(&part.path, |record| {
@@ -167,7 +169,7 @@ impl Bag {
                     kind: channel.kind.clone(),
                     problem,
                 })?;
-                hear(said);
+                consume(said);
                 Ok(())
             })
             .map(|_| ())
@@ -176,7 +178,7 @@ impl Bag {
     }
 }
 
-/// What is wrong with a file, by its name if there are several `parts`.
+/// Adds the file's name to an error if the recording has several `parts`.
 fn in_part(parts: usize, path: &Path, problem: BagError) -> BagError {
     if parts == 1 {
         return problem;
@@ -185,7 +187,7 @@ fn in_part(parts: usize, path: &Path, problem: BagError) -> BagError {
     BagError::Part { file, problem: Box::new(problem) }
 }
 
-/// What a message says. The truth may be told in several ways.
+/// Decodes a message. The truth may have several types.
 fn said(role: Role, kind: &str, data: &[u8]) -> Result<BagMessage, String> {
     Ok(match role {
         Role::Odometry => BagMessage::Odometry(decoded(data)?),
@@ -206,7 +208,7 @@ fn said(role: Role, kind: &str, data: &[u8]) -> Result<BagMessage, String> {
     })
 }
 
-/// What is missing of a file; `None` if it is complete.
+/// Truncation of a file; `None` if it is complete.
 fn truncation(file: &Path, ending: Ending) -> Option<Truncation> {
     match ending {
         Ending::Complete => None,
@@ -214,7 +216,7 @@ fn truncation(file: &Path, ending: Ending) -> Option<Truncation> {
     }
 }
 
-/// Every channel of a file, by its number, and how the file ends.
+/// Channels of a file by number, and the ending of the file.
 fn channels(path: &Path) -> Result<(BTreeMap<u16, Channel>, Ending), BagError> {
     let (mut kinds, mut channels) = (BTreeMap::new(), BTreeMap::new());
     let ending = records(path, |record| {
@@ -234,7 +236,7 @@ fn channels(path: &Path) -> Result<(BTreeMap<u16, Channel>, Ending), BagError> {
     Ok((channels, ending))
 }
 
-/// Gives `on` the records of a file, those in chunks as well.
+/// Passes the records of a file, including those in chunks, to `on`.
 fn records(path: &Path, on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> Result<Ending, BagError> {
     let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
     let file = read_plain(path).map_err(unreadable)?;
@@ -247,8 +249,9 @@ fn records(path: &Path, on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> R
     })
 }
 
-/// The topic for `role`: the one that the node calls so, or else, but for the truth, the only one of its type that is not
-/// `taken`.
+/// Topic of `role`: the one with the node's name, or else the only one of its type that is not `taken`.
+///
+/// The truth must have the node's name.
 fn topic(
     channels: &[Channel],
     names: &Names,
@@ -262,7 +265,7 @@ fn topic(
         .collect();
     candidates.sort();
     candidates.dedup();
-    // Its own name was checked when it was written.
+    // `Names` checks its own names.
     let own = role.name();
     let name = names.of(own).map_or_else(|_| own.to_owned(), |name| name.to_string());
     if candidates.contains(&name) {
@@ -282,23 +285,23 @@ fn topic(
     }
 }
 
-/// The topics that there are.
+/// List of the topics.
 fn present(channels: &[Channel]) -> String {
     let described =
         |channel: &Channel| format!("{} ({})", channel.topic.escape_debug(), channel.kind.escape_debug());
-    // Each file of a recording has the same ones, as a rule.
+    // The files of a recording usually have the same topics.
     let listed = channels.iter().map(described).collect::<BTreeSet<_>>();
     let listed = listed.into_iter().collect::<Vec<_>>().join(", ");
     if listed.is_empty() { "none".to_owned() } else { listed }
 }
 
-/// A message in CDR, behind the four bytes that say in which order its bytes are.
+/// Decodes CDR after its header of 4 bytes, which gives the byte order.
 fn decoded<M: DeserializeOwned>(data: &[u8]) -> Result<M, String> {
-    let (header, body) = data.split_at_checked(4).ok_or("it has no header")?;
+    let (header, body) = data.split_at_checked(4).ok_or("no CDR header")?;
     let message = match header {
         [0, 0, ..] => from_bytes::<M, BigEndian>(body),
         [0, 1, ..] => from_bytes::<M, LittleEndian>(body),
-        _ => return Err(format!("its encoding {header:02x?} is not plain CDR")),
+        _ => return Err(format!("unknown encoding (got {header:02x?}, expected plain CDR)")),
     };
     message.map(|(message, _)| message).map_err(|problem| problem.to_string())
 }

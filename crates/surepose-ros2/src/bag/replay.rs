@@ -1,26 +1,33 @@
-//! The driver on a recording, judged by its truth where it has one.
+//! Replays a recording with the driver, and evaluates its estimates against the truth.
 
 use std::path::Path;
 use std::time::Instant;
 
-use surepose::{Belief, Body, Health, Map, Pose, Stamp};
-use surepose_data::recording::StampedPose;
-use surepose_lab::replay::{ErrorAccumulator, Reference, ReplayReport, motion_between};
+use surepose::estimation::Belief;
+use surepose::geometry::{Body, Map, Pose};
+use surepose::kinematics::Motion;
+use surepose::safety::Health;
+use surepose::time::Stamp;
+use surepose_io::recording::StampedPose;
+use surepose_replay::{Reference, ReplayReport};
+use surepose_sim::ErrorAccumulator;
+
+use crate::convert::MessageError;
+use crate::driver::{DriverReport, NodeDriver, NodeDriverSettings, Odom};
+use crate::names::Names;
+use crate::sense;
 
 use super::bag_index::{BagIndex, REFERENCE_STD};
 use super::reader::{Bag, BagMessage, Role};
 use super::{BagError, Notice};
-use crate::convert::MessageError;
-use crate::names::Names;
-use crate::pilot::{DriverReport, NodeDriver, NodeDriverSettings, Odom};
-use crate::sense;
 
-/// Replays the recording at `path`, of which the topics are called as in `names`. Where `settings` name no start, it is
-/// that of the reference; where there is none either, the robot looks for itself on the map. `notify` receives each
-/// [`Notice`]: where the laser sits, and which files are cut short.
+/// Replays the recording at `path` with the topics of `names`.
+///
+/// Without a start in `settings`, the start is that of the reference, or else from global localization. `notify` receives each
+/// [`Notice`]: laser extrinsics and truncated files.
 ///
 /// # Errors
-/// [`BagError`], where it is no recording, or is damaged.
+/// [`BagError`] for an unreadable or damaged recording.
 pub fn replay(
     path: &Path,
     settings: &NodeDriverSettings,
@@ -62,10 +69,10 @@ pub fn replay(
                 }
                 laser_extrinsics
                     .and_then(|laser_extrinsics| sense::scan(scan, laser_extrinsics))
-                    .map(|heard| driver.add_measurement(heard))
+                    .map(|message| driver.add_measurement(message))
             }
             BagMessage::Imu(imu) if hears_compass => {
-                sense::heading(&imu, &compass).map(|heard| driver.add_measurement(heard))
+                sense::heading(&imu, &compass).map(|message| driver.add_measurement(message))
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
@@ -77,7 +84,7 @@ pub fn replay(
     Ok(report)
 }
 
-/// What is known of the recording's truth, and how far the estimates were from it.
+/// Reference poses of the recording, and the errors of the estimates.
 struct Judge<'a> {
     reference: Reference<'a>,
     score: ErrorAccumulator,
@@ -105,7 +112,7 @@ impl<'a> Judge<'a> {
     fn rolled(&mut self, stamp: Stamp, odometry: Pose<Odom, Body, f64>, report: &mut ReplayReport) {
         report.steps += 1;
         if let Some((_, last)) = self.last {
-            report.distance_m += motion_between(last, odometry).length.abs();
+            report.distance_m += Motion::between(last, odometry).length.abs();
         }
         self.first = self.first.or(Some(stamp));
         self.last = Some((stamp, odometry));

@@ -1,4 +1,4 @@
-//! Recordings of the simulated robot, and of what is none.
+//! Tests with recordings of the simulated robot, and with invalid files.
 
 mod recorder;
 
@@ -7,22 +7,24 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use surepose::{DiffDrive, Pose, Stamp, Twist, param};
-use surepose_lab::CancelToken;
-use surepose_lab::calibrate::calibrate;
-use surepose_lab::replay::ReplayReport;
-use surepose_lab::robot::Scenario;
-use surepose_sim::SimulatedScan;
+use recorder::{File, Recorder, Robot, recorded_by, round, winding};
+use surepose::geometry::Pose;
+use surepose::kinematics::{DiffDrive, Twist};
+use surepose::param;
+use surepose::time::Stamp;
+use surepose_mapping::calibrate::calibrate;
+use surepose_replay::ReplayReport;
+use surepose_sim::robot::Scenario;
+use surepose_sim::{CancelToken, SimulatedScan};
 
-use super::*;
+use crate::driver::NodeDriverSettings;
 use crate::message::Quaternion;
 use crate::names::Names;
-use crate::pilot::NodeDriverSettings;
 use crate::robot::messages;
 
-use recorder::{File, Recorder, Robot, recorded_by, round, winding};
+use super::*;
 
-/// Those of a robot that is told nothing of its start but by the truth.
+/// Settings of a robot whose start is from the truth.
 fn settings() -> NodeDriverSettings {
     NodeDriverSettings { start: None, ..NodeDriverSettings::in_scenario(&Scenario::default()) }
 }
@@ -32,7 +34,7 @@ fn replay(path: &Path, settings: &NodeDriverSettings, names: &Names) -> Result<R
 }
 
 #[test]
-fn a_recording_is_judged_by_its_truth() {
+fn replay_is_evaluated_against_the_truth() {
     let file = File::new("round", &round(30.0, "/base/odom").finished());
     let names = Names::default();
     let report = replay(&file.0, &settings(), &names).unwrap();
@@ -44,9 +46,9 @@ fn a_recording_is_judged_by_its_truth() {
     assert!(report.dead_reckoning_position_rmse_m.unwrap() > 0.01, "{report:?}");
     assert!(report.accepted > 500 && report.skipped.is_empty(), "{report:?}");
 
-    assert_eq!(report.found_s, None, "it was never lost");
+    assert_eq!(report.found_s, None, "the robot was never lost");
 
-    // Without a map and a compass there is nothing but odometry.
+    // Without a map and a compass the driver uses odometry alone.
     let blind = NodeDriverSettings { map: None, compass: false, ..settings() };
     let report = replay(&file.0, &blind, &names).unwrap();
     assert_eq!(report.accepted, 0);
@@ -55,7 +57,7 @@ fn a_recording_is_judged_by_its_truth() {
 }
 
 #[test]
-fn which_topic_is_meant_is_asked_where_it_is_not_plain() {
+fn ambiguous_topics_are_errors() {
     let mut recorder = round(1.0, "/base/odom");
     let now = Stamp::from_seconds(1.7e9 + 1.0);
     let other = messages::odometry(now, Pose::identity(), Twist::zero());
@@ -70,9 +72,9 @@ fn which_topic_is_meant_is_asked_where_it_is_not_plain() {
     assert!(said.contains("no topic /nowhere") && said.contains("/visual/odom (nav_msgs"), "{said}");
 }
 
-/// Who says that there is a compass, or a map, wants them heard.
+/// Settings with a compass or a map require their topics.
 #[test]
-fn what_is_wanted_must_be_there() {
+fn required_topics_must_exist() {
     let mut recorder = Recorder::new();
     let now = Stamp::from_seconds(1.7e9);
     recorder.write(
@@ -94,7 +96,7 @@ fn what_is_wanted_must_be_there() {
 }
 
 #[test]
-fn a_recording_may_be_compressed_as_a_whole() {
+fn compressed_files_are_read() {
     let bytes = round(16.0, "/odom").finished();
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(&bytes).unwrap();
@@ -109,9 +111,9 @@ fn a_recording_may_be_compressed_as_a_whole() {
     assert!(matches!(none, BagError::NoMcap), "{none}");
 }
 
-/// A simulator tells the truth as odometry, beside the robot's own; and a topic may have channels of another type.
+/// A simulator publishes the truth as odometry as well; a topic may also have channels of another type.
 #[test]
-fn a_truth_of_odometry_s_type_is_not_taken_for_the_robot_s_own() {
+fn truth_of_type_odometry_is_not_used_as_odometry() {
     let true_start = messages::odometry(Stamp::from_seconds(1.7e9 + 0.5), Pose::identity(), Twist::zero());
     let mut recorder = Recorder::new();
     recorder.write("/truth", "nav_msgs/msg/Odometry", Stamp::from_seconds(1.7e9), &true_start);
@@ -132,7 +134,7 @@ fn a_truth_of_odometry_s_type_is_not_taken_for_the_robot_s_own() {
 }
 
 #[test]
-fn what_is_no_recording_is_refused_and_nothing_panics() {
+fn invalid_recordings_are_errors_without_panic() {
     let bytes = round(1.0, "/odom").finished();
     let mut broken = vec![Vec::new(), b"not a recording".to_vec()];
     broken.extend([8, 40].map(|length| bytes[..length].to_vec()));
@@ -140,7 +142,7 @@ fn what_is_no_recording_is_refused_and_nothing_panics() {
         let file = File::new(&format!("broken-{number}"), bytes);
         assert!(replay(&file.0, &settings(), &Names::default()).is_err(), "{} bytes", bytes.len());
     }
-    // Every byte may be wrong: an error or another recording, and no panic.
+    // A wrong byte gives an error or another recording, without a panic.
     for place in (0..bytes.len()).step_by(bytes.len() / 300) {
         let mut bytes = bytes.clone();
         bytes[place] ^= 0xff;
@@ -153,9 +155,9 @@ fn what_is_no_recording_is_refused_and_nothing_panics() {
     assert!(matches!(absent, Err(BagError::Unreadable { .. })));
 }
 
-/// A recorder that is interrupted writes no end.
+/// An interrupted recorder writes no footer.
 #[test]
-fn a_recording_that_is_cut_short_is_used_up_to_the_cut() {
+fn truncated_recording_is_used_up_to_the_cut() {
     let bytes = round(4.0, "/odom").finished();
     let file = File::new("cut", &bytes[..bytes.len() / 2]);
     let mut notices = Vec::new();
@@ -170,18 +172,18 @@ fn a_recording_that_is_cut_short_is_used_up_to_the_cut() {
 }
 
 #[test]
-fn a_message_that_is_none_is_named() {
+fn undecodable_message_is_named() {
     let mut recorder = round(1.0, "/odom");
     let now = Stamp::from_seconds(1.7e9 + 1.0);
     recorder.write_bytes("/odom", "nav_msgs/msg/Odometry", now, &[0, 1, 0, 0, 7]);
     let file = File::new("short", &recorder.finished());
     let said = replay(&file.0, &settings(), &Names::default()).unwrap_err().to_string();
-    assert!(said.starts_with("message 21 of /odom is no nav_msgs/msg/Odometry"), "{said}");
+    assert!(said.starts_with("message 21 of /odom: not a nav_msgs/msg/Odometry"), "{said}");
 }
 
 /// rosbag2 splits long recordings, each part with its own channels.
 #[test]
-fn a_folder_stands_for_the_one_recording_in_it() {
+fn folder_with_one_recording_is_read() {
     let folder = std::env::temp_dir().join(format!("surepose-{}-folder", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let replayed = || replay(&folder, &settings(), &Names::default());
@@ -191,7 +193,7 @@ fn a_folder_stands_for_the_one_recording_in_it() {
         let base = scenario.world().drive;
         Robot { scenario, base, hangs: false }
     };
-    // The parts of one drive: what is recorded later goes into the next file. The tenth comes after the ninth.
+    // Parts of one recording in the order of time; the tenth follows the ninth.
     let whole = recorded_by(&robot(), 6.0, "/odom", |_| Twist::new(0.2, 0.2));
     let begin = 1.7e9;
     for (part, from, to) in [(8, 0.0, 2.0), (9, 2.0, 4.0), (10, 4.0, 7.0)] {
@@ -218,21 +220,21 @@ fn a_folder_stands_for_the_one_recording_in_it() {
 
     std::fs::write(folder.join("drive_9.mcap"), b"no part of it").unwrap();
     let said = replayed().unwrap_err().to_string();
-    assert!(said.starts_with("in drive_9.mcap: this is no MCAP recording"), "{said}");
+    assert!(said.starts_with("in drive_9.mcap: not an MCAP recording"), "{said}");
     std::fs::write(folder.join("other_0.mcap"), b"").unwrap();
     assert!(matches!(replayed(), Err(BagError::NotOneRecording { count: 4 })));
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// The base takes the track for 5 % wider than it is and the wheels for 3 % larger, and its odometry shows it.
+/// The base's odometry assumes a wheel separation 5 % and radii 3 % too large.
 #[test]
-fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
+fn base_with_wrong_wheel_parameters_is_calibrated() {
     let scenario = Scenario::default();
     let truth = scenario.world().drive;
     let base = DiffDrive::new(1.03 * truth.radius.right, 1.05 * truth.wheel_separation);
     let robot = Robot { scenario: scenario.clone(), base, hangs: false };
     let mut recorder = recorded_by(&robot, 120.0, "/odom", winding);
-    // Scans that nobody stamped are of no moment of the drive.
+    // Scans without a stamp are skipped.
     let unstamped = SimulatedScan { angle_min: -1.5, angle_increment: 0.05, ranges: vec![1.0; 61] };
     for _ in 0..50 {
         let scan = messages::scan(Stamp::default(), &unstamped);
@@ -244,7 +246,7 @@ fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
     let config = scenario.config.with_preset("base", &preset);
     let Recorded { recording, options, skipped, .. } =
         recorded(&file.0, &config, &Names::default(), true).unwrap();
-    // Besides them, what was measured before the first odometry came, at 0.05 s.
+    // Measurements before the first odometry, at 0.05 s, are skipped as well.
     let count = skipped["without_odometry"];
     assert!((50..60).contains(&count) && skipped.len() == 1, "{skipped:?}");
     let found = calibrate(&recording, &options, &CancelToken::default()).unwrap().parameters();
@@ -264,9 +266,9 @@ fn a_base_that_takes_its_wheels_for_others_is_calibrated_from_its_odometry() {
     }
 }
 
-/// The configuration says nothing of the laser, which sits on the robot's side and hangs upside down.
+/// The configuration has no laser pose; the laser is mounted off-center and upside down.
 #[test]
-fn how_the_laser_sits_is_known_by_tf_static() {
+fn laser_extrinsics_are_read_from_tf_static() {
     let options = ["laser.x_m=0.2", "laser.y_m=-0.1", "laser.heading_deg=-60"];
     let config =
         options.iter().fold(Scenario::default().config, |config, option| config.with_option(option).unwrap());
@@ -277,7 +279,7 @@ fn how_the_laser_sits_is_known_by_tf_static() {
     let record = || recorded_by(&robot, 60.0, "/odom", winding);
     let without = File::new("untold", &record().finished());
     let mut told = messages::mounted(sits);
-    // About its own x axis it is turned by 180°.
+    // Rotation by 180° about its x axis.
     let Quaternion { z, w, .. } = told.transforms[0].transform.rotation;
     told.transforms[0].transform.rotation = Quaternion { x: w, y: z, z: 0.0, w: 0.0 };
     let mut recorder = record();
@@ -287,7 +289,7 @@ fn how_the_laser_sits_is_known_by_tf_static() {
     let (settings, names) = (settings(), Names::default());
     let judged = |file: &File| replay(&file.0, &settings, &names).unwrap();
     let (untold, told) = (judged(&without), judged(&with));
-    assert!(untold.accepted < told.accepted / 2, "no walls are where it looks: {untold:?}");
+    assert!(untold.accepted < told.accepted / 2, "a wrong laser pose matches few walls: {untold:?}");
     assert!(told.position_rmse_m.unwrap() < 0.005 && told.heading_rmse_deg.unwrap() < 0.1, "{told:?}");
     assert!((2.0..4.5).contains(&told.nees_mean.unwrap()), "{told:?}");
 

@@ -1,4 +1,4 @@
-//! The action `navigate_to_pose`: goals with feedback, a result and a way to call them off.
+//! Server of the action `navigate_to_pose`.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,34 +12,34 @@ use ros2_client::action::{
 };
 use ros2_client::builtin_interfaces::Duration as RosDuration;
 use ros2_client::{ActionTypeName, Node, ReadResult, ServiceMapping};
-use surepose::Stamp;
+use surepose::navigator::GoalResult;
+use surepose::time::Stamp;
 
 use crate::convert::{header, pose_message};
-use crate::message::{NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped};
-use crate::pilot::{DriverReport, GoalResult};
-
 use crate::dds::{NodeError, latched, refused, reliable};
+use crate::driver::DriverReport;
+use crate::message::{NavigateToPoseFeedback, NavigateToPoseGoal, NavigateToPoseResult, PoseStamped};
 use crate::names::Names;
 
-/// The action server, shared with those results that nobody has fetched yet.
+/// Action server, shared with the results that clients have not requested yet.
 pub(super) type Served =
     Arc<AsyncActionServer<NavigateToPoseGoal, NavigateToPoseResult, NavigateToPoseFeedback>>;
 
-/// A goal that somebody asks for.
+/// Requested goal.
 pub(super) type NewGoal = NewGoalHandle<NavigateToPoseGoal>;
 
-/// Somebody calls goals off.
+/// Request to cancel goals.
 pub(super) type CancelRequest = CancelHandle;
 
-/// No error, as of [Nav2's codes](https://docs.nav2.org), and one that has no code of its own: the message says it.
+/// Error codes of [Nav2](https://docs.nav2.org): no error, and an error that only the message describes.
 const NONE: u16 = 0;
 const UNKNOWN: u16 = 9000;
 
-/// A result that nobody asks for is kept for so many looks, of which each lasts so long.
+/// Number and duration of the polls for a result request, after which the result is dropped.
 const LOOKS: u32 = 600;
 const LOOK: Duration = Duration::from_millis(100);
 
-/// The server, and the goal that the robot drives to because of it.
+/// Action server and its active goal.
 pub(super) struct NavigateAction {
     server: Served,
     current: Option<Current>,
@@ -50,7 +50,7 @@ struct Current {
     since: Stamp,
 }
 
-/// A result under way to who asked for the goal.
+/// Delivery of a result to the client.
 pub(super) struct ResultDelivery {
     server: Served,
     handle: ExecutingGoalHandle<NavigateToPoseGoal>,
@@ -78,12 +78,12 @@ impl NavigateAction {
         Arc::clone(&self.server)
     }
 
-    /// What is asked for; nothing where the middleware has lost it.
+    /// Requested pose; `None` if the middleware has lost the request.
     pub(super) fn goal_of(&self, handle: &NewGoal) -> Option<NavigateToPoseGoal> {
         self.server.get_new_goal(handle.clone())
     }
 
-    /// The robot drives to this goal now.
+    /// Accepts `goal` as the active goal.
     pub(super) async fn accept(&mut self, handle: NewGoal, now: Stamp) {
         if let Ok(accepted) = self.server.accept_goal(handle).await
             && let Ok(handle) = self.server.start_executing_goal(accepted).await
@@ -93,11 +93,11 @@ impl NavigateAction {
     }
 
     pub(super) async fn reject(&self, handle: NewGoal) {
-        // Who is gone hears nothing.
+        // A client that has left receives no answer.
         let _sent = self.server.reject_goal(handle).await;
     }
 
-    /// Whether this calls off what the robot drives to; who asks is told.
+    /// Answers a cancel request, and returns whether it cancels the active goal.
     pub(super) async fn cancels(&self, request: &CancelRequest) -> bool {
         let goal = self.current.as_ref().map(|current| current.handle.goal_id());
         let meant = goal.filter(|goal| request.contains_goal(goal));
@@ -105,7 +105,7 @@ impl NavigateAction {
         meant.is_some()
     }
 
-    /// Tells who asked for the goal how far the robot is: `least` \[s] is the least time that the rest can take.
+    /// Publishes feedback; `least` \[s] is the shortest possible remaining time.
     pub(super) async fn feed_back(&self, report: &DriverReport, distance: f64, least: f64, frame: &str) {
         let Some(current) = &self.current else { return };
         let pose =
@@ -117,18 +117,19 @@ impl NavigateAction {
             number_of_recoveries: 0,
             distance_remaining: distance as f32,
         };
-        // A goal that is being called off takes none.
+        // A goal that is being canceled takes no feedback.
         let _sent = self.server.publish_feedback(current.handle.clone(), feedback).await;
     }
 
-    /// The goal is over: what is to be delivered, where it was this action's.
+    /// Ends the active goal and returns its result; `None` if the goal is not from this action.
     pub(super) fn ended(&mut self, ended: GoalResult) -> Option<ResultDelivery> {
         let current = self.current.take()?;
         let (status, code, message) = match ended {
             GoalResult::Reached => (GoalEndStatus::Succeeded, NONE, ""),
-            GoalResult::Cancelled => (GoalEndStatus::Canceled, NONE, ""),
-            GoalResult::Preempted => (GoalEndStatus::Aborted, UNKNOWN, "another goal took its place"),
-            GoalResult::Stopped(reason) => (GoalEndStatus::Aborted, UNKNOWN, reason),
+            GoalResult::Canceled => (GoalEndStatus::Canceled, NONE, ""),
+            GoalResult::Preempted => (GoalEndStatus::Aborted, UNKNOWN, "preempted by another goal"),
+            GoalResult::Aborted(reason) => (GoalEndStatus::Aborted, UNKNOWN, reason.name()),
+            _ => (GoalEndStatus::Aborted, UNKNOWN, "unknown"),
         };
         let result = NavigateToPoseResult { error_code: code, error_msg: message.to_owned() };
         Some(ResultDelivery { server: self.server(), handle: current.handle, status, result })
@@ -136,9 +137,9 @@ impl NavigateAction {
 }
 
 impl ResultDelivery {
-    /// Delivers the result as soon as somebody asks for it.
+    /// Delivers the result to the first request for it.
     ///
-    /// The server waits for one request at a time and keeps those for other goals, so each look is short.
+    /// The server waits for one request at a time and keeps those for other goals, so each poll is short.
     pub(super) fn made(self) -> LocalBoxFuture<'static, ()> {
         let Self { server, handle, status, result } = self;
         let made = async move {
@@ -155,12 +156,12 @@ impl ResultDelivery {
     }
 }
 
-/// Goals as they are asked for.
+/// Stream of requested goals.
 pub(super) fn goals(server: &Served) -> impl Stream<Item = ReadResult<NewGoal>> + '_ {
     unfold(server, |server| async move { Some((server.receive_new_goal().await, server)) }).fuse()
 }
 
-/// Goals as they are called off.
+/// Stream of cancel requests.
 pub(super) fn cancels(server: &Served) -> impl Stream<Item = ReadResult<CancelRequest>> + '_ {
     unfold(server, |server| async move { Some((server.receive_cancel_request().await, server)) }).fuse()
 }

@@ -1,54 +1,55 @@
-//! How the node is: what the supervisor says, what was refused and why, once a second.
+//! Diagnostics of the node, once a second: supervisor, measurements and rejected messages.
 
 use std::collections::BTreeMap;
 
 use ros2_client::builtin_interfaces::Time;
-use surepose::{Health, RejectReason, SafetyAction, Stamp};
+use surepose::estimation::RejectReason;
+use surepose::safety::{BlockReason, Health, SafetyAction};
+use surepose::time::Stamp;
 
 use crate::convert::MessageError;
+use crate::driver::{DriverReport, NodeDriver};
 use crate::message::{DiagnosticArray, DiagnosticStatus, Header, KeyValue};
-use crate::pilot::{BlockReason, DriverReport, NodeDriver};
 
-/// The levels of `diagnostic_msgs/msg/DiagnosticStatus`.
+/// Levels of `diagnostic_msgs/msg/DiagnosticStatus`.
 const OK: u8 = 0;
 const WARN: u8 = 1;
 const ERROR: u8 = 2;
 
-/// Odometry that comes so much slower than the loop's period is said.
+/// Ratio of odometry period to control period above which a warning is published.
 const TOO_SLOW: f64 = 1.25;
 
-/// What was noticed so far.
+/// State of the diagnostics.
 #[derive(Debug, Default)]
 pub(super) struct Diagnostics {
     warnings: Vec<String>,
     refused: BTreeMap<(&'static str, &'static str), u64>,
     last: Option<Stamp>,
-    /// Mean time between odometries \[s].
+    /// Mean odometry period \[s]; `None` before the second message.
     odometry_period: Option<f64>,
     state: Option<State>,
 }
 
-/// What a tick said.
+/// Supervisor state of the last step.
 #[derive(Clone, Copy, Debug)]
 struct State {
     health: Health,
     action: SafetyAction,
-    block_reason: Option<BlockReason>,
+    blocked_by: Option<BlockReason>,
 }
 
 impl State {
     fn said(self) -> String {
-        match (self.action, self.block_reason) {
+        match (self.action, self.blocked_by) {
             (SafetyAction::Stop(reason), _) => format!("stopped: {}", reason.name()),
-            (_, Some(BlockReason::Obstacle)) => {
-                "stopped: something that is on no map stands in the way".to_owned()
-            }
-            (_, Some(BlockReason::LaserSilent)) => {
-                "stopped: the laser says nothing of what stands in the way; --safety-radius 0 drives without"
+            (_, Some(BlockReason::Obstacle)) => "stopped: unmapped obstacle on the path".to_owned(),
+            (_, Some(BlockReason::LaserTimeout)) => {
+                "stopped: no scan, obstacle check unavailable; --safety-radius 0 disables the check"
                     .to_owned()
             }
+            (_, Some(BlockReason::Wall)) => "stopped: wall of the map on the path".to_owned(),
             (SafetyAction::Slowdown(reason), None) => format!("slowed down: {}", reason.name()),
-            (SafetyAction::Proceed, None) => "the estimate is trusted".to_owned(),
+            (SafetyAction::Proceed, None) => "the estimate is reliable".to_owned(),
         }
     }
 }
@@ -58,7 +59,7 @@ impl Diagnostics {
         Self { warnings, ..Self::default() }
     }
 
-    /// Odometry came.
+    /// Updates the odometry period.
     pub(super) fn rolled(&mut self, stamp: Stamp) {
         if let Some(last) = self.last {
             let dt = stamp.since(last).max(0.0);
@@ -67,20 +68,20 @@ impl Diagnostics {
         self.last = Some(stamp);
     }
 
-    /// The driver ticked; what has changed since it last did, as a line.
+    /// Updates the state after a step, and returns a line if it has changed.
     pub(super) fn keep(&mut self, report: &DriverReport) -> Option<String> {
-        let now = State { health: report.health, action: report.action, block_reason: report.block_reason };
-        let start = State { health: Health::Healthy, action: SafetyAction::Proceed, block_reason: None };
+        let now = State { health: report.health, action: report.action, blocked_by: report.blocked_by };
+        let start = State { health: Health::Healthy, action: SafetyAction::Proceed, blocked_by: None };
         let before = self.state.replace(now).unwrap_or(start);
-        ((before.action, before.block_reason) != (now.action, now.block_reason)).then(|| now.said())
+        ((before.action, before.blocked_by) != (now.action, now.blocked_by)).then(|| now.said())
     }
 
-    /// Counts a message that was not used, and says whether it is the first such.
+    /// Counts a rejected message, and returns whether it is the first one with this reason.
     pub(super) fn refuse(&mut self, topic: &'static str, why: &MessageError) -> bool {
         self.count(topic, why.name()) == 1
     }
 
-    /// Counts a message that could not be read.
+    /// Counts a message that cannot be decoded.
     pub(super) fn unreadable(&mut self, topic: &'static str) {
         self.count(topic, "unreadable");
     }
@@ -91,7 +92,7 @@ impl Diagnostics {
         *count
     }
 
-    /// All of it, `age` \[s] after odometry last came.
+    /// Builds the message, `age` \[s] after the last odometry.
     pub(super) fn array(&self, driver: &NodeDriver, age: f64) -> DiagnosticArray {
         let (level, message) = self.judged(driver, age);
         let tally = driver.measurement_stats();
@@ -99,7 +100,7 @@ impl Diagnostics {
         let position = (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt();
         let health = self.state.map_or("waiting for odometry", |state| match state.health {
             Health::Healthy => "healthy",
-            Health::Degraded => "doubtful",
+            Health::Degraded => "degraded",
             Health::Lost => "lost",
         });
         let mut values = vec![
@@ -113,14 +114,14 @@ impl Diagnostics {
         values.extend(self.odometry_period.map(|dt| value("odometry period [s]", &format!("{dt:.3}"))));
         values.extend(
             RejectReason::ALL
-                .map(|why| value(&format!("measurements refused, {}", why.name()), &tally.rejected(why))),
+                .map(|why| value(&format!("measurements rejected, {}", why.name()), &tally.rejected(why))),
         );
-        values.push(value("signals dropped, no odometry to place them", &driver.dropped()));
+        values.push(value("messages dropped, not reached by odometry", &driver.dropped()));
         let refused = self.refused.iter();
-        values.extend(refused.map(|((topic, why), count)| value(&format!("{topic} refused, {why}"), count)));
+        values.extend(refused.map(|((topic, why), count)| value(&format!("{topic} rejected, {why}"), count)));
         let status = DiagnosticStatus {
             level,
-            name: "surepose: pose stabilisation".to_owned(),
+            name: "surepose: pose stabilization".to_owned(),
             message,
             hardware_id: String::new(),
             values,
@@ -136,17 +137,18 @@ impl Diagnostics {
         match self.state {
             None => return (WARN, "waiting for odometry".to_owned()),
             Some(state @ State { action: SafetyAction::Stop(_), .. }) => return (ERROR, state.said()),
-            Some(State { action: SafetyAction::Proceed, block_reason: None, .. }) => {}
+            Some(State { action: SafetyAction::Proceed, blocked_by: None, .. }) => {}
             Some(state) => return (WARN, state.said()),
         }
         let period = driver.controller().period;
         if let Some(dt) = self.odometry_period.filter(|dt| *dt > TOO_SLOW * period) {
-            let what = format!("odometry comes every {dt:.3} s, and loop.period_s is {period}");
-            return (WARN, format!("{what}: what is certified does not hold"));
+            let what =
+                format!("odometry period: too long (got {dt:.3} s, expected loop.period_s = {period})");
+            return (WARN, format!("{what}; the certificate does not apply"));
         }
         match self.warnings.first() {
             Some(warning) => (WARN, warning.clone()),
-            None => (OK, "the estimate is trusted".to_owned()),
+            None => (OK, "the estimate is reliable".to_owned()),
         }
     }
 }

@@ -1,12 +1,11 @@
-//! The configuration as ROS parameters: to be read, `ros2 param get /surepose law.k_v`, and not to be changed under way.
+//! Read-only ROS parameters of the configuration: `ros2 param get /surepose law.k_v`.
 
 use std::collections::BTreeMap;
 
 use ros2_client::{NodeOptions, ParameterValue};
-use surepose_data::Config;
-use surepose_data::config::Value;
+use surepose_config::{Config, Value};
 
-/// Every parameter of the table under `section.key`, with the value in use.
+/// Declares each parameter of the table as `section.key`, with its value in use.
 pub(super) fn declared(config: &Config) -> NodeOptions {
     let config = config.fitted();
     let values: BTreeMap<String, ParameterValue> = config
@@ -24,11 +23,11 @@ pub(super) fn declared(config: &Config) -> NodeOptions {
     let options = values.iter().fold(NodeOptions::new().enable_rosout(true), |options, (name, value)| {
         options.declare_parameter(name, value.clone())
     });
-    // What was certified is what drives: a gain that changes under way would be another robot. Parameters of ROS itself,
-    // use_sim_time for one, are not the table's.
+    // A certificate holds for fixed parameters, so changes are rejected. Parameters of ROS itself, such as use_sim_time,
+    // are not in the table.
     options.parameter_validator(Box::new(move |name, value| match values.get(name) {
         Some(fixed) if fixed != value => Err(format!(
-            "{name} is fixed while the node runs: start it with --set {name}=VALUE, or --config FILE"
+            "{name}: read-only while the node runs; start it with --set {name}=VALUE, or --config FILE"
         )),
         _ => Ok(()),
     }))

@@ -1,29 +1,31 @@
-//! What the node says.
+//! Publishers of the node.
 
 use ros2_client::builtin_interfaces::Duration;
 use ros2_client::{Node, Publisher};
-use surepose::{Angle, Health, Stamp, Twist};
+use surepose::geometry::Angle;
+use surepose::kinematics::Twist;
+use surepose::safety::Health;
+use surepose::time::Stamp;
 
 use crate::convert::{belief_message, header, rotation_of, transform};
 use crate::dds::{NodeError, advertise, global_name, latched, publish_result, reliable};
+use crate::driver::DriverReport;
 use crate::message::{
     self, ColorRgba, CompressedImage, DiagnosticArray, Marker, MeshFile, Odometry, Point,
     PoseWithCovarianceStamped, TfMessage, TransformStamped, Vector3,
 };
-use crate::pilot::DriverReport;
 use crate::velocity::CmdVelPublisher;
 
-use super::NodeSettings;
+use super::settings::NodeSettings;
 
-/// Where odometry's frame is on the map holds for so long \[s] after it was found, so that readers need not wait for the
-/// next.
+/// Offset into the future of the stamp of map → odom \[s], so that tf2 look-ups need not wait for the next one.
 const HOLDS: f64 = 0.2;
 
-/// `visualization_msgs/msg/Marker`: pairs of points, joined; added or changed.
+/// Type and action of `visualization_msgs/msg/Marker`: line segments, added or modified.
 const LINE_LIST: i32 = 5;
 const ADD: i32 = 0;
 
-/// How thick walls are drawn \[m].
+/// Line width of the walls \[m].
 const WALL: f64 = 0.03;
 
 /// Publishers.
@@ -57,7 +59,7 @@ impl Publishers {
         })
     }
 
-    /// What a tick brought: the pose and the transform while they can be trusted, and the command, if there is one.
+    /// Publishes the command of a step, and pose and transform unless the robot is lost.
     pub(super) fn report(&mut self, report: &DriverReport, odometry: &Odometry) {
         self.base_frame.clone_from(&odometry.child_frame_id);
         if let Some(twist) = report.command {
@@ -77,7 +79,7 @@ impl Publishers {
         publish_result(self.transforms.publish(TfMessage { transforms: vec![transform] }));
     }
 
-    /// How the robot shall move.
+    /// Publishes a velocity command.
     pub(super) fn command(&self, stamp: Stamp, twist: Twist<f64>) {
         self.cmd_vel.command(stamp, &self.base_frame, twist);
     }
@@ -86,7 +88,7 @@ impl Publishers {
         publish_result(self.diagnostics.publish(array));
     }
 
-    /// The walls of the map, for who draws them.
+    /// Publishes the walls of the map as a marker.
     pub(super) fn walls(&self, settings: &NodeSettings) {
         let Some(map) = &settings.driver.map else { return };
         let end = |[x, y]: [f64; 2]| Point { x, y, z: 0.0 };

@@ -1,4 +1,4 @@
-//! What the node hears, as one stream of events.
+//! Subscriptions of the node, merged into one stream of events.
 
 use std::time::Duration;
 
@@ -6,29 +6,28 @@ use futures::stream::{self, FusedStream, LocalBoxStream, StreamExt};
 use ros2_client::{Node, RmwRequestId, Server, ServiceMapping, ServiceTypeName, Subscription};
 use serde::de::DeserializeOwned;
 
+use crate::dds::{NodeError, global_name, latched, refused, reliable, sensor, subscribe};
 use crate::message::{Empty, Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 
-use crate::dds::{NodeError, global_name, latched, refused, reliable, sensor, subscribe};
-
-use super::NodeSettings;
 use super::action::{CancelRequest, NewGoal, Served, cancels, goals};
+use super::settings::NodeSettings;
 
-/// Something happened.
+/// Event that the node handles.
 pub(super) enum NodeEvent {
     Odometry(Box<Odometry>),
     Scan(LaserScan),
-    /// How frames that do not move sit on others.
+    /// Static transforms.
     StaticTransforms(TfMessage),
     Imu(Box<Imu>),
     Goal(PoseStamped),
     InitialPose(Box<PoseWithCovarianceStamped>),
-    /// Somebody asks the robot to find out where it is.
+    /// Request for global localization.
     GlobalLocalization(RmwRequestId),
     ActionGoal(NewGoal),
     Cancel(CancelRequest),
-    /// Time passed.
+    /// Period of the timer.
     Timer,
-    /// A message on this topic is not what its type says.
+    /// Message on this topic that cannot be decoded.
     Unreadable(&'static str),
 }
 
@@ -84,7 +83,7 @@ impl Subscriptions {
         })
     }
 
-    /// All that happens, in the order in which it does.
+    /// Merges all events in the order of arrival.
     pub(super) fn events<'a>(
         &'a self,
         action: &'a Served,
@@ -118,19 +117,19 @@ impl Subscriptions {
         stream::select_all(all)
     }
 
-    /// Tells who asked that it was heard.
+    /// Answers a request for global localization.
     pub(super) fn answer(&self, request: RmwRequestId) {
-        // Who does not wait for the answer gets none.
+        // A client that no longer waits receives no answer.
         let _sent = self.lose.send_response(request, Empty { structure_needs_at_least_one_member: 0 });
     }
 }
 
 fn on<'a, M: DeserializeOwned + 'static>(
     topic: &'static str,
-    heard: &'a Subscription<M>,
+    subscription: &'a Subscription<M>,
     event: impl Fn(M) -> NodeEvent + 'a,
 ) -> LocalBoxStream<'a, NodeEvent> {
-    let stream = heard.async_stream().map(move |message| match message {
+    let stream = subscription.async_stream().map(move |message| match message {
         Ok((message, _)) => event(message),
         Err(_) => NodeEvent::Unreadable(topic),
     });

@@ -1,19 +1,21 @@
-//! What the simulated robot senses, in messages.
+//! Messages of the simulated robot.
 
-use surepose::{Angle, Body, Laser, Pose, Stamp, Twist};
+use surepose::geometry::{Angle, Body, Laser, Pose};
+use surepose::kinematics::Twist;
+use surepose::time::Stamp;
 use surepose_sim::SimulatedScan;
 
 use crate::convert::{header, pose_message, rotation_of, transform, twist_message};
+use crate::driver::Odom;
 use crate::message::{
     Imu, LaserScan, Odometry, PoseWithCovariance, TfMessage, Transform, TransformStamped,
     TwistWithCovariance, Vector3,
 };
-use crate::pilot::Odom;
 
-/// The nearest and the farthest that its laser sees \[m].
+/// Shortest and longest range of its laser \[m].
 const REACH: [f32; 2] = [0.05, 30.0];
 
-/// The frames of its odometry, its body, its laser and its compass.
+/// Frames of its odometry, its body, its laser and its compass.
 const ODOM: &str = "odom";
 const BASE: &str = "base_link";
 const LASER: &str = "laser";
@@ -28,12 +30,12 @@ pub(crate) fn odometry(stamp: Stamp, pose: Pose<Odom, Body, f64>, twist: Twist<f
     }
 }
 
-/// Where the body is by odometry.
+/// Transform from odometry frame to body.
 pub(super) fn rolled(stamp: Stamp, pose: Pose<Odom, Body, f64>) -> TfMessage {
     static_transform(stamp, ODOM, BASE, transform(pose))
 }
 
-/// Where the laser is on the body, ever.
+/// Static transform from body to laser.
 pub(crate) fn mounted(body_from_laser: Pose<Body, Laser, f64>) -> TfMessage {
     static_transform(Stamp::default(), BASE, LASER, transform(body_from_laser))
 }
@@ -44,7 +46,7 @@ fn static_transform(stamp: Stamp, parent: &str, child: &str, transform: Transfor
     TfMessage { transforms: vec![static_transform] }
 }
 
-/// A compass in a housing for more: nothing but the heading is measured.
+/// IMU message of a compass: only the heading is measured.
 pub(crate) fn heading(stamp: Stamp, heading: Angle<f64>, std: f64) -> Imu {
     let (mut orientation_covariance, mut unknown) = ([0.0; 9], [0.0; 9]);
     orientation_covariance[8] = std * std;

@@ -1,4 +1,4 @@
-"""Runs the builder of interfaces on names it does not know: `build.py BUILDER PACKAGE FILE --out DIR`.
+"""Runs the interface builder: `build.py BUILDER PACKAGE FILE --out DIR`.
 
 The builder puts _ before every capital of a name; ROS, whose files it looks for, makes tf_message of TFMessage.
 """

@@ -1,7 +1,7 @@
-"""Real ROS 2 talks to the node: `conversation.py SUREPOSE`, with the rclpy wheels in the environment.
+"""Tests the node with ROS 2: `conversation.py SUREPOSE`, with the rclpy wheels in the environment.
 
-Starts `SUREPOSE ros2 --simulate`, and speaks to it as RViz and Nav2's users do. What the wheels lack (nav2_msgs,
-tf2_msgs) is tried where somebody has built it, and said to be skipped where not. Fails by assertion.
+Starts `SUREPOSE ros2 --simulate`, and uses the topics, service and action of RViz and Nav2. Tests that need nav2_msgs or
+tf2_msgs, which the wheels lack, run if these are installed and are reported as skipped otherwise. Fails by assertion.
 """
 
 import math
@@ -87,7 +87,7 @@ class Conversation:
     def call(self, kind, name, request):
         client = self.node.create_client(kind, name)
         assert client.wait_for_service(timeout_sec=10), f"no service {name}"
-        for _ in range(5):  # a call in the first moments of a connection can be lost
+        for _ in range(5):  # calls during discovery can be lost
             answer = client.call_async(request)
             rclpy.spin_until_future_complete(self.node, answer, timeout_sec=3)
             if answer.done():
@@ -103,7 +103,7 @@ class Conversation:
         twist = self.last["cmd_vel"].twist
         return twist.linear.x == 0.0 and twist.angular.z == 0.0
 
-    def diagnosis(self):
+    def diagnostics(self):
         return {pair.key: pair.value for pair in self.last["/diagnostics"].status[0].values}
 
     def has_parked(self, x, y, degrees, what):
@@ -119,15 +119,15 @@ def topics(talk):
     pose = talk.last["pose"]
     assert pose.header.frame_id == "map" and 0.0 < pose.pose.covariance[0] < 0.01 < 1.0
     assert pose.pose.covariance[35] > 0.0 and pose.pose.covariance[14] == 0.0
-    assert "cmd_vel" not in talk.last, "without a goal the wheels are nobody's"
+    assert "cmd_vel" not in talk.last, "no command without a goal"
     if TFMessage:
         talk.until(lambda: ("map", "odom") in talk.transforms, 5, "map to odom")
-        talk.until(lambda: ("base_link", "laser") in talk.transforms, 5, "where the laser sits")
+        talk.until(lambda: ("base_link", "laser") in talk.transforms, 5, "the laser extrinsics")
         assert ("odom", "base_link") in talk.transforms
 
 
 def transforms(talk):
-    """map to odom, and odom to base_link: the robot of /tf is where the true one is."""
+    """map to odom, and odom to base_link: the pose by /tf matches the true pose."""
     def composed(a, b):
         turn = math.radians(yaw(a.rotation))
         x = a.translation.x + math.cos(turn) * b.translation.x - math.sin(turn) * b.translation.y
@@ -160,8 +160,8 @@ def goal_by_topic(talk):
     talk.goals.publish(unfilled)
     talk.goals.publish(pose_message(1, 1, 0, frame="odom"))
     talk.listen(2)
-    refused = [key for key in talk.diagnosis() if key.startswith("goal_pose refused")]
-    assert len(refused) == 2 and "cmd_vel" not in talk.last, refused
+    rejected = [key for key in talk.diagnostics() if key.startswith("goal_pose rejected")]
+    assert len(rejected) == 2 and "cmd_vel" not in talk.last, rejected
     talk.goals.publish(pose_message(2, 2, 30))
     talk.until(lambda: "cmd_vel" in talk.last and not talk.rests(), 5, "a command to move")
     talk.until(talk.rests, 60, "a command to rest")
@@ -174,7 +174,7 @@ def lost_and_found(talk):
     talk.listen(1)
     before = talk.count["pose"]
     talk.listen(1)
-    assert talk.count["pose"] == before, "a pose that nobody can trust is not published"
+    assert talk.count["pose"] == before, "no pose is published while the robot is lost"
     talk.goals.publish(pose_message(1, 1, -90))
     talk.until(lambda: talk.count["pose"] > before, 60, "to be found")
     talk.until(lambda: talk.rests() and talk.error(1, 1, -90)[0] < 0.01, 90, "to park after that")
@@ -216,7 +216,7 @@ def action(talk):
 
 
 def mounting(talk, program, environment):
-    """A robot whose laser hangs upside down and looks back: the node has it from a /tf_static of before its time."""
+    """Laser upside down and facing back: the node reads it from a latched /tf_static."""
     hanging, sits = TransformStamped(), "the laser 'laser' sits on 'base' at (-0.200, 0.100) facing 180.0°, upside down"
     hanging.header.frame_id, hanging.child_frame_id = "base", "laser"
     hanging.transform.translation.x, hanging.transform.translation.y = -0.2, 0.1
@@ -239,14 +239,14 @@ def mounting(talk, program, environment):
         listener = threading.Thread(target=lambda: said.extend(iter(other.stderr.readline, "")))
         listener.start()
 
-        def is_told():
+        def is_reported():
             odom.header.stamp = scan.header.stamp = talk.node.get_clock().now().to_msg()
             odometry.publish(odom)
             scans.publish(scan)
             return any(sits in line and "by /tf_static" in line for line in said)
 
         try:
-            talk.until(is_told, 15, f"{sits}; said was {said}")
+            talk.until(is_reported, 15, f"{sits}; said was {said}")
         finally:
             other.send_signal(signal.SIGTERM)
             listener.join(timeout=10)
@@ -265,7 +265,7 @@ def ends_at_rest(talk, program):
 def main():
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ.setdefault("ROS_DOMAIN_ID", str(10 + os.getpid() % 40))
-    # The libraries of ROS are not the program's.
+    # The program must not load the libraries of ROS.
     environment = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
     program = subprocess.Popen([sys.argv[1], "ros2", "--simulate"], env=environment)
     try:
@@ -278,12 +278,12 @@ def main():
             transforms(talk)
             mounting(talk, sys.argv[1], environment)
         else:
-            print("skipped: /tf and /tf_static, tf2_msgs is not here")
+            print("skipped: /tf and /tf_static, tf2_msgs is not installed")
         lost_and_found(talk)
         if NavigateToPose:
             action(talk)
         else:
-            print("skipped: the action, nav2_msgs is not here (tests/parks.rs tries it without rclpy)")
+            print("skipped: the action, nav2_msgs is not installed (tests/parks.rs tests it without rclpy)")
         ends_at_rest(talk, program)
         rclpy.shutdown()
     finally:

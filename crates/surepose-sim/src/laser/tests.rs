@@ -1,7 +1,9 @@
-use super::{Clutter, LaserModel};
+use surepose::geometry::{Angle, Body, Map, Pose};
+
 use crate::arena::{Arena, WallSegment};
 use crate::random::Seed;
-use surepose::{Angle, Body, Map, Pose};
+
+use super::{Clutter, LaserModel};
 
 fn exact(beams: usize) -> LaserModel {
     LaserModel { range_std: 0.0, bearing_std: 0.0, ..LaserModel::half_circle(beams) }
@@ -12,10 +14,10 @@ fn at(x: f64, y: f64, degrees: f64) -> Pose<Map, Body, f64> {
 }
 
 #[test]
-fn beams_end_on_the_first_wall_in_their_way() {
+fn beams_end_at_the_first_wall() {
     let mut noise = Seed(0).stream("laser");
     let scan = exact(181).scan(Arena::loop_world().walls(), at(3.0, 1.0, 90.0), &mut noise);
-    // Right: the plate at x = 5.2. Ahead: the plate at y = 2. Half right and half left: the far corners.
+    // Right: the plate at x = 5.2. Ahead: the plate at y = 2. At ±45°: the far corners.
     let corner = 3.0 * 2f64.sqrt();
     for (beam, range) in [(0, 2.2), (45, corner), (90, 1.0), (135, corner), (180, 3.0)] {
         assert!((scan.ranges[beam] - range).abs() < 1e-9, "beam {beam}: {}", scan.ranges[beam]);
@@ -23,26 +25,26 @@ fn beams_end_on_the_first_wall_in_their_way() {
 }
 
 #[test]
-fn mounting_moves_and_turns_the_view() {
+fn extrinsics_transform_the_scan() {
     let mut noise = Seed(0).stream("laser");
     let laser = LaserModel { body_from_laser: Pose::new(0.2, 0.1, Angle::from_degrees(180.0)), ..exact(181) };
     let scan = laser.scan(Arena::loop_world().walls(), at(1.0, 1.0, 0.0), &mut noise);
     assert!((scan.ranges[90] - 1.2).abs() < 1e-9, "behind the robot: {}", scan.ranges[90]);
-    assert!((scan.ranges[180] - 1.1).abs() < 1e-9, "the laser's left is the robot's right");
+    assert!((scan.ranges[180] - 1.1).abs() < 1e-9, "left of the laser, right of the robot");
 }
 
 #[test]
-fn nothing_in_range_reads_infinite_and_a_wall_along_the_ray_is_not_seen() {
+fn missing_returns_are_infinite_and_parallel_walls_are_ignored() {
     let mut noise = Seed(0).stream("laser");
     let walls = [WallSegment::between((1.0, 0.0), (2.0, 0.0)), WallSegment::between((9.0, -1.0), (9.0, 1.0))];
     let scan = exact(3).scan(&walls, at(0.0, 0.0, 0.0), &mut noise);
     assert!(scan.ranges.iter().all(|range| *range == f64::INFINITY), "{:?}", scan.ranges);
 }
 
-/// A wall at distance d, seen at bearing φ from its normal, is met at d/cos φ: range noise and *direction* noise give
-/// the variance σ_r² + (d·sin φ/cos²φ)²·σ_φ².
+/// A wall at distance d has the range d/cos φ at angle φ from its normal. Range noise and *direction* noise
+/// give the variance σ_r² + (d·sin φ/cos²φ)²·σ_φ².
 #[test]
-fn noise_is_in_range_and_in_direction() {
+fn range_noise_and_direction_noise_add_up() {
     let wall = [WallSegment::between((2.0, -50.0), (2.0, 50.0))];
     let laser = LaserModel { max_range: 1e3, ..LaserModel::half_circle(181) };
     let mut noise = Seed(11).stream("laser");
@@ -60,11 +62,11 @@ fn noise_is_in_range_and_in_direction() {
     let expected = 0.03_f64.powi(2) + (slope * 0.25_f64.to_radians()).powi(2);
     assert!((ahead / n / 0.03_f64.powi(2) - 1.0).abs() < four_errors, "{}", (ahead / n).sqrt());
     assert!((aslant / n / expected - 1.0).abs() < four_errors, "{}", (aslant / n).sqrt());
-    assert!(expected > 2.0 * 0.03_f64.powi(2), "the direction noise must show");
+    assert!(expected > 2.0 * 0.03_f64.powi(2), "direction noise must be significant");
 }
 
 #[test]
-fn clutter_hides_the_share_asked_for_in_runs_of_neighbours() {
+fn clutter_has_the_requested_fraction_and_run_length() {
     let clutter = Clutter { fraction: 0.2, width: 6.0 };
     let laser = LaserModel { clutter, ..exact(361) };
     let walls = Arena::loop_world();

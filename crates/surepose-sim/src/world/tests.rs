@@ -1,9 +1,12 @@
-use super::{SensorOutput, Timing, World, WorldModel};
+use surepose::geometry::{Angle, Pose};
+use surepose::kinematics::{Integration, Twist, WheelPair};
+
 use crate::arena::Arena;
 use crate::fault::{Fault, FaultKind, Sensor};
 use crate::random::Seed;
 use crate::slip::Slip;
-use surepose::{Angle, Integration, Pose, Twist, WheelPair};
+
+use super::{SensorOutput, Timing, World, WorldModel};
 
 fn world(model: WorldModel, seed: u64) -> World {
     World::new(model, Pose::new(2.0, 1.0, Angle::zero()), Seed(seed))
@@ -13,21 +16,21 @@ fn paper() -> WorldModel {
     WorldModel::paper(Arena::loop_world())
 }
 
-/// `steps` steps of 0.1 s along a circle of 0.6 m radius.
+/// Drives `steps` steps of 0.1 s along a circle of 0.6 m radius.
 fn circle(world: &mut World, steps: usize) -> Vec<SensorOutput> {
     let rates = world.model().drive.wheel_rates_from_twist(Twist::new(0.15, 0.25));
     (0..steps).map(|_| world.step(rates, 0.1)).collect()
 }
 
 #[test]
-fn same_seed_same_bits() {
+fn same_seed_gives_the_same_bits() {
     let run = |seed| format!("{:?}", circle(&mut world(paper(), seed), 50));
     assert_eq!(run(1), run(1));
     assert_ne!(run(1), run(2));
 }
 
 #[test]
-fn sensor_left_out_changes_nothing_about_the_others() {
+fn removing_a_sensor_does_not_change_the_others() {
     let (mut with, mut without) = (world(paper(), 1), world(WorldModel { laser: None, ..paper() }, 1));
     for (a, b) in circle(&mut with, 50).iter().zip(circle(&mut without, 50)) {
         assert_eq!((a.rims, &a.headings), (b.rims, &b.headings));
@@ -36,7 +39,7 @@ fn sensor_left_out_changes_nothing_about_the_others() {
 }
 
 #[test]
-fn odometry_without_slip_ends_where_the_robot_does() {
+fn odometry_without_slip_matches_the_true_pose() {
     let mut world = world(WorldModel { slip: Slip { delta: 0.0 }, ..paper() }, 1);
     let mut pose = world.pose();
     let drive = world.model().drive;
@@ -48,7 +51,7 @@ fn odometry_without_slip_ends_where_the_robot_does() {
 }
 
 #[test]
-fn wheels_roll_as_wanted_within_what_motor_and_slip_allow() {
+fn wheel_travel_follows_the_setpoint_within_one_percent() {
     let mut world = world(paper(), 1);
     let sensed = circle(&mut world, 300);
     let (desired, mut rolled) = (world.model().drive.wheel_speeds_from_twist(Twist::new(0.15, 0.25)), 0.0);
@@ -60,7 +63,7 @@ fn wheels_roll_as_wanted_within_what_motor_and_slip_allow() {
 }
 
 #[test]
-fn messages_carry_the_time_of_measurement_and_arrive_late() {
+fn messages_have_measurement_stamps_and_arrive_after_their_latency() {
     let slow = |period, latency| Timing { period, latency };
     let mut model = paper();
     model.compass = model.compass.map(|(compass, _)| (compass, slow(0.05, 0.0)));
@@ -72,17 +75,14 @@ fn messages_carry_the_time_of_measurement_and_arrive_late() {
     for sensed in &sensed {
         for scan in &sensed.scans {
             let age = sensed.stamp.since(scan.stamp);
-            assert!(
-                (age - 0.2).abs() < 1e-9,
-                "measured every 200 ms, 130 ms late, asked every 100 ms: {age}"
-            );
+            assert!((age - 0.2).abs() < 1e-9, "period 200 ms, latency 130 ms, step 100 ms: age {age}");
         }
     }
     assert_eq!(sensed.iter().map(|s| s.scans.len()).sum::<usize>(), 4);
 }
 
 #[test]
-fn faults_happen_in_their_time_and_only_then() {
+fn faults_are_active_in_their_interval_only() {
     let during = |kind| Fault::between(0.5, 1.0, kind);
     let faults = vec![
         during(FaultKind::Dropout(Sensor::Laser)),
@@ -105,7 +105,7 @@ fn faults_happen_in_their_time_and_only_then() {
 }
 
 #[test]
-fn push_moves_the_robot_once_and_encoders_do_not_see_it() {
+fn displacement_moves_the_robot_once_without_encoder_travel() {
     let pushed = Fault::at(0.5, FaultKind::Displaced([0.4, -0.2, 0.1]));
     let mut world = world(WorldModel { faults: vec![pushed], ..paper() }, 1);
     let at_rest = WheelPair::new(0.0, 0.0);
@@ -117,8 +117,8 @@ fn push_moves_the_robot_once_and_encoders_do_not_see_it() {
 }
 
 #[test]
-fn time_passes_as_fast_whatever_the_period() {
-    // 333 of 3 ms are 0.999 s; a third of a tenth is no whole number of nanoseconds.
+fn clock_rate_does_not_depend_on_the_period() {
+    // 333 steps of 3 ms are 0.999 s; a third of 0.1 s is not a whole number of nanoseconds.
     for (period, steps) in
         [(0.001, 1000), (0.003, 333), (0.007, 143), (0.025, 40), (0.1 / 3.0, 30), (0.1, 10)]
     {
@@ -127,10 +127,10 @@ fn time_passes_as_fast_whatever_the_period() {
         let sensed: Vec<SensorOutput> = (0..steps).map(|_| world.step(rates, period)).collect();
         let time = period * f64::from(steps);
         assert!((world.now().seconds() - time).abs() < 1e-6, "{period}: {}", world.now().seconds());
-        // The wheels have had a second for what they reach in a fraction of one.
+        // One second suffices to reach the speed.
         let speed = world.twist().v;
         assert!((speed / 0.15 - 1.0).abs() < 0.1, "{period}: {speed}");
-        // Every 100 ms, from 100 ms on; the last arrives 10 ms after that, where there still is time.
+        // Headings come every 100 ms from 100 ms on, with 10 ms latency; the last one has not arrived yet.
         let headings: usize = sensed.iter().map(|sensed| sensed.headings.len()).sum();
         assert_eq!(headings, 9, "{period}");
     }

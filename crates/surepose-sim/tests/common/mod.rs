@@ -1,6 +1,8 @@
-//! What the tests of lines share: scans as the core sees them, and errors by the truth.
+//! Shared helpers of the line tests: core types from simulated scans, and true errors.
 
-use surepose::{Angle, Body, ExtractedLine, LineExtractor, Map, Point, Pose, RangeFinder, Scan, Wall};
+use surepose::geometry::{Angle, Body, Map, Point, Pose};
+use surepose::lidar::{ExtractedLine, LineExtractor, RangeFinder, Scan};
+use surepose::map::Wall;
 use surepose_sim::{LaserModel, WallSegment};
 
 pub(crate) type MapPose = Pose<Map, Body, f64>;
@@ -20,11 +22,7 @@ pub(crate) fn range_finder(laser: &LaserModel) -> RangeFinder<f64> {
 }
 
 fn view(scan: &surepose_sim::SimulatedScan) -> Scan<'_, f64> {
-    Scan {
-        angle_min: Angle::from_radians(scan.angle_min),
-        angle_increment: scan.angle_increment,
-        ranges: &scan.ranges,
-    }
+    Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &scan.ranges)
 }
 
 pub(crate) fn lines(laser: &LaserModel, scan: &surepose_sim::SimulatedScan) -> Vec<ExtractedLine<f64>> {
@@ -32,11 +30,11 @@ pub(crate) fn lines(laser: &LaserModel, scan: &surepose_sim::SimulatedScan) -> V
     extractor.extract(&range_finder(laser), &view(scan)).unwrap().lines.to_vec()
 }
 
-/// The error (r, ψ) of a line, and its normalised square.
+/// Error (r, ψ) of a line, and its normalized square.
 pub(crate) fn error(
     line: &ExtractedLine<f64>,
     wall: &Wall<f64>,
-    map_from_laser: Pose<Map, surepose::Laser, f64>,
+    map_from_laser: Pose<Map, surepose::geometry::Laser, f64>,
 ) -> ([f64; 2], f64) {
     let right = map_from_laser.inverse() * *wall.line();
     let behind = right.distance < 0.0;

@@ -39,6 +39,7 @@ macro_rules! parameters {
 const SIGMA: &str = "a standard deviation is positive; 0 would mean a perfect sensor";
 const LATENCY: &str = "a measurement arrives after it was taken, and the history holds at most 10 s";
 const GAIN: &str = "the Lyapunov derivative is negative only for positive gains";
+const TIMEOUT_REASON: &str = "a time-out is positive";
 const PLACE: &str = "a coordinate beyond 10 km indicates a wrong unit";
 const TURN: &str = "an angle beyond one turn indicates a wrong unit";
 
@@ -58,6 +59,9 @@ parameters! {
     /// Maximum rim acceleration of a wheel.
     WHEEL_ACCELERATION_LIMIT = "robot" "wheel_acceleration_limit_m_s2", MeterPerSecondSquared,
         positive(1000.0, 0.5, "at 0 the wheels cannot start");
+    /// Radius of the robot's outline around the middle of its axle. 0 checks the middle alone.
+    FOOTPRINT_RADIUS = "robot" "footprint_radius_m", Meter,
+        in_range(0.0, 5.0, 0.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
 
     /// Control law: `surepose`, or `paper` for the law of Tran et al. (2012) without the additions of Surepose.
     LAW_NAME = "law" "name", One, one_of(&["surepose", "paper"]);
@@ -167,7 +171,44 @@ parameters! {
     RIM_VARIANCE_PER_RADIAN = "commands" "rim_variance_per_radian", One,
         positive(1.0, 7e-4, "a variance is positive");
 
-    /// Control period: time between two ticks of the loop.
+    /// Distance between the robot's outline and the walls of the map that stays free.
+    WALL_CLEARANCE = "safety" "wall_clearance_m", Meter,
+        in_range(0.0, 2.0, 0.05, "a distance is not negative, and 2 m close every door");
+    /// Factor on the predicted distance to rest: wheels slip and motors overshoot.
+    TRAVEL_FACTOR = "safety" "travel_factor", One,
+        in_range(1.0, 3.0, 1.2, "below 1 the prediction would be shorter than the command");
+    /// Time from a command to the response of the drive, for the predicted distance to rest.
+    RESPONSE_TIME = "safety" "response_time_s", Second,
+        in_range(0.0, 5.0, 0.05, "a drive does not respond before its command");
+    /// Time without a scan after which the obstacle check counts as unavailable and the robot stops.
+    SCAN_TIMEOUT = "safety" "scan_timeout_s", Second, positive(60.0, 1.0, TIMEOUT_REASON);
+    /// Time without odometry after which the robot stops.
+    ODOMETRY_TIMEOUT = "safety" "odometry_timeout_s", Second, positive(60.0, 0.5, TIMEOUT_REASON);
+    /// Time without an accepted measurement of the pose after which the robot slows down.
+    AIDING_TIMEOUT = "safety" "aiding_timeout_s", Second, positive(3600.0, 5.0, TIMEOUT_REASON);
+    /// Time after which a stopped or blocked robot gives its goal up.
+    GOAL_TIMEOUT = "safety" "goal_timeout_s", Second, positive(3600.0, 10.0, TIMEOUT_REASON);
+    /// Smallest share of the beams that must end at a wall of the map; a scan with less contradicts the map.
+    MIN_HIT_RATIO = "safety" "min_hit_ratio", One,
+        in_range(0.0, 1.0, 0.55, "a share lies between 0 and 1");
+    /// Largest share of the beams that may end behind a wall of the map.
+    MAX_BEHIND_WALL_RATIO = "safety" "max_behind_wall_ratio", One,
+        in_range(0.0, 1.0, 0.12, "a share lies between 0 and 1");
+    /// Largest mean of the normalized innovation squared per row, which is 1 for a consistent filter.
+    MAX_MEAN_NIS = "safety" "max_mean_nis", One,
+        in_range(1.0, 1000.0, 3.0, "a consistent filter has 1");
+    /// Largest mean difference between commanded and measured turn rate of a wheel, in rad/s.
+    MAX_WHEEL_RATE_ERROR = "safety" "max_wheel_rate_error_rad_s", One,
+        positive(1000.0, 2.0, "wheels follow their commands with some error");
+    /// Standard deviation of the position beyond which the robot slows down.
+    SLOW_STD = "safety" "slow_std_m", Meter, positive(100.0, 0.5, "no position is exact");
+    /// Standard deviation of the position beyond which the robot stops.
+    STOP_STD = "safety" "stop_std_m", Meter, positive(1000.0, 2.0, "no position is exact");
+    /// Turn rate of a lost robot that looks around.
+    SEARCH_TURN_RATE = "safety" "search_turn_rate_deg_s", DegreePerSecond,
+        in_range(0.0, 360.0, 46.0, "a faster turn blurs the scans");
+
+    /// Time between two ticks of the loop.
     PERIOD = "loop" "period_s", Second,
         in_range(0.001, 1.0, 0.1, "wheels do not follow commands faster than 1 ms, and above 1 s the loop is too slow to control");
 

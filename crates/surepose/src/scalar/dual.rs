@@ -10,7 +10,7 @@ use super::Scalar;
 /// function has a corner the derivative is that of the side taken. A comparison looks at the value alone.
 ///
 /// ```
-/// use surepose::{Dual, Scalar};
+/// use surepose::scalar::{Dual, Scalar};
 /// let x: Dual<f64, 1> = Dual::parameter(2.0, 0);
 /// let y = x * x * x;
 /// assert_eq!((y.value, y.slope[0]), (8.0, 12.0));
@@ -161,9 +161,11 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::angle::Angle;
     use proptest::prelude::*;
+
+    use crate::geometry::Angle;
+
+    use super::*;
 
     type Two = Dual<f64, 2>;
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde_json::{Map, Value as Json, json};
 use surepose_cert::{Drift, NoiseBounds};
-use surepose_data::Config;
+use surepose_config::Config;
 
 use crate::certification;
 use crate::error::CliError;

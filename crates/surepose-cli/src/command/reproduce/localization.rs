@@ -4,21 +4,21 @@ use std::ops::Range;
 
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
-use surepose_data::Config;
-use surepose_lab::CancelToken;
-use surepose_lab::picture::{self, LocalizationRun};
-use surepose_lab::reproduce::{
+use surepose_config::Config;
+use surepose_experiments::picture::{self, LocalizationRun};
+use surepose_experiments::reproduce::{
     Accuracy, Comparison, Configuration, DeviationSample, Extraction, LoopWorld, comparison, deviations,
 };
-use surepose_sim::{Clutter, Seed};
+use surepose_sim::{CancelToken, Clutter, Seed};
 
-use super::Outcome;
 use crate::error::CliError;
 use crate::output::Output;
 use crate::output_dir::OutputDir;
 use crate::progress;
 
-/// The results: one run per set of sensors for the plots, many for the statistics.
+use super::figure_result::FigureResult;
+
+/// The experiment: one run for the pictures, many for the figures.
 pub(super) struct LocalizationRuns {
     runs: Vec<LocalizationRun>,
     json: Map<String, Json>,
@@ -55,20 +55,20 @@ impl LocalizationRuns {
         result
     }
 
-    pub(super) fn fig4(&self, folder: &OutputDir) -> Result<Outcome, CliError> {
+    pub(super) fn fig4(&self, folder: &OutputDir) -> Result<FigureResult, CliError> {
         folder.picture("fig4", &picture::fig4(&self.runs))?;
         self.data("fig4", folder)?;
         Ok(self.outcome())
     }
 
-    pub(super) fn fig5(&self, folder: &OutputDir) -> Result<Outcome, CliError> {
+    pub(super) fn fig5(&self, folder: &OutputDir) -> Result<FigureResult, CliError> {
         folder.picture("fig5", &picture::fig5(&self.runs))?;
         self.data("fig5", folder)?;
         Ok(self.outcome())
     }
 
-    fn outcome(&self) -> Outcome {
-        Outcome { json: json!(self.json), good: true, rows: self.rows.clone() }
+    fn outcome(&self) -> FigureResult {
+        FigureResult { json: json!(self.json), good: true, rows: self.rows.clone() }
     }
 
     fn data(&self, figure: &str, folder: &OutputDir) -> Result<(), CliError> {

@@ -4,9 +4,9 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use surepose::Law;
+use surepose::control::Law;
 use surepose_cert::NoiseBounds;
-use surepose_data::Config;
+use surepose_config::Config;
 
 use crate::certification::{self, CertifiedBounds};
 use crate::interrupt;

@@ -1,13 +1,16 @@
-//! A chunk: records that are compressed together.
+//! Chunks: records that are compressed together.
 
 use std::borrow::Cow;
 use std::io::Read;
 
 use lz4_flex::frame::FrameDecoder;
-use surepose_data::ZstdReader;
+use surepose_io::ZstdReader;
 
 use super::content::Content;
-use super::{MAX_RECORD_LENGTH, McapError};
+use super::error::McapError;
+
+/// Longest record that is held in memory, compressed or not \[bytes\].
+pub(super) const MAX_RECORD_LENGTH: u64 = 1 << 28;
 
 /// The fields of a chunk.
 pub(super) struct Chunk<'a> {
@@ -45,7 +48,7 @@ impl<'a> Chunk<'a> {
         Ok(Some(Self { offset, size, crc, compression, compressed, is_complete }))
     }
 
-    /// The bytes of its records; of a chunk that is cut short, those before the cut.
+    /// The bytes of its records; of a truncated chunk, those before the cut.
     ///
     /// # Errors
     /// An unknown or damaged compression, another size than is declared, or a wrong checksum.

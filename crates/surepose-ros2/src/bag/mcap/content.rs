@@ -1,8 +1,14 @@
-//! The fields of a record, little-endian, each checked against what is left of it.
+//! The fields of a record, little-endian, each checked against the remaining length.
 
-use super::Record;
+/// Record that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::bag) enum Record<'a> {
+    Schema { id: u16, name: &'a str },
+    Channel { id: u16, schema_id: u16, topic: &'a str, encoding: &'a str },
+    Message { channel_id: u16, data: &'a [u8] },
+}
 
-/// What is left of a record's content. Every method returns `None` where the field does not fit.
+/// Remaining content of a record. Every method returns `None` where the field does not fit.
 pub(super) struct Content<'a> {
     bytes: &'a [u8],
 }
@@ -16,7 +22,7 @@ impl<'a> Content<'a> {
         self.bytes.is_empty()
     }
 
-    /// All that is left.
+    /// Remaining bytes.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.bytes
     }
@@ -55,7 +61,7 @@ impl<'a> Content<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// A text behind its length.
+    /// Text with a length prefix.
     pub(super) fn text(&mut self) -> Option<&'a str> {
         let length = self.u32()?;
         std::str::from_utf8(self.take(u64::from(length))?).ok()

@@ -1,4 +1,4 @@
-//! Recordings that are whole, cut short, damaged, or made to do harm.
+//! Tests with complete, truncated, damaged and malicious recordings.
 
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
@@ -7,12 +7,14 @@ use super::*;
 
 const LIMITS: Limits = Limits { total: 1 << 30 };
 
-/// The messages of a file, and how it ends.
-fn read(bytes: &[u8]) -> (Vec<(u16, Vec<u8>)>, Result<Ending, String>) {
+/// Messages of a file, each with its channel, and the ending of the file.
+type ReadOutcome = (Vec<(u16, Vec<u8>)>, Result<Ending, String>);
+
+fn read(bytes: &[u8]) -> ReadOutcome {
     read_within(bytes, LIMITS)
 }
 
-fn read_within(bytes: &[u8], limits: Limits) -> (Vec<(u16, Vec<u8>)>, Result<Ending, String>) {
+fn read_within(bytes: &[u8], limits: Limits) -> ReadOutcome {
     let mut messages = Vec::new();
     let ending = read_records::<String>(bytes, limits, |record| {
         if let Record::Message { channel_id, data } = record {
@@ -46,7 +48,7 @@ fn recording(packing: Packing) -> (Vec<u8>, Vec<(u16, Vec<u8>)>) {
 }
 
 #[test]
-fn every_compression_gives_the_same_messages() {
+fn all_compressions_give_the_same_messages() {
     for packing in [Packing::None, Packing::Lz4, Packing::Zstd] {
         let (bytes, messages) = recording(packing);
         assert_eq!(read(&bytes), (messages, Ok(Ending::Complete)), "{packing:?}");
@@ -54,14 +56,14 @@ fn every_compression_gives_the_same_messages() {
 }
 
 #[test]
-fn records_outside_chunks_are_read_and_others_passed_over() {
+fn records_outside_chunks_are_read_and_unknown_ones_skipped() {
     let message = record(opcode::MESSAGE, &[&[3, 0][..], &[0; 20], b"data"].concat());
     let records = [record(0x0c, &[1; 300]), message, record(0xff, b""), record(opcode::FOOTER, &[0; 20])];
     assert_eq!(read(&file(&records)), (vec![(3, b"data".to_vec())], Ok(Ending::Complete)));
 }
 
 #[test]
-fn a_file_that_is_cut_short_yields_what_is_before_the_cut() {
+fn truncated_file_yields_the_messages_before_the_cut() {
     for packing in [Packing::None, Packing::Lz4, Packing::Zstd] {
         let (bytes, messages) = recording(packing);
         let mut count = 0;
@@ -76,7 +78,7 @@ fn a_file_that_is_cut_short_yields_what_is_before_the_cut() {
 }
 
 #[test]
-fn a_wrong_byte_is_never_a_panic() {
+fn corrupted_bytes_do_not_panic() {
     for packing in [Packing::None, Packing::Lz4, Packing::Zstd] {
         let (bytes, _) = recording(packing);
         let heads = (0..400).chain((400..bytes.len()).step_by(499));
@@ -91,7 +93,7 @@ fn a_wrong_byte_is_never_a_panic() {
 }
 
 #[test]
-fn a_checksum_is_checked() {
+fn wrong_checksum_is_an_error() {
     let (mut bytes, _) = recording(Packing::None);
     bytes[5000] ^= 1;
     let problem = read(&bytes).1.unwrap_err();
@@ -100,14 +102,14 @@ fn a_checksum_is_checked() {
 
 /// 49 bytes: magic and an attachment of 32 zeros, of which the fields contradict each other.
 #[test]
-fn an_attachment_is_passed_over_whatever_it_holds() {
+fn attachments_are_skipped() {
     let bytes = file(&[record(0x09, &[0; 32])]);
     assert_eq!(bytes.len(), 49);
     assert_eq!(read(&bytes), (Vec::new(), Ok(Ending::Truncated { offset: 49 })));
 }
 
 #[test]
-fn no_length_is_believed() {
+fn invalid_lengths_are_errors() {
     let problem = |bytes: &[u8]| read(bytes).1.unwrap_err();
     for opcode in 0..=0xff_u8 {
         if matches!(opcode, opcode::FOOTER | opcode::DATA_END) {
@@ -141,7 +143,7 @@ fn no_length_is_believed() {
 
 /// A frame of zstd that stands for 1.6 GB of zeros: blocks of one repeated byte.
 fn bomb() -> Vec<u8> {
-    // Magic; a window of 1 MiB; then blocks of type 1 of 128 KiB, the last of which says so.
+    // Magic; a window of 1 MiB; then blocks of type 1 of 128 KiB, the last of which is marked.
     let mut bytes = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x50];
     for block in 0..12_500_u32 {
         let head = (128 << 10) << 3 | 1 << 1 | u32::from(block == 12_499);
@@ -152,7 +154,7 @@ fn bomb() -> Vec<u8> {
 }
 
 #[test]
-fn a_bomb_ends_at_the_declared_size() {
+fn decompression_stops_at_the_declared_size() {
     let bomb = bomb();
     let length = bomb.len() as u64;
     let problem = |size| read(&file(&[chunk_of(size, 0, "zstd", length, &bomb)])).1.unwrap_err();
@@ -177,7 +179,7 @@ fn the_sum_of_all_chunks_is_bounded() {
 }
 
 #[test]
-fn what_does_not_start_as_mcap_is_none() {
+fn missing_magic_number_is_an_error() {
     for bytes in [&b""[..], b"\x89MCAP", b"not a recording at all"] {
         assert_eq!(read(bytes).1, Err("the MCAP magic number is missing".to_owned()));
     }

@@ -1,7 +1,8 @@
 //! Writes recordings for the tests.
 
-use lz4_flex::frame::FrameEncoder;
 use std::io::Write;
+
+use lz4_flex::frame::FrameEncoder;
 
 use super::{MAGIC, opcode};
 

@@ -1,19 +1,22 @@
-//! What is recorded: the simulated robot on its way, and what is written besides.
+//! Records the simulated robot for the tests.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use byteorder::LittleEndian;
 use serde::Serialize;
-use surepose::{Body, DiffDrive, Integration, Pose, Stamp, Twist};
-use surepose_lab::robot::Scenario;
+use surepose::geometry::{Body, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Twist};
+use surepose::time::Stamp;
+use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, World};
 
-use super::super::mcap::writer::{Packing, Writer};
 use crate::convert::{header, pose_message};
+use crate::driver::Odom;
 use crate::message::PoseStamped;
-use crate::pilot::Odom;
 use crate::robot::messages;
+
+use super::super::mcap::writer::{Packing, Writer};
 
 /// Writes a recording.
 pub(super) struct Recorder {
@@ -48,28 +51,28 @@ impl Recorder {
     }
 }
 
-/// The simulated robot on a round, for so many seconds.
+/// Records a round of the simulated robot for `seconds`.
 pub(super) fn round(seconds: f64, odometry_topic: &str) -> Recorder {
     let scenario = Scenario::default();
     let base = scenario.world().drive;
     recorded_by(&Robot { scenario, base, hangs: false }, seconds, odometry_topic, |_| Twist::new(0.2, 0.2))
 }
 
-/// Who is recorded.
+/// Robot that is recorded.
 pub(super) struct Robot {
     pub(super) scenario: Scenario,
-    /// What it takes its wheels for.
+    /// Wheel parameters of its odometry.
     pub(super) base: DiffDrive<f64>,
-    /// Its laser hangs upside down.
+    /// Whether its laser is upside down.
     pub(super) hangs: bool,
 }
 
-/// Turns to and fro while it drives, by the time.
+/// Twist with alternating turns at time `t` \[s].
 pub(super) fn winding(t: f64) -> Twist<f64> {
     Twist::new(0.15 + 0.1 * (0.3 * t).sin(), 0.5 * (0.17 * t).sin())
 }
 
-/// The simulated robot as it is told by the time, for so many seconds.
+/// Records the simulated robot with commands by the time, for `seconds`.
 pub(super) fn recorded_by(
     robot: &Robot,
     seconds: f64,
@@ -99,7 +102,7 @@ pub(super) fn recorded_by(
         for scan in &sensed.scans {
             let mut scan = messages::scan(at(scan.stamp), &scan.value);
             if *hangs {
-                // What is on its right is on the robot's left.
+                // An upside-down laser has left and right swapped.
                 scan.ranges.reverse();
                 (scan.angle_min, scan.angle_max) = (-scan.angle_max, -scan.angle_min);
             }
@@ -109,7 +112,7 @@ pub(super) fn recorded_by(
     recorder
 }
 
-/// A file with these bytes, for as long as it is kept.
+/// Temporary file, removed on drop.
 pub(super) struct File(pub(super) PathBuf);
 
 impl File {

@@ -1,0 +1,221 @@
+//! Builds the core's types from a configuration, for all commands.
+
+use std::f64::consts::PI;
+
+use surepose::control::{
+    ActuatorLimits, BrakingProfile, Controller, Deadband, Direction, Gains, HybridLaw, Law, Limits,
+    Tolerance, Tran2012Law,
+};
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
+use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::param;
+use surepose::time::Stamp;
+
+use super::{Config, ValueSource};
+
+/// ε_P of the paper's law \[m]. Its local law acts for ρ < ε_P and does not correct the lateral error, so
+/// ε_P must not exceed the tolerance. [Tran2012] does not print it.
+const PAPER_CAPTURE_RADIUS: f64 = 0.01;
+
+/// Offset, noise and latency of the compass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CompassParameters {
+    /// Standard deviation of the heading \[rad].
+    pub std: f64,
+    /// Reading at heading 0, along the map's x axis.
+    pub offset: Angle<f64>,
+    /// Latency of a reading \[s].
+    pub latency: f64,
+}
+
+/// Extrinsics, noise and latency of the laser.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LaserParameters {
+    /// Standard deviation of a range \[m].
+    pub range_std: f64,
+    /// Standard deviation of a beam direction \[rad].
+    pub bearing_std: f64,
+    /// Pose of the laser on the body.
+    pub body_from_laser: Pose<Body, Laser, f64>,
+    /// Latency of a scan \[s].
+    pub latency: f64,
+    /// Number of beams.
+    pub beams: usize,
+}
+
+/// Preset names of [`Config::fitted`] for gains that are not set.
+const FITTED: &str = "fitted";
+const PAPER: &str = "paper";
+
+impl ValueSource {
+    /// Source of a derived value that is not set; `None` for a value that is set or has a default.
+    pub fn follows(&self) -> Option<&'static str> {
+        match self {
+            Self::Preset(FITTED) => Some("fitted to the period and the wheels"),
+            Self::Preset(PAPER) => Some("value of the paper"),
+            _ => None,
+        }
+    }
+}
+
+impl Config {
+    /// Wheel geometry; the radii follow from their mean and the ratio right / left.
+    pub fn drive(&self) -> DiffDrive<f64> {
+        let ratio = self.number(&param::WHEEL_RADIUS_RATIO);
+        let left = 2.0 * self.number(&param::WHEEL_RADIUS) / (1.0 + ratio);
+        DiffDrive {
+            radius: WheelPair::new(ratio * left, left),
+            wheel_separation: self.number(&param::WHEEL_SEPARATION),
+        }
+    }
+
+    /// Fits gains that are not set to law, period and wheels, and the capture radius to the law.
+    #[must_use]
+    pub fn fitted(&self) -> Self {
+        let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
+            "paper" => (PAPER, Gains::tran2012(), Some(PAPER_CAPTURE_RADIUS)),
+            _ => (FITTED, Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
+        };
+        let values = [
+            (&param::K_V, gains.k_v),
+            (&param::K_ALPHA, gains.k_alpha),
+            (&param::H, gains.h),
+            (&param::K_THETA, gains.k_theta),
+        ];
+        let values = values.into_iter().chain(radius.map(|radius| (&param::CAPTURE_RADIUS, radius)));
+        let free = values.filter(|(gain, _)| self.origin(gain) == ValueSource::Default);
+        self.clone().with_preset(name, &free.collect::<Vec<_>>())
+    }
+
+    /// Returns the gains of the control law.
+    pub fn gains(&self) -> Gains<f64> {
+        let fitted = self.fitted();
+        Gains {
+            k_v: fitted.number(&param::K_V),
+            k_alpha: fitted.number(&param::K_ALPHA),
+            h: fitted.number(&param::H),
+            k_theta: fitted.number(&param::K_THETA),
+        }
+    }
+
+    /// Drive direction.
+    pub fn direction(&self) -> Direction {
+        match self.choice(&param::DIRECTION) {
+            "forward" => Direction::Forward,
+            "reverse" => Direction::Reverse,
+            _ => Direction::Auto,
+        }
+    }
+
+    /// Returns the control law.
+    pub fn law(&self) -> Law<f64> {
+        let (gains, capture_radius) = (self.gains(), self.fitted().number(&param::CAPTURE_RADIUS));
+        let (noise, period) = (self.number(&param::POSITION_NOISE), self.number(&param::PERIOD));
+        match self.choice(&param::LAW_NAME) {
+            "paper" => Law::Tran2012(Tran2012Law { gains, capture_radius, capture_heading: PI }),
+            _ => Law::Hybrid(HybridLaw {
+                gains,
+                capture_radius,
+                direction: self.direction(),
+                actuator_limits: ActuatorLimits::from_limits(&self.drive(), &self.limits(), period),
+                deadband: (noise > 0.0).then(|| Deadband::from_noise(noise, period)),
+            }),
+        }
+    }
+
+    /// Braking profile that reduces the gains to the wheel limits; `None` uses the gains as they are.
+    pub fn braking(&self) -> Option<BrakingProfile<f64>> {
+        let is_set = |gain| matches!(self.origin(gain), ValueSource::File { .. } | ValueSource::CommandLine);
+        let evenly = match self.choice(&param::BRAKING) {
+            "even" => true,
+            "gains" => false,
+            _ => self.choice(&param::LAW_NAME) != "paper" && !is_set(&param::K_V) && !is_set(&param::K_ALPHA),
+        };
+        if evenly {
+            BrakingProfile::from_limits_if_needed(&self.drive(), &self.limits(), &self.gains())
+        } else {
+            None
+        }
+    }
+
+    /// Wheel limits.
+    pub fn limits(&self) -> Limits<f64> {
+        Limits {
+            wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
+            wheel_acceleration: self.number(&param::WHEEL_ACCELERATION_LIMIT),
+        }
+    }
+
+    /// Controller.
+    pub fn controller(&self) -> Controller<f64> {
+        Controller {
+            drive: self.drive(),
+            law: self.law(),
+            braking: self.braking(),
+            limits: self.limits(),
+            tolerance: Tolerance {
+                position: self.number(&param::POSITION_TOLERANCE),
+                heading: self.number(&param::HEADING_TOLERANCE),
+                dwell: self.number(&param::HOLD),
+                hysteresis: self.number(&param::TOLERANCE_RELEASE),
+            },
+            period: self.number(&param::PERIOD),
+        }
+    }
+
+    /// Constants of the filter.
+    pub fn ekf(&self) -> Ekf<f64> {
+        Ekf {
+            drive: self.drive(),
+            delta: self.number(&param::DELTA),
+            integration: match self.choice(&param::INTEGRATION) {
+                "midpoint" => Integration::Midpoint,
+                _ => Integration::Arc,
+            },
+        }
+    }
+
+    /// Returns the χ² gate.
+    pub fn gate(&self) -> Gate<f64> {
+        Gate::new(self.number(&param::GATE_PROBABILITY))
+    }
+
+    /// Delayed-state filter, starting at `stamp` with `belief`.
+    pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> DelayedEkf<f64, N> {
+        DelayedEkf::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
+    }
+
+    /// Returns the parameters of the compass.
+    pub fn compass(&self) -> CompassParameters {
+        CompassParameters {
+            std: self.number(&param::COMPASS_STD),
+            offset: Angle::from_radians(self.number(&param::COMPASS_OFFSET)),
+            latency: self.number(&param::COMPASS_LATENCY),
+        }
+    }
+
+    /// Returns the parameters of the laser.
+    pub fn laser(&self) -> LaserParameters {
+        let heading = Angle::from_radians(self.number(&param::LASER_HEADING));
+        LaserParameters {
+            range_std: self.number(&param::LASER_RANGE_STD),
+            bearing_std: self.number(&param::LASER_BEARING_STD),
+            body_from_laser: Pose::new(self.number(&param::LASER_X), self.number(&param::LASER_Y), heading),
+            latency: self.number(&param::LASER_LATENCY),
+            beams: self.number(&param::LASER_BEAMS) as usize,
+        }
+    }
+
+    /// Start pose.
+    pub fn start(&self) -> Pose<Map, Body, f64> {
+        let heading = Angle::from_radians(self.number(&param::START_HEADING));
+        Pose::new(self.number(&param::START_X), self.number(&param::START_Y), heading)
+    }
+
+    /// Goal pose.
+    pub fn goal(&self) -> Pose<Map, Goal, f64> {
+        let heading = Angle::from_radians(self.number(&param::GOAL_HEADING));
+        Pose::new(self.number(&param::GOAL_X), self.number(&param::GOAL_Y), heading)
+    }
+}

@@ -1,0 +1,201 @@
+//! The configuration: a value for every parameter, with its origin.
+//!
+//! A value comes from the parameter table, a preset of a recording format, a line of a TOML file, or a command-line option;
+//! the later one wins. Every value has passed the bounds of the table, so that the constants of the core can be built
+//! without errors. [`build`](self) does so, in one place for all commands.
+
+mod build;
+mod file;
+mod key;
+mod navigation;
+mod problem;
+mod setting;
+#[cfg(test)]
+mod tests;
+mod warnings;
+
+use std::path::Path;
+
+use surepose::param::{self, Kind, Parameter};
+
+pub use build::{CompassParameters, LaserParameters};
+pub use key::parameter;
+pub use navigation::{HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod};
+pub use problem::{ConfigError, ConfigProblem};
+pub use setting::{Setting, Value, ValueSource};
+
+use setting::exact;
+
+/// The value of every parameter, with its origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// The settings, in the order of the parameter table.
+    settings: Vec<Setting>,
+}
+
+impl Default for Config {
+    /// Creates a configuration with the defaults of the parameter table.
+    fn default() -> Self {
+        let setting =
+            |parameter| Setting { parameter, value: default(parameter), origin: ValueSource::Default };
+        Self { settings: param::ALL.iter().map(setting).collect() }
+    }
+}
+
+impl Config {
+    /// Overrides these values with those of a TOML file.
+    ///
+    /// # Errors
+    /// All problems of the file; an invalid file changes no value.
+    pub fn with_file(mut self, path: &Path) -> Result<Self, ConfigError> {
+        for setting in file::read(path)? {
+            self.put(setting);
+        }
+        Ok(self)
+    }
+
+    /// Overrides these values with those of a TOML text; `path` is the file name in errors.
+    ///
+    /// # Errors
+    /// As [`Config::with_file`].
+    pub fn with_text(mut self, path: &Path, text: &[u8]) -> Result<Self, ConfigError> {
+        for setting in file::parse(path, text)? {
+            self.put(setting);
+        }
+        Ok(self)
+    }
+
+    /// Overrides these values with the preset `name` of a recording format or a scenario.
+    ///
+    /// Values are in the unit of the key. A value outside its range is ignored.
+    #[must_use]
+    pub fn with_preset(mut self, name: &'static str, values: &[(&Parameter, f64)]) -> Self {
+        for (parameter, value) in values {
+            self.put_number(parameter, *value, ValueSource::Preset(name));
+        }
+        self
+    }
+
+    /// Overrides a choice with that of the preset `name`; an unknown option is ignored.
+    #[must_use]
+    pub fn with_preset_choice(
+        mut self,
+        name: &'static str,
+        parameter: &'static Parameter,
+        choice: &str,
+    ) -> Self {
+        if let Kind::Choice { options } = parameter.kind
+            && let Some(option) = options.iter().find(|option| **option == choice)
+        {
+            self.put(Setting { parameter, value: Value::Choice(option), origin: ValueSource::Preset(name) });
+        }
+        self
+    }
+
+    /// Overrides one value with `section.key=value` from the command line.
+    ///
+    /// # Errors
+    /// The problem of the text, as for a line of a file.
+    pub fn with_option(self, text: &str) -> Result<Self, ConfigError> {
+        self.with_option_of("--set", text)
+    }
+
+    /// Like [`Config::with_option`], for an option other than `--set`, which errors name.
+    ///
+    /// # Errors
+    /// As [`Config::with_option`].
+    pub fn with_option_of(mut self, option: &str, text: &str) -> Result<Self, ConfigError> {
+        let name = Path::new(option);
+        let malformed = || {
+            let what = format!("invalid option (got '{}', expected SECTION.KEY=VALUE)", text.escape_debug());
+            let help = "example: `--set law.k_v=3`; `surepose config show` lists the names";
+            ConfigError::unreadable(name, None, what, help)
+        };
+        let toml = option_as_toml(text).ok_or_else(malformed)?;
+        let settings = file::parse(name, toml.as_bytes()).map_err(ConfigError::without_lines)?;
+        let [setting] = settings.as_slice() else { return Err(malformed()) };
+        self.put(Setting { origin: ValueSource::CommandLine, ..setting.clone() });
+        Ok(self)
+    }
+
+    /// Returns the value of a number, in SI units and radians; 0 for a choice.
+    pub fn number(&self, parameter: &Parameter) -> f64 {
+        match self.value(parameter) {
+            Value::Number(number) => number * parameter.unit.to_si(),
+            Value::Choice(_) => 0.0,
+        }
+    }
+
+    /// Returns the value of a choice; empty for a number.
+    pub fn choice(&self, parameter: &Parameter) -> &'static str {
+        match self.value(parameter) {
+            Value::Choice(name) => name,
+            Value::Number(_) => "",
+        }
+    }
+
+    /// Returns the origin of a value.
+    pub fn origin(&self, parameter: &Parameter) -> ValueSource {
+        self.setting(parameter).map_or(ValueSource::Default, |setting| setting.origin.clone())
+    }
+
+    /// Returns every value, in the order of the parameter table.
+    pub fn settings(&self) -> &[Setting] {
+        &self.settings
+    }
+
+    fn value(&self, parameter: &Parameter) -> Value {
+        self.setting(parameter).map_or_else(|| default(parameter), |setting| setting.value.clone())
+    }
+
+    fn setting(&self, parameter: &Parameter) -> Option<&Setting> {
+        self.settings.iter().find(|setting| setting.parameter == parameter)
+    }
+
+    fn put_number(&mut self, parameter: &Parameter, value: f64, origin: ValueSource) {
+        let fits = match parameter.kind {
+            Kind::Number { range, .. } => range.contains(value),
+            Kind::Integer { range, .. } => range.contains(value) && value.fract() == 0.0,
+            Kind::Choice { .. } => false,
+        };
+        if fits && let Some(slot) = self.settings.iter_mut().find(|slot| slot.parameter == parameter) {
+            slot.value = Value::Number(value);
+            slot.origin = origin;
+        }
+    }
+
+    fn put(&mut self, setting: Setting) {
+        if let Some(slot) = self.settings.iter_mut().find(|slot| slot.parameter == setting.parameter) {
+            *slot = setting;
+        }
+    }
+}
+
+fn default(parameter: &Parameter) -> Value {
+    match parameter.kind {
+        Kind::Number { default, .. } => Value::Number(default),
+        Kind::Integer { default, .. } => Value::Number(default.into()),
+        Kind::Choice { options } => Value::Choice(options.first().copied().unwrap_or("")),
+    }
+}
+
+/// Converts `law.name=paper` to a line of TOML, so that options and files share one parser.
+///
+/// Names need no quotes, and numbers no digit before the decimal point. Returns `None` for malformed text.
+fn option_as_toml(text: &str) -> Option<String> {
+    let (name, value) = text.split_once('=')?;
+    let (name, value) = (name.trim(), value.trim());
+    if name.is_empty() || value.is_empty() {
+        return None;
+    }
+    let name = match param::find_by_name(name) {
+        Some(found) => format!("{}.{}", found.section, found.key),
+        None => name.to_owned(),
+    };
+    let bare = value.chars().all(|c| c.is_ascii_alphabetic() || c == '_');
+    Some(match value.parse::<f64>() {
+        Ok(number) => format!("{name} = {}", exact(number).to_lowercase()),
+        Err(_) if bare && !["true", "false"].contains(&value) => format!("{name} = \"{value}\""),
+        Err(_) => format!("{name} = {value}"),
+    })
+}

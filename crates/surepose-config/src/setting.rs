@@ -1,0 +1,78 @@
+//! One parameter's value with its source, and numbers as text.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use surepose::param::Parameter;
+
+/// One parameter's value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// Which parameter.
+    pub parameter: &'static Parameter,
+    /// Its value, in the unit of its key.
+    pub value: Value,
+    /// Where the value came from.
+    pub origin: ValueSource,
+}
+
+/// The value of a parameter, in the unit of its key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number inside the parameter's range.
+    Number(f64),
+    /// One of the parameter's options.
+    Choice(&'static str),
+}
+
+/// Where a value came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ValueSource {
+    /// The table of parameters.
+    Default,
+    /// What fits a format of recordings, or a scenario, better than the default.
+    Preset(&'static str),
+    /// A configuration file.
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Where, from 1.
+        line: usize,
+    },
+    /// An option.
+    CommandLine,
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Choice(name) => f.write_str(name),
+        }
+    }
+}
+
+impl fmt::Display for ValueSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Default => f.write_str("default"),
+            Self::Preset(name) => write!(f, "preset {name}"),
+            Self::File { path, line } => write!(f, "{}:{line}", path.display()),
+            Self::CommandLine => f.write_str("command line"),
+        }
+    }
+}
+
+/// `number` with nine significant digits: 0.05 rather than 0.050000000000000003.
+pub(crate) fn plain(number: f64) -> String {
+    exact(format!("{number:.8e}").parse().unwrap_or(number))
+}
+
+/// `number` to the last bit; very large and very small ones in scientific notation.
+pub(crate) fn exact(number: f64) -> String {
+    if number != 0.0 && !(1e-6..1e15).contains(&number.abs()) {
+        format!("{number:e}")
+    } else {
+        format!("{number}")
+    }
+}

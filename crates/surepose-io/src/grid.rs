@@ -1,0 +1,72 @@
+//! Defines the occupancy grid, independent of its file format.
+
+use surepose::geometry::{Angle, Frame, Map, Point, Pose};
+
+/// Maximum number of cells: 8192 by 8192, half a gigabyte.
+pub const MAX_CELLS: usize = 1 << 26;
+
+/// A rectangular grid of square cells with occupancy probabilities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Cells along the grid's x axis.
+    pub width: usize,
+    /// Cells along the grid's y axis.
+    pub height: usize,
+    /// Edge length of a cell \[m\].
+    pub resolution: f64,
+    /// Pose in the map of the outer corner of cell (0, 0).
+    pub origin: GridOrigin,
+    /// Probability that a cell is occupied; `None` if unknown. `height` rows of `width` cells, starting with the row at the
+    /// origin.
+    pub cells: Vec<Option<f32>>,
+}
+
+/// The pose of a grid in the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GridOrigin {
+    /// Position along the x axis of the map \[m\].
+    pub x: f64,
+    /// Position along the y axis of the map \[m\].
+    pub y: f64,
+    /// Direction of the x axis of the grid in the map \[rad\].
+    pub heading: f64,
+}
+
+impl Grid {
+    /// Returns the probability that a cell is occupied; `None` if it is unknown or outside the grid.
+    pub fn occupancy(&self, column: usize, row: usize) -> Option<f32> {
+        if column >= self.width {
+            return None;
+        }
+        let index = row.checked_mul(self.width)?.checked_add(column)?;
+        self.cells.get(index).copied().flatten()
+    }
+
+    /// Returns the center of a cell in the map \[m\].
+    pub fn center(&self, column: usize, row: usize) -> (f64, f64) {
+        let (x, y) = ((column as f64 + 0.5) * self.resolution, (row as f64 + 0.5) * self.resolution);
+        let center = self.map_from_cells() * Point::new(x, y);
+        (center.x, center.y)
+    }
+
+    /// Returns column and row of the cell that contains a point of the map \[m\]; `None` outside the grid.
+    pub fn cell_at(&self, x: f64, y: f64) -> Option<(usize, usize)> {
+        let point = self.map_from_cells().inverse() * Point::new(x, y);
+        let (column, row) = (point.x / self.resolution, point.y / self.resolution);
+        let inside = column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < self.height as f64;
+        inside.then_some((column as usize, row as usize))
+    }
+
+    /// Returns the pose of the cell frame in the map.
+    pub fn map_from_cells(&self) -> Pose<Map, Cells, f64> {
+        Pose::new(self.origin.x, self.origin.y, Angle::from_radians(self.origin.heading))
+    }
+}
+
+/// The frame of a grid: origin at the outer corner of cell (0, 0), x along a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cells;
+impl Frame for Cells {}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,250 @@
+//! Laser replay shared by all formats: odometry predicts, scan matching corrects.
+
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, MeasurementOutcome, WheelOdometry};
+use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
+use surepose::lidar::{
+    LaserGeometry, RangeFinder, Scan, ScanEvent, ScanMatch, ScanMatchResult, ScanMatcher, ScanModel,
+    ScanProcessor,
+};
+use surepose::localization::{Localizer, LoopObserver, Odometry, SensorInput, SensorReading};
+use surepose::map::{MapView, Wall};
+use surepose::param;
+use surepose::time::{Stamp, Stamped};
+use surepose_config::Config;
+use surepose_io::recording::{self, laser_extrinsics};
+
+/// Maximum number of beams of a scan.
+const MAX_BEAMS: usize = 2048;
+
+/// Noise model and scan matching of a replay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LaserReplaySettings {
+    /// Wheel separation of the noise model \[m]. For recordings of poses instead of wheels, it only relates
+    /// the variance of heading to that of distance.
+    pub wheel_separation: f64,
+    /// Variance of a rim's travel per meter driven \[m²/m].
+    pub rim_variance_per_metre: f64,
+    /// Variance of a rim's travel per radian turned \[m²/rad].
+    pub rim_variance_per_radian: f64,
+    /// Standard deviation of a range \[m].
+    pub range_std: f64,
+    /// Standard deviation of a bearing \[rad].
+    pub bearing_std: f64,
+    /// Probability with which a consistent scan passes the gate.
+    pub gate_probability: f64,
+    /// Scan matcher.
+    pub scan_matcher: ScanMatcher<f64>,
+    /// Standard deviations of the start pose: x \[m], y \[m], θ \[rad].
+    pub start_std: [f64; 3],
+}
+
+impl LaserReplaySettings {
+    /// Returns the preset of laser recordings, which the user's values override.
+    ///
+    /// Odometry has a standard deviation of 12 cm and 12° over one meter, several times its usual error. Logs
+    /// have jumps (in belgioioso 0.45 m and 32°), and the laser corrects the pose to centimeters.
+    pub fn preset(name: &'static str) -> Config {
+        Self::with_rim_variance(name, 0.03)
+    }
+
+    /// Returns the preset for this variance of a rim per meter and per radian \[m²].
+    pub(super) fn with_rim_variance(name: &'static str, rim_variance: f64) -> Config {
+        let values = [
+            (&param::WHEEL_SEPARATION, 1.2),
+            (&param::RIM_VARIANCE_PER_METER, rim_variance),
+            (&param::RIM_VARIANCE_PER_RADIAN, rim_variance),
+            (&param::LASER_RANGE_STD, 0.03),
+            (&param::LASER_BEARING_STD, 0.3),
+        ];
+        Config::default().with_preset(name, &values)
+    }
+
+    /// Reads the settings of a configuration.
+    pub fn from_config(config: &Config) -> Self {
+        let number = |parameter| config.number(parameter);
+        Self {
+            wheel_separation: number(&param::WHEEL_SEPARATION),
+            rim_variance_per_metre: number(&param::RIM_VARIANCE_PER_METER),
+            rim_variance_per_radian: number(&param::RIM_VARIANCE_PER_RADIAN),
+            range_std: number(&param::LASER_RANGE_STD),
+            bearing_std: number(&param::LASER_BEARING_STD),
+            gate_probability: number(&param::GATE_PROBABILITY),
+            scan_matcher: ScanMatcher {
+                gate: Gate::new(0.999),
+                max_correspondence_distance: 0.7,
+                min_beams_per_wall: 5,
+                min_overlap: 0.33,
+                wall_offset_std: 0.01,
+                wall_direction_std: 0.005,
+                scan_std: [0.02, 0.02, 0.3_f64.to_radians()],
+            },
+            start_std: [0.02, 0.02, 0.5_f64.to_radians()],
+        }
+    }
+}
+
+impl LaserReplaySettings {
+    /// Returns the filter; δ is unused, because each travel comes with its variance.
+    pub(super) fn ekf(&self) -> Ekf<f64> {
+        let drive = DiffDrive::new(1.0, self.wheel_separation);
+        Ekf { drive, delta: 0.0, integration: Integration::Arc }
+    }
+
+    /// Converts `motion` to rim travel with the variance of this odometry.
+    pub(super) fn wheel_odometry(&self, motion: Motion<f64>) -> WheelOdometry<f64> {
+        let rims = self.ekf().drive.wheel_speeds_from_twist(Twist::new(motion.length, motion.turn));
+        let variance = self.rim_variance_per_metre * motion.length.abs()
+            + self.rim_variance_per_radian * motion.turn.abs();
+        WheelOdometry { travel: rims, variance: WheelPair::new(variance, variance) }
+    }
+
+    /// Returns the model of the laser that took a scan.
+    pub(super) fn laser(&self, mount: recording::SensorPose) -> RangeFinder<f64> {
+        RangeFinder {
+            body_from_laser: laser_extrinsics(mount),
+            range_std: self.range_std,
+            bearing_std: self.bearing_std,
+            range_min: MIN_RANGE,
+            range_max: MAX_RANGE,
+        }
+    }
+}
+
+/// Converts a recorded scan to the core's type.
+pub(super) fn scan_view(scan: &recording::ScanRecord) -> Scan<'_, f64> {
+    let body_from_laser = laser_extrinsics(scan.mount);
+    let geometry = LaserGeometry { body_from_laser, range_min: MIN_RANGE, range_max: MAX_RANGE };
+    Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &scan.ranges).with_geometry(geometry)
+}
+
+/// Estimator of a robot with a laser among known walls.
+#[derive(Debug)]
+pub(super) struct LaserReplay {
+    pub(super) localizer: Box<Localizer<f64, 64, MAX_BEAMS>>,
+    settings: LaserReplaySettings,
+    walls: Vec<Wall<f64>>,
+}
+
+/// Result of processing a scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum ScanOutcome {
+    /// Matched; with the decision of the filter.
+    Evaluated(MeasurementOutcome, ScanMatchResult<f64>),
+    /// Too few beams are on walls of the map.
+    LowOverlap,
+    /// No wall of the map is in view.
+    NoOverlap,
+    /// The scan's time is outside the history; the estimator counts it.
+    OutsideHistory,
+    /// The scan is malformed.
+    Invalid,
+}
+
+impl ScanOutcome {
+    /// Returns the reason under which a report counts a scan that did not reach the filter; `None` if it did.
+    pub(super) fn skip_reason(&self) -> Option<&'static str> {
+        match self {
+            Self::Evaluated(..) | Self::OutsideHistory => None,
+            Self::LowOverlap => Some("unconvincing_scan"),
+            Self::NoOverlap => Some("no_wall_in_sight"),
+            Self::Invalid => Some("unusable_scan"),
+        }
+    }
+}
+
+/// Fraction of the returns that are on walls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ScanOverlap {
+    sum: f64,
+    scans: f64,
+}
+
+impl ScanOverlap {
+    /// Adds a scan; a scan on no wall adds 0.
+    pub(super) fn add(&mut self, seen: &ScanOutcome) {
+        self.scans += 1.0;
+        if let ScanOutcome::Evaluated(_, aligned) = seen {
+            self.sum += f64::from(aligned.beams) / f64::from(aligned.returns.max(1));
+        }
+    }
+
+    /// Returns the mean over scans; `None` without scans.
+    pub(super) fn mean(self) -> Option<f64> {
+        (self.scans > 0.0).then(|| self.sum / self.scans)
+    }
+}
+
+impl LaserReplay {
+    /// Starts at `pose` at `stamp`.
+    pub(super) fn new(
+        walls: Vec<Wall<f64>>,
+        settings: LaserReplaySettings,
+        stamp: Stamp,
+        pose: Pose<Map, Body, f64>,
+    ) -> Self {
+        let gate = Gate::new(settings.gate_probability);
+        let belief = Belief::new(pose, settings.start_std);
+        // Unlimited in time, because some replays count records instead of seconds; the number of events
+        // limits it.
+        let estimator = DelayedEkf::new(settings.ekf(), gate, f64::INFINITY, stamp, belief);
+        // Each scan brings the mounting of its laser.
+        let laser = settings.laser(recording::SensorPose::default());
+        let scan_processor = ScanProcessor::new(laser, ScanModel::ScanMatch(settings.scan_matcher));
+        Self { localizer: Box::new(Localizer::unsupervised(estimator, scan_processor)), settings, walls }
+    }
+
+    /// Replaces the map.
+    pub(super) fn set_map(&mut self, walls: Vec<Wall<f64>>) {
+        self.walls = walls;
+    }
+
+    /// Predicts by `motion` until `stamp`.
+    pub(super) fn predict(&mut self, stamp: Stamp, motion: Motion<f64>) {
+        // The report includes rejections from the estimator's statistics.
+        let travel = self.settings.wheel_odometry(motion);
+        let input = SensorInput { stamp, odometry: Odometry::WithVariance(travel), readings: &[] };
+        self.localizer.update(&input, travel, &MapView::empty(), &mut ());
+    }
+
+    /// Corrects the belief by a scan taken at `stamp`.
+    pub(super) fn correct(&mut self, stamp: Stamp, scan: &recording::ScanRecord) -> ScanOutcome {
+        let is_remembered = self.localizer.estimator().belief_at(stamp).is_some();
+        let mut last_scan = LastScan::default();
+        self.localizer.process(
+            &Stamped::new(stamp, SensorReading::Scan(scan_view(scan))),
+            &MapView::from_walls(&self.walls),
+            &mut last_scan,
+        );
+        match (last_scan.scan_match, last_scan.outcome) {
+            (None, _) if !is_remembered => ScanOutcome::OutsideHistory,
+            (None, _) => ScanOutcome::Invalid,
+            (Some(ScanMatch::NoOverlap), _) => ScanOutcome::NoOverlap,
+            (Some(ScanMatch::Matched(aligned)), Some(outcome)) => ScanOutcome::Evaluated(outcome, aligned),
+            (Some(_), _) => ScanOutcome::LowOverlap,
+        }
+    }
+}
+
+/// Result of the last scan.
+#[derive(Default)]
+struct LastScan {
+    outcome: Option<MeasurementOutcome>,
+    scan_match: Option<ScanMatch<f64>>,
+}
+
+impl LoopObserver<f64> for LastScan {
+    fn on_measurement(&mut self, _: &Stamped<Measurement<f64>>, outcome: MeasurementOutcome) {
+        self.outcome = Some(outcome);
+    }
+
+    fn on_scan(&mut self, event: &ScanEvent<'_, f64>) {
+        self.scan_match = event.observation.scan_match;
+    }
+}
+
+/// Minimum range \[m]; nearer returns are from the robot itself.
+pub(super) const MIN_RANGE: f64 = 0.02;
+
+/// Maximum range \[m]; beyond, a heading error of 1° moves a return by more than 0.5 m.
+pub(super) const MAX_RANGE: f64 = 30.0;

@@ -1,0 +1,98 @@
+//! The simulated robot: the core's [`Navigator`](surepose::navigator::Navigator) in a simulated [`World`].
+
+mod scenario;
+mod sensors;
+
+use surepose::estimation::Belief;
+use surepose::geometry::{Body, Goal, Map, Pose};
+use surepose::kinematics::WheelPair;
+use surepose::map::Wall;
+use surepose::navigator::{NoRoomAtGoal, StepReport};
+use surepose::time::Stamp;
+use surepose_config::{CompassParameters, RobotNavigator};
+use surepose_io::owned_map::OwnedMap;
+use surepose_io::wall_map::{MapWall, WallMap};
+
+use crate::{Arena, Seed, WallSegment, World};
+
+pub use scenario::{InsufficientClearance, Scenario, Sensors};
+pub use sensors::{scan_view, with_sensor_input};
+
+/// A robot in its world, with its navigator and its map.
+#[derive(Clone, Debug)]
+pub struct SimulatedRobot {
+    world: World,
+    compass: CompassParameters,
+    navigator: Box<RobotNavigator>,
+    map: OwnedMap,
+}
+
+impl SimulatedRobot {
+    /// The robot of `scenario` at its start, with everything random drawn from `seed`.
+    ///
+    /// Its initial belief has the error that the scenario allows.
+    pub fn new(scenario: &Scenario, seed: u64) -> Self {
+        let (start, seed) = (scenario.start(), Seed(seed));
+        let initial = Belief::new(perturbed(start, scenario.start_std, seed), scenario.start_std);
+        let setup = scenario.navigator_setup();
+        Self {
+            world: World::new(scenario.world(), start, seed),
+            compass: scenario.config.compass(),
+            navigator: scenario.config.navigator(&setup, Stamp::default(), initial),
+            map: OwnedMap::from_walls(walls_from_segments(scenario.arena.walls())),
+        }
+    }
+
+    /// Sends the navigator to `goal`.
+    ///
+    /// # Errors
+    /// [`NoRoomAtGoal`], where a wall is too close.
+    pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<(), NoRoomAtGoal<f64>> {
+        self.navigator.set_goal(&self.map.view(), goal).map(|_| ())
+    }
+
+    /// Turns the wheels at `wheels` \[rad/s] for `period` \[s], and steps the navigator with what the sensors reported.
+    pub fn advance(&mut self, wheels: WheelPair<f64>, period: f64) -> StepReport<f64> {
+        let output = self.world.step(wheels, period);
+        let Self { navigator, map, compass, .. } = self;
+        with_sensor_input(&output, compass, |input| navigator.step(&map.view(), input))
+    }
+
+    /// The world, with the truth in it.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The navigator.
+    pub fn navigator(&self) -> &RobotNavigator {
+        &self.navigator
+    }
+
+    /// The walls of its map.
+    pub fn walls(&self) -> &[Wall<f64>] {
+        self.map.walls()
+    }
+}
+
+/// The wall map of an arena.
+pub fn wall_map_from_arena(arena: &Arena) -> WallMap {
+    let walls = arena.walls().iter().map(|WallSegment { start, end }| MapWall {
+        name: None,
+        from: [start.x, start.y],
+        to: [end.x, end.y],
+        covariance: None,
+    });
+    WallMap { name: Some(arena.name().to_owned()), walls: walls.collect() }
+}
+
+/// The walls of a map; one without length is left out.
+pub fn walls_from_segments(segments: &[WallSegment]) -> Vec<Wall<f64>> {
+    segments.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect()
+}
+
+/// `pose` with errors of these standard deviations: x \[m], y \[m], heading \[rad].
+fn perturbed(pose: Pose<Map, Body, f64>, std: [f64; 3], seed: Seed) -> Pose<Map, Body, f64> {
+    let mut noise = seed.stream("start");
+    let [x, y, heading] = std.map(|std| std * noise.normal());
+    Pose::new(pose.x + x, pose.y + y, pose.heading.rotated_by(heading))
+}

@@ -1,0 +1,67 @@
+//! What a drive came to, under the names of the command line's JSON.
+
+use serde::Serialize;
+
+/// How a drive ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SimulationOutcome {
+    /// The robot rests at the goal, in truth.
+    Reached,
+    /// It rests where it believes the goal to be, and is outside the tolerance in truth.
+    Missed,
+    /// Time ran out.
+    Timeout,
+    /// It was stopped on the way.
+    Stopped,
+}
+
+/// The figures of one drive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SimulationSummary {
+    /// How it ended.
+    pub outcome: SimulationOutcome,
+    /// Why it was stopped: `wall`, or the supervisor's reason.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_reason: Option<&'static str>,
+    /// The same; `stop_reason` is its name of old.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<&'static str>,
+    /// How long it took, the hold time included.
+    pub time_s: f64,
+    /// True distance to the goal at the end.
+    pub final_position_error_m: f64,
+    /// True heading error at the end.
+    pub final_heading_error_deg: f64,
+    /// True speed at the end.
+    pub final_speed_m_s: f64,
+    /// True turn rate at the end.
+    pub final_turn_rate_deg_s: f64,
+    /// Root mean square of the estimate's position error over the drive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_rmse_m: Option<f64>,
+    /// Root mean square of the estimate's heading error over the drive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heading_rmse_deg: Option<f64>,
+    /// Mean of the normalized estimation error squared (NEES); 3 for a consistent filter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nees_mean: Option<f64>,
+    /// Length of the true way.
+    pub path_length_m: f64,
+    /// The least time that any drive could take at these wheel speeds, without limits of acceleration.
+    pub optimal_time_s: f64,
+    /// How near the robot's middle came to a wall; negative where it was pushed out of the arena.
+    pub closest_wall_m: f64,
+    /// Largest rim speed asked of the wheels.
+    pub wheel_speed_max_m_s: f64,
+    /// Largest change of a rim's speed asked of the wheels, per second.
+    pub wheel_acceleration_max_m_s2: f64,
+    /// Measurements that corrected the estimate.
+    pub accepted: u32,
+    /// How many of them were walls that the laser saw.
+    pub walls: u32,
+    /// Measurements that the filter refused.
+    pub rejected: u32,
+    /// What to say again to have the same drive again.
+    pub seed: u64,
+}

@@ -1,0 +1,44 @@
+//! Tuned constants of the hybrid law and its gains: name, value, unit and reason, one line each.
+//!
+//! Radii are in multiples of the capture radius ε. They were tuned on the bench trial; the certificate verifies them.
+
+/// Fraction of the distance error \[1] removed in each period: below 1, so that the sampled loop does not overshoot.
+pub(super) const K_V_PER_PERIOD: f64 = 0.2;
+/// Fraction of the bearing error \[1] removed in each period: below 1, so that the sampled loop does not overshoot.
+pub(super) const K_ALPHA_PER_PERIOD: f64 = 0.24;
+/// Fraction of the heading error \[1] removed in the first trimming period: the first step of a recursive mean.
+pub(super) const K_THETA_PER_PERIOD: f64 = 1.0;
+/// Fraction of a small bearing error \[1] removed in each period: estimate noise is averaged over several periods.
+pub(super) const SMALL_ERROR_ALPHA_PER_PERIOD: f64 = 0.096;
+/// Fraction of a small heading error \[1] removed in each period: estimate noise is averaged over several periods.
+pub(super) const SMALL_ERROR_THETA_PER_PERIOD: f64 = 0.12;
+/// Maximum k_v \[1/s]: larger gains follow noise and save less than a third of a second.
+pub(super) const MAX_K_V: f64 = 9.0;
+/// Remaining wheel travel \[m] at which constant deceleration changes to exponential settling.
+pub(super) const SETTLING_DISTANCE: f64 = 0.09;
+/// h \[1]: a small weight gives nearly straight paths with a final turn, as the time-optimal ones of [BalkcomMason2002].
+pub(super) const APPROACH_WEIGHT: f64 = 0.3;
+/// Fraction of the wheel acceleration \[1] used for braking: the rest corrects the path.
+pub(super) const ACCELERATION_FRACTION: f64 = 0.7;
+/// Default capture radius ε_P \[m]: beyond it, laser localization noise changes α only slightly.
+pub(super) const CAPTURE_RADIUS: f64 = 0.033;
+/// Radius \[ε] below which the local law takes over: well below the exit radii, so that noise does not switch back.
+pub(super) const ENTER_RADIUS: f64 = 0.23;
+/// Radius \[ε] above which the local law ends at once: noise at the entry cannot cause an immediate switch back.
+pub(super) const MAX_LEAVE_RADIUS: f64 = 0.85;
+/// Radius \[ε] above which the local law ends after trimming: a robot displaced by noise still returns to the goal.
+pub(super) const MIN_LEAVE_RADIUS: f64 = 0.58;
+/// Trimming time \[ticks] over which the squared exit radius decreases linearly from the maximum to the minimum.
+pub(super) const TRIM_TICKS_TO_LEAVE: f64 = 20.0;
+/// Longitudinal error \[ε] below which the local law starts to turn faster than the minimum.
+pub(super) const ARRIVED_RADIUS: f64 = 0.35;
+/// Minimum factor \[1] of the local turn rate: noise that hides the arrival does not prevent the turn.
+pub(super) const MIN_TURN_FACTOR: f64 = 0.1;
+/// Radius \[ε] beyond which h has its full value: closer, the approach direction counts less.
+pub(super) const APPROACH_RADIUS: f64 = 2.7;
+/// Bearing error \[rad] above which k_α has its full value: large errors are removed at once.
+pub(super) const FULL_GAIN_ALPHA: f64 = 0.08;
+/// Heading error \[rad] above which k_θ has its full value; below it, the local law trims.
+pub(super) const FULL_GAIN_THETA: f64 = 0.045;
+/// Heading error \[rad] below which the local law turns at any distance; above twice this value, only after arrival.
+pub(super) const TRIM_THRESHOLD: f64 = 0.02;

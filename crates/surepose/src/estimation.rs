@@ -1,0 +1,17 @@
+//! Pose estimation by an extended Kalman filter with gated measurements: [Tran2012] Sec. 3.
+
+mod delayed_ekf;
+mod ekf;
+mod gate;
+mod history;
+mod measurement;
+mod outcome;
+
+pub use delayed_ekf::DelayedEkf;
+pub use ekf::{Belief, Correction, Ekf, WheelOdometry};
+pub use gate::Gate;
+pub use measurement::{
+    HeadingMeasurement, Innovation, LineMeasurement, Measurement, PoseMeasurement, PositionMeasurement,
+    RangeBearingMeasurement,
+};
+pub use outcome::{MeasurementOutcome, MeasurementStats, OdometryOutcome, RejectReason};

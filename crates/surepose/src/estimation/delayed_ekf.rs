@@ -1,0 +1,324 @@
+//! Kalman filter with history: checks and gates measurements, rewinds for late ones, and counts rejections.
+
+use crate::kinematics::WheelPair;
+use crate::scalar::Float;
+use crate::time::{Stamp, Stamped};
+
+use super::ekf::{Belief, Ekf, WheelOdometry};
+use super::gate::Gate;
+use super::history::{Entry, Event, History};
+use super::measurement::{Measurement, finite};
+use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
+
+/// Belief that odometry predicts and measurements correct, including late measurements.
+///
+/// The history of `N` entries bounds memory and work: one call costs at most `N` + 2 filter steps. A late measurement
+/// is inserted at its time, and all later entries are replayed. A measurement older than the history is rejected as
+/// [`RejectReason::Stale`].
+#[derive(Clone, Copy, Debug)]
+///
+/// ```
+/// use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, HeadingMeasurement, Measurement, MeasurementOutcome};
+/// use surepose::geometry::{Angle, Pose};
+/// use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+/// use surepose::time::{Stamp, Stamped};
+///
+/// let ekf = Ekf { drive: DiffDrive::new(0.05, 0.4), delta: 0.0025, integration: Integration::Arc };
+/// let belief = Belief::new(Pose::identity(), [0.1, 0.1, 0.1]);
+/// let at = Stamp::from_seconds;
+/// let mut filter = DelayedEkf::<f64, 64>::new(ekf, Gate::new(0.999), 1.0, at(0.0), belief);
+/// for stamp in [at(0.1), at(0.2)] {
+///     assert!(filter.predict(stamp, WheelPair::new(0.02, 0.02)).is_ok());
+/// }
+/// // A heading that was measured before the last odometry arrives late.
+/// let heading = HeadingMeasurement { heading: Angle::from_radians(0.05), std: 0.01 };
+/// let outcome = filter.update(Stamped::new(at(0.15), Measurement::Heading(heading)));
+/// assert!(matches!(outcome, MeasurementOutcome::Accepted { .. }));
+/// assert!(filter.belief().covariance.std(2) < 0.011);
+/// ```
+pub struct DelayedEkf<S, const N: usize = 64> {
+    ekf: Ekf<S>,
+    gate: Gate<S>,
+    /// Maximum age of an entry of the history \[s].
+    history_length: f64,
+    history: History<S, N>,
+    stats: MeasurementStats,
+}
+
+/// Averaging window of the speed in the odometry noise \[s]: long compared with a period, short compared with the
+/// acceleration time of a robot.
+const ODOMETRY_NOISE_WINDOW: f64 = 0.5;
+
+impl<S: Float, const N: usize> DelayedEkf<S, N> {
+    /// Starts at `stamp` with `belief`. The history holds at most `history_length` seconds and `N` events, at least
+    /// one.
+    ///
+    /// A belief that is not finite remains so. It rejects every measurement, and the
+    /// [supervisor](crate::safety::Supervisor) stops the robot.
+    pub fn new(ekf: Ekf<S>, gate: Gate<S>, history_length: f64, stamp: Stamp, belief: Belief<S>) -> Self {
+        const { assert!(N > 0, "`N`: history capacity is 0, expected at least 1") };
+        Self {
+            ekf,
+            gate,
+            history_length,
+            history: History::new(stamp, belief),
+            stats: MeasurementStats::default(),
+        }
+    }
+
+    /// Newest belief.
+    pub fn belief(&self) -> Belief<S> {
+        self.history.after(self.history.len()).1
+    }
+
+    /// Time of the newest belief.
+    pub fn stamp(&self) -> Stamp {
+        self.history.after(self.history.len()).0
+    }
+
+    /// Counts of accepted and rejected measurements.
+    pub fn measurement_stats(&self) -> &MeasurementStats {
+        &self.stats
+    }
+
+    /// Constants of the filter.
+    pub fn ekf(&self) -> &Ekf<S> {
+        &self.ekf
+    }
+
+    /// Belief at `stamp` with the measurements so far; `None` outside the history.
+    pub fn belief_at(&self, stamp: Stamp) -> Option<Belief<S>> {
+        if stamp > self.stamp() {
+            return None;
+        }
+        let count = self.history.count_until(stamp);
+        let (start, belief) = self.history.after(count);
+        if stamp < start {
+            return None;
+        }
+        match self.history.get(count) {
+            Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
+                Some(self.ekf.predict(belief, odometry.fraction(fraction(start, stamp, end))))
+            }
+            _ => Some(belief),
+        }
+    }
+
+    /// As [`DelayedEkf::belief_at`], for a measurement of that time; counts a rejection.
+    ///
+    /// # Errors
+    /// [`RejectReason::Stale`] or [`RejectReason::Future`].
+    pub(crate) fn belief_at_or_reject(&mut self, stamp: Stamp) -> Result<Belief<S>, RejectReason> {
+        self.belief_at(stamp).ok_or_else(|| {
+            let reason = if stamp > self.stamp() { RejectReason::Future } else { RejectReason::Stale };
+            self.reject(reason);
+            reason
+        })
+    }
+
+    /// Clears the history and restarts from a trusted belief. The statistics are kept.
+    pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
+        self.history = History::new(stamp, belief);
+    }
+
+    /// Restarts from a trusted `belief` at the earlier time `stamp`, and replays the odometry since then.
+    ///
+    /// All earlier entries are deleted. All measurements since `stamp` are deleted too, because their walls and
+    /// landmarks were associated at the discarded belief. Where the history does not contain `stamp`, `belief` holds
+    /// for the present time.
+    pub fn reset_at(&mut self, stamp: Stamp, belief: Belief<S>) {
+        let past = self.history;
+        let (oldest, newest) = (past.after(0).0, past.after(past.len()).0);
+        if stamp < oldest || stamp > newest {
+            return self.reset(newest, belief);
+        }
+        self.reset(stamp, belief);
+        for index in past.count_until(stamp)..past.len() {
+            if let Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) = past.get(index) {
+                // Only the part after `stamp` of the interval that contains it.
+                let before = fraction(past.after(index).0.min(stamp), stamp, end);
+                let _checked = self.predict_with(end, odometry.fraction(S::from_f64(1.0) - before));
+            }
+        }
+    }
+
+    /// Predicts by the wheel travel `travel` \[m] since the last call, up to the time `stamp`.
+    ///
+    /// A `stamp` before the newest belief means that the clock was set back; the travel is used nevertheless. The
+    /// filter then restarts at `stamp` without history and counts a clock reset. Measurements with stamps of the old
+    /// clock are rejected.
+    ///
+    /// # Errors
+    /// [`RejectReason::NotFinite`] for an invalid travel; the belief is then unchanged.
+    pub fn predict(&mut self, stamp: Stamp, travel: WheelPair<S>) -> Result<(), RejectReason> {
+        self.predict_with(stamp, self.wheel_odometry(stamp, travel))
+    }
+
+    /// Odometry for the wheel travel `travel` \[m] since the last call, up to the time `stamp`.
+    ///
+    /// # Departure
+    /// [Tran2012] Eq. (15) takes the variance from the measured speed, δω². A wheel speed that is measured too high is then
+    /// less certain than one measured too low. A heading update couples the two errors and moves the robot by their
+    /// product, whose mean is not 0: with 20 % wheel noise by a thirtieth of the travel. Here the square is the mean over
+    /// the last half second, of which this interval is a small part.
+    /// Tested by `odometry::noisy_odometry_with_heading_updates_is_unbiased`.
+    pub fn wheel_odometry(&self, stamp: Stamp, travel: WheelPair<S>) -> WheelOdometry<S> {
+        let own = stamp.since(self.stamp());
+        if own.is_nan() || own <= 0.0 {
+            return self.ekf.wheel_odometry(travel);
+        }
+        let recent = || {
+            core::iter::once((own, travel)).chain(self.odometry_since(stamp.after(-ODOMETRY_NOISE_WINDOW)))
+        };
+        let (count, whole) = recent().fold((0.0, 0.0), |(count, whole), (dt, _)| (count + 1.0, whole + dt));
+        // Jittering stamps may give an interval of nearly zero duration and an implausible speed. Intervals that a late
+        // measurement split are validly short.
+        let time = |dt: f64| S::from_f64(dt.max(0.25 * whole / count));
+        let (mut all, mut sum) = (S::from_f64(0.0), WheelPair::zero());
+        for (dt, travel) in recent() {
+            let (dt, speeds) = (time(dt), travel.scaled(S::from_f64(1.0) / time(dt)));
+            all = all + dt;
+            sum = WheelPair::new(
+                sum.right + speeds.right.squared() * dt,
+                sum.left + speeds.left.squared() * dt,
+            );
+        }
+        WheelOdometry { travel, variance: sum.scaled(time(own).squared() / all * self.ekf.delta) }
+    }
+
+    /// Odometry intervals that ended after `since`, newest first: duration \[s] and wheel travel \[m].
+    fn odometry_since(&self, since: Stamp) -> impl Iterator<Item = (f64, WheelPair<S>)> + '_ {
+        let stamp = |count: usize| self.history.after(count).0;
+        let newest_first = (0..self.history.len()).rev().take_while(move |index| stamp(index + 1) > since);
+        newest_first.filter_map(move |index| match self.history.get(index)?.event {
+            Event::Odometry(odometry) => Some((stamp(index + 1).since(stamp(index)), odometry.travel)),
+            Event::Measurement(_) => None,
+        })
+    }
+
+    /// As [`DelayedEkf::predict`], with a variance that replaces the model of δ.
+    ///
+    /// # Errors
+    /// As [`DelayedEkf::predict`], and [`RejectReason::BadVariance`] for a negative variance.
+    pub fn predict_with(&mut self, stamp: Stamp, odometry: WheelOdometry<S>) -> Result<(), RejectReason> {
+        if let Err(reason) = check_odometry(&odometry) {
+            self.reject(reason);
+            return Err(reason);
+        }
+        if stamp < self.stamp() {
+            self.stats.clock_resets = self.stats.clock_resets.saturating_add(1);
+            self.reset(stamp, self.belief());
+        }
+        let after = self.ekf.predict(self.belief(), odometry);
+        self.history.insert(self.history.len(), Entry { stamp, event: Event::Odometry(odometry), after });
+        self.history.drop_before(stamp.after(-self.history_length));
+        Ok(())
+    }
+
+    /// Corrects the belief by a measurement, at the time of the measurement.
+    ///
+    /// Later measurements are gated again. Of two contradictory measurements the earlier stamp wins, whichever arrived
+    /// first; an accepted measurement may thus be excluded afterwards.
+    pub fn update(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
+        let outcome = match self.check_measurement(&measured) {
+            Err(reason) => MeasurementOutcome::Rejected(reason),
+            Ok(()) => self.apply(measured),
+        };
+        self.stats.count(outcome);
+        outcome
+    }
+
+    /// Counts a rejected measurement or scan.
+    pub(crate) fn reject(&mut self, reason: RejectReason) {
+        self.stats.count(MeasurementOutcome::Rejected(reason));
+    }
+
+    fn check_measurement(&self, measured: &Stamped<Measurement<S>>) -> Result<(), RejectReason> {
+        measured.value.check()?;
+        if measured.stamp > self.stamp() {
+            Err(RejectReason::Future)
+        } else if measured.stamp < self.history.after(0).0 || self.history.is_full_before(measured.stamp) {
+            Err(RejectReason::Stale)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Rewinds to the time of the measurement, applies it, and replays the later entries.
+    fn apply(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
+        let Stamped { stamp, value: measurement } = measured;
+        let count = self.history.count_until(stamp);
+        let (start, mut belief) = self.history.after(count);
+        // A measurement inside an odometry interval splits the interval.
+        let split = match self.history.get(count) {
+            Some(Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
+                let part = fraction(start, stamp, end);
+                let (first, rest) = (odometry.fraction(part), odometry.fraction(S::from_f64(1.0) - part));
+                belief = self.ekf.predict(belief, first);
+                let rest = Entry { stamp: end, event: Event::Odometry(rest), after };
+                Some((Entry { stamp, event: Event::Odometry(first), after: belief }, rest))
+            }
+            _ => None,
+        };
+        let (after, nis, accepted) = self.correct(belief, &measurement);
+        if !accepted {
+            return MeasurementOutcome::Rejected(RejectReason::Outlier);
+        }
+        let mut index = Some(count);
+        if let Some((first, rest)) = split {
+            self.history.set(count, rest);
+            index = self.history.insert(count, first).map(|index| index + 1);
+        }
+        let entry = Entry { stamp, event: Event::Measurement(measurement), after };
+        let index = self.history.insert(index.unwrap_or(0), entry);
+        self.replay(index.map_or(0, |index| index + 1), after);
+        MeasurementOutcome::Accepted { nis: nis.to_f64() }
+    }
+
+    /// Applies the entries from `index` on to `belief`.
+    fn replay(&mut self, index: usize, mut belief: Belief<S>) {
+        for i in index..self.history.len() {
+            if let Some(mut entry) = self.history.get(i) {
+                belief = match &entry.event {
+                    Event::Odometry(odometry) => self.ekf.predict(belief, *odometry),
+                    Event::Measurement(measurement) => self.correct(belief, measurement).0,
+                };
+                entry.after = belief;
+                self.history.set(i, entry);
+            }
+        }
+    }
+
+    fn correct(&self, belief: Belief<S>, measurement: &Measurement<S>) -> (Belief<S>, S, bool) {
+        let threshold = self.gate.threshold(measurement.dimension());
+        let ekf = &self.ekf;
+        let correction = match measurement {
+            Measurement::Heading(compass) => ekf.correct(belief, &compass.innovation(&belief), threshold),
+            Measurement::Line(wall) => ekf.correct(belief, &wall.innovation(&belief), threshold),
+            Measurement::RangeBearing(landmark) => {
+                ekf.correct(belief, &landmark.innovation(&belief), threshold)
+            }
+            Measurement::Position(position) => ekf.correct(belief, &position.innovation(&belief), threshold),
+            Measurement::Pose(pose) => ekf.correct(belief, &pose.innovation(&belief), threshold),
+        };
+        (correction.belief, correction.nis, correction.accepted)
+    }
+}
+
+/// Checks travel and variance of odometry for plausibility.
+fn check_odometry<S: Float>(odometry: &WheelOdometry<S>) -> Result<(), RejectReason> {
+    finite(&[odometry.travel.right, odometry.travel.left])?;
+    let variances = [odometry.variance.right, odometry.variance.left];
+    finite(&variances).map_err(|_| RejectReason::BadVariance)?;
+    if variances.iter().all(|variance| *variance >= S::from_f64(0.0)) {
+        Ok(())
+    } else {
+        Err(RejectReason::BadVariance)
+    }
+}
+
+/// Fraction of the time from `start` to `end` that lies before `at`.
+fn fraction<S: Float>(start: Stamp, at: Stamp, end: Stamp) -> S {
+    let whole = end.since(start);
+    if whole > 0.0 { S::from_f64((at.since(start) / whole).clamp(0.0, 1.0)) } else { S::from_f64(1.0) }
+}

@@ -1,0 +1,121 @@
+//! Bounded history of filter events in order of time, for rewind and replay.
+
+use crate::scalar::Float;
+use crate::time::Stamp;
+
+use super::ekf::{Belief, WheelOdometry};
+use super::measurement::Measurement;
+
+/// An event that changed the belief.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Event<S> {
+    /// Odometry from the previous entry to this one.
+    Odometry(WheelOdometry<S>),
+    /// A measurement, accepted or not.
+    Measurement(Measurement<S>),
+}
+
+/// An event, its time, and the belief after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Entry<S> {
+    pub stamp: Stamp,
+    pub event: Event<S>,
+    pub after: Belief<S>,
+}
+
+/// The last `N` entries, oldest first, and the belief before the oldest entry.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct History<S, const N: usize> {
+    /// Time and belief before the oldest entry.
+    base: (Stamp, Belief<S>),
+    /// Ring buffer: entry `i` is at `(first + i) % N`; slots outside `len` are empty.
+    ring: [Option<Entry<S>>; N],
+    first: usize,
+    len: usize,
+}
+
+impl<S: Float, const N: usize> History<S, N> {
+    pub(super) fn new(stamp: Stamp, belief: Belief<S>) -> Self {
+        Self { base: (stamp, belief), ring: [None; N], first: 0, len: 0 }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Time and belief after the first `count` entries.
+    pub(super) fn after(&self, count: usize) -> (Stamp, Belief<S>) {
+        match count.checked_sub(1).and_then(|i| self.get(i)) {
+            Some(entry) => (entry.stamp, entry.after),
+            None => self.base,
+        }
+    }
+
+    pub(super) fn get(&self, index: usize) -> Option<Entry<S>> {
+        if index < self.len { self.ring[self.slot(index)] } else { None }
+    }
+
+    pub(super) fn set(&mut self, index: usize, entry: Entry<S>) {
+        if index < self.len {
+            self.ring[self.slot(index)] = Some(entry);
+        }
+    }
+
+    /// Number of entries not later than `stamp`. The search starts at the newest entry, since most delays are short.
+    pub(super) fn count_until(&self, stamp: Stamp) -> usize {
+        let mut count = self.len;
+        while count > 0 && self.get(count - 1).is_some_and(|entry| entry.stamp > stamp) {
+            count -= 1;
+        }
+        count
+    }
+
+    /// Whether the history is full of entries later than `stamp`. An entry inserted before all of them would be dropped
+    /// first.
+    pub(super) fn is_full_before(&self, stamp: Stamp) -> bool {
+        self.len == N && self.get(0).is_some_and(|oldest| oldest.stamp > stamp)
+    }
+
+    /// Inserts `entry` after the first `index` entries and returns its position; a full history first drops its oldest.
+    ///
+    /// Where [`History::is_full_before`] the time of the entry, nothing is stored.
+    pub(super) fn insert(&mut self, index: usize, entry: Entry<S>) -> Option<usize> {
+        let mut index = index.min(self.len);
+        if self.len == N {
+            self.drop_oldest();
+            index = index.checked_sub(1)?;
+        }
+        self.len += 1;
+        let mut moved = entry;
+        for i in index..self.len {
+            let slot = self.slot(i);
+            let previous = self.ring[slot].replace(moved);
+            match previous {
+                Some(later) => moved = later,
+                None => break,
+            }
+        }
+        Some(index)
+    }
+
+    /// Drops the entries older than `stamp`.
+    pub(super) fn drop_before(&mut self, stamp: Stamp) {
+        while self.get(0).is_some_and(|oldest| oldest.stamp < stamp) {
+            self.drop_oldest();
+        }
+    }
+
+    fn drop_oldest(&mut self) {
+        if let Some(oldest) = self.get(0) {
+            self.base = (oldest.stamp, oldest.after);
+            let slot = self.slot(0);
+            self.ring[slot] = None;
+            self.first = (self.first + 1) % N;
+            self.len -= 1;
+        }
+    }
+
+    fn slot(&self, index: usize) -> usize {
+        (self.first + index) % N
+    }
+}

@@ -1,0 +1,261 @@
+//! Estimation half of a step: sensor input to a supervised belief.
+
+use crate::estimation::{
+    Belief, DelayedEkf, Measurement, MeasurementOutcome, MeasurementStats, OdometryOutcome, RejectReason,
+    WheelOdometry,
+};
+use crate::lidar::{Scan, ScanEvent, ScanProcessor};
+use crate::map::MapView;
+use crate::safety::{Health, SafetyAction};
+use crate::scalar::Float;
+use crate::time::{Stamp, Stamped};
+
+use super::input::{Odometry, SensorInput, SensorReading};
+use super::monitor::{LocalizationMonitor, MonitorConfig};
+use super::observer::LoopObserver;
+
+/// Filter with history, scan processor and localization monitor.
+///
+/// | capacity | meaning |
+/// |---|---|
+/// | `HISTORY` | events that the filter can rewind over |
+/// | `BEAMS` | beams of a scan; 0 for a robot without a laser, whose processor is [disabled](ScanProcessor::disabled) |
+/// | `HYPOTHESES`, `KEYFRAMES` | poses and scans that the global search keeps |
+#[derive(Clone, Debug)]
+///
+/// ```
+/// # use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
+/// # use surepose::geometry::{Angle, Pose};
+/// # use surepose::kinematics::{DiffDrive, Integration};
+/// # use surepose::time::Stamp;
+/// # let ekf = Ekf { drive: DiffDrive::new(0.05, 0.4), delta: 0.0025, integration: Integration::Arc };
+/// # let belief = Belief::new(Pose::new(1.0, 1.0, Angle::zero()), [0.05, 0.05, 0.02]);
+/// # let filter = DelayedEkf::<f64, 64>::new(ekf, Gate::new(0.999), 1.0, Stamp::from_seconds(0.0), belief);
+/// use surepose::estimation::WheelOdometry;
+/// use surepose::kinematics::WheelPair;
+/// use surepose::lidar::ScanProcessor;
+/// use surepose::localization::{Localizer, MonitorConfig, Odometry, SensorInput};
+/// use surepose::map::MapView;
+/// use surepose::safety::Health;
+///
+/// let mut localizer = Localizer::<f64, 64, 0>::new(filter, ScanProcessor::disabled(), MonitorConfig::default());
+/// let travel = WheelPair::new(0.02, 0.02);
+/// let stamp = Stamp::from_seconds(0.1);
+/// let input = SensorInput { stamp, odometry: Odometry::WheelTravel(travel), readings: &[] };
+/// let belief = localizer.update(&input, WheelOdometry::from_command(travel), &MapView::empty(), &mut ());
+/// assert!((belief.pose.x - 1.02).abs() < 1e-9);
+/// localizer.mark_lost();
+/// assert_eq!(localizer.health(), Health::Lost);
+/// ```
+pub struct Localizer<
+    S,
+    const HISTORY: usize,
+    const BEAMS: usize,
+    const HYPOTHESES: usize = 24,
+    const KEYFRAMES: usize = 24,
+> {
+    estimator: DelayedEkf<S, HISTORY>,
+    scan_processor: ScanProcessor<S, BEAMS>,
+    /// `None` disables supervision and relocalization.
+    monitor: Option<LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>>,
+}
+
+impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize, const KEYFRAMES: usize>
+    Localizer<S, HISTORY, BEAMS, HYPOTHESES, KEYFRAMES>
+{
+    /// Localizer with supervision and relocalization.
+    pub fn new(
+        estimator: DelayedEkf<S, HISTORY>,
+        scan_processor: ScanProcessor<S, BEAMS>,
+        monitor: MonitorConfig<S>,
+    ) -> Self {
+        let monitor = LocalizationMonitor::new(monitor, *estimator.ekf(), estimator.stamp());
+        Self { estimator, scan_processor, monitor: Some(monitor) }
+    }
+
+    /// Localizer without supervision, for recordings that are evaluated against a reference.
+    pub fn unsupervised(estimator: DelayedEkf<S, HISTORY>, scan_processor: ScanProcessor<S, BEAMS>) -> Self {
+        Self { estimator, scan_processor, monitor: None }
+    }
+
+    /// The filter.
+    pub fn estimator(&self) -> &DelayedEkf<S, HISTORY> {
+        &self.estimator
+    }
+
+    /// The scan processor, for a laser whose noise or mounting changes.
+    pub fn scan_processor_mut(&mut self) -> &mut ScanProcessor<S, BEAMS> {
+        &mut self.scan_processor
+    }
+
+    /// Newest belief; meaningless while [`Localizer::health`] is [`Health::Lost`].
+    pub fn belief(&self) -> Belief<S> {
+        self.estimator.belief()
+    }
+
+    /// Time of the newest belief.
+    pub fn stamp(&self) -> Stamp {
+        self.estimator.stamp()
+    }
+
+    /// Counts of accepted and rejected measurements.
+    pub fn measurement_stats(&self) -> &MeasurementStats {
+        self.estimator.measurement_stats()
+    }
+
+    /// Present quality of the belief.
+    pub fn health(&self) -> Health {
+        let health = |monitor: &LocalizationMonitor<S, _, _>| monitor.health(self.stamp(), &self.belief());
+        self.monitor.as_ref().map_or(Health::Healthy, health)
+    }
+
+    /// Present safety action for the wheels.
+    pub fn action(&self) -> SafetyAction {
+        let action = |monitor: &LocalizationMonitor<S, _, _>| monitor.action(self.stamp(), &self.belief());
+        self.monitor.as_ref().map_or(SafetyAction::Proceed, action)
+    }
+
+    /// Monitor; `None` for an unsupervised localizer.
+    pub fn monitor(&self) -> Option<&LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>> {
+        self.monitor.as_ref()
+    }
+
+    /// Restarts at `stamp` with a trusted belief.
+    pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
+        self.estimator.reset(stamp, belief);
+        if let Some(monitor) = &mut self.monitor {
+            monitor.reset(stamp);
+        }
+    }
+
+    /// Restarts from a trusted belief of an earlier time and replays the odometry since then. A stamp outside the
+    /// history counts as the present time.
+    pub fn reset_at(&mut self, stamp: Stamp, belief: Belief<S>) {
+        self.estimator.reset_at(stamp, belief);
+        let now = self.stamp();
+        if let Some(monitor) = &mut self.monitor {
+            monitor.reset(now);
+        }
+    }
+
+    /// Declares the pose unknown and starts the global search.
+    pub fn mark_lost(&mut self) {
+        let now = self.stamp();
+        if let Some(monitor) = &mut self.monitor {
+            monitor.mark_lost(now);
+        }
+    }
+
+    /// Advances the belief to `input.stamp`: odometry predicts; each measurement and each scan, gated, corrects.
+    ///
+    /// `commanded` replaces missing or rejected odometry; [`WheelOdometry::from_command`] computes it from a command.
+    ///
+    /// The work is bounded. It is one filter step for odometry, and at most `HISTORY` + 2 for each measurement and each
+    /// wall in a scan. Each scan adds one extraction, one association and one comparison with the map.
+    pub fn update(
+        &mut self,
+        input: &SensorInput<'_, S>,
+        commanded: WheelOdometry<S>,
+        map: &MapView<'_, S>,
+        observer: &mut impl LoopObserver<S>,
+    ) -> Belief<S> {
+        self.predict(input.stamp, input.odometry, commanded, observer);
+        for reading in input.readings {
+            self.process(reading, map, observer);
+        }
+        self.belief()
+    }
+
+    /// Corrects the belief by one reading.
+    pub fn process(
+        &mut self,
+        reading: &Stamped<SensorReading<'_, S>>,
+        map: &MapView<'_, S>,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        match &reading.value {
+            SensorReading::Measurement(measurement) => {
+                let measurement = Stamped::new(reading.stamp, *measurement);
+                let outcome = self.estimator.update(measurement);
+                self.note_measurement(&measurement, outcome, observer);
+            }
+            SensorReading::Scan(scan) => self.process_scan(reading.stamp, scan, map, observer),
+        }
+    }
+
+    /// Predicts by odometry, or by the command where odometry is missing or rejected.
+    fn predict(
+        &mut self,
+        stamp: Stamp,
+        odometry: Odometry<S>,
+        commanded: WheelOdometry<S>,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        let elapsed = stamp.since(self.stamp());
+        let reported = match odometry {
+            Odometry::WheelTravel(travel) => Some(self.estimator.wheel_odometry(stamp, travel)),
+            Odometry::WithVariance(odometry) => Some(odometry),
+            Odometry::Missing => None,
+        };
+        let outcome = match reported.map(|odometry| self.estimator.predict_with(stamp, odometry)) {
+            Some(Ok(())) => OdometryOutcome::Used,
+            Some(Err(reason)) => OdometryOutcome::Rejected(reason),
+            None => OdometryOutcome::Missing,
+        };
+        let reported = reported.filter(|_| outcome == OdometryOutcome::Used);
+        if reported.is_none() {
+            // `predict_with` counts a rejection.
+            let _counted = self.estimator.predict_with(stamp, commanded);
+        }
+        let used = reported.unwrap_or(commanded);
+        if let Some(monitor) = &mut self.monitor {
+            monitor.on_odometry(stamp, elapsed, commanded.travel, used, outcome);
+        }
+        observer.on_odometry(stamp, &used, outcome);
+    }
+
+    /// Associates a scan with the map from the belief at its time, and corrects the belief by the walls.
+    fn process_scan(
+        &mut self,
+        stamp: Stamp,
+        scan: &Scan<'_, S>,
+        map: &MapView<'_, S>,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        let Self { estimator, scan_processor, monitor } = self;
+        // A scan older than the history cannot be used. Such a scan is counted, as is an invalid one.
+        let Ok(belief) = estimator.belief_at_or_reject(stamp) else { return };
+        let laser = scan_processor.laser_of(scan);
+        let Ok(observation) = scan_processor.process(estimator.ekf(), &belief, scan, map.walls) else {
+            return estimator.reject(RejectReason::UnreadableScan);
+        };
+        for measurement in observation.measurements() {
+            let measurement = Stamped::new(stamp, measurement);
+            let outcome = estimator.update(measurement);
+            if let Some(monitor) = monitor.as_mut() {
+                monitor.on_measurement(&measurement, outcome);
+            }
+            observer.on_measurement(&measurement, outcome);
+        }
+        let Some(belief) = estimator.belief_at(stamp) else { return };
+        let event = ScanEvent { stamp, laser: &laser, scan, observation: &observation, belief, map };
+        if let Some(monitor) = monitor.as_mut() {
+            monitor.on_scan(estimator, &event);
+        }
+        // A relocalization changes the belief at the time of the scan.
+        let belief = estimator.belief_at(stamp).unwrap_or(belief);
+        observer.on_scan(&ScanEvent { belief, ..event });
+    }
+
+    fn note_measurement(
+        &mut self,
+        measurement: &Stamped<Measurement<S>>,
+        outcome: MeasurementOutcome,
+        observer: &mut impl LoopObserver<S>,
+    ) {
+        if let Some(monitor) = &mut self.monitor {
+            monitor.on_measurement(measurement, outcome);
+        }
+        observer.on_measurement(measurement, outcome);
+    }
+}

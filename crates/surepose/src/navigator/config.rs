@@ -1,0 +1,37 @@
+//! Constants of the navigator.
+
+use crate::control::Controller;
+use crate::safety::{CollisionConfig, Footprint, ObstacleConfig};
+use crate::scalar::Float;
+
+/// Constants of a [`Navigator`](super::Navigator); those of the estimate are in its
+/// [`Localizer`](crate::localization::Localizer).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavigatorConfig<S> {
+    /// Control law, limits and goal tolerance.
+    pub controller: Controller<S>,
+    /// Collision check.
+    pub collision: CollisionConfig<S>,
+    /// Obstacle monitor.
+    pub obstacles: ObstacleConfig<S>,
+    /// Turn rate of a lost robot that looks around \[rad/s].
+    pub search_turn_rate: S,
+    /// Time after which a stopped or blocked robot gives its goal up \[s].
+    pub goal_timeout: f64,
+    /// Whether a reached pose is held, and driven to again after a push, until the next goal.
+    pub hold_goal: bool,
+}
+
+impl<S: Float> NavigatorConfig<S> {
+    /// Default thresholds for a robot with this controller and outline.
+    pub fn new(controller: Controller<S>, footprint: Footprint<S>) -> Self {
+        Self {
+            controller,
+            collision: CollisionConfig::new(footprint),
+            obstacles: ObstacleConfig::default(),
+            search_turn_rate: S::from_f64(0.8),
+            goal_timeout: 10.0,
+            hold_goal: false,
+        }
+    }
+}

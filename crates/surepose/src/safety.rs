@@ -1,0 +1,18 @@
+//! Safety: how far the estimate can be trusted, and what stands in the robot's way.
+//!
+//! The [`Supervisor`] watches odometry, measurements, scans and wheels, and decides whether the robot may proceed, must
+//! slow down or must stop, with a named [`FaultReason`]. The collision check predicts the path of the [`Footprint`] and
+//! yields a [`SpeedCap`] from which the robot can stop before every wall and every obstacle that the
+//! [`ObstacleMonitor`] saw.
+//!
+//! The laser sees one plane. Nothing here replaces a certified safety scanner.
+
+mod collision;
+mod footprint;
+mod obstacle_monitor;
+mod supervisor;
+
+pub use collision::{BlockReason, CollisionConfig, Intent, SpeedCap};
+pub use footprint::{Footprint, InvalidFootprint, MAX_VERTICES, Polygon};
+pub use obstacle_monitor::{ObstacleConfig, ObstacleMonitor};
+pub use supervisor::{FaultReason, Health, SafetyAction, Supervisor, SupervisorConfig};

@@ -1,0 +1,11 @@
+//! Experiments of the project: the paper's figures, the loop world, kidnapped robots.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | [`reproduce`] | the experiments behind the paper's figures and the loop world |
+//! | [`picture`] | pictures of the paper's figures |
+//! | [`kidnapping`] | kidnapped-robot trials: detection and relocalization |
+
+pub mod kidnapping;
+pub mod picture;
+pub mod reproduce;
