@@ -204,7 +204,7 @@ fn malformed_mcap_exits_with_3() {
     let path = file(&folder("replay-mcap"), "drive.mcap", b"\x89MCAP0\r\n and nothing more");
     let run = surepose(&["replay", "mcap", &path]);
     assert_eq!(run.code, 3, "{}", run.stderr);
-    assert!(run.stderr.contains("drive.mcap") && run.stderr.contains("cut short"), "{}", run.stderr);
+    assert!(run.stderr.contains("drive.mcap") && run.stderr.contains("damaged recording"), "{}", run.stderr);
     let run = surepose(&["replay", "mcap", &path, "--remap", "odom"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
     let run = surepose(&["replay", "ticks", &path, "--compass"]);
