@@ -53,7 +53,7 @@ fn renamed_image_is_read_with_a_warning() {
     file(&folder, "room.yaml", text.replace("room.pgm", "hall.pgm").as_bytes());
     let renamed = made();
     assert_eq!(renamed.json(), whole.json());
-    for name in ["hall.pgm: ", "room.pgm instead"] {
+    for name in ["hall.pgm)", "room.pgm instead"] {
         assert!(renamed.stderr.contains(name), "{name} in {}", renamed.stderr);
     }
 }

@@ -106,7 +106,7 @@ fn compressed_map_keeps_its_format() {
     let log = file(&folder, "damaged.log", b"damaged\n");
     for (name, map, blamed) in [
         ("room.toml.gz", &b"[[wall]]\nfrom_m = [0, 0]\nto_m = [4, 0]\n"[..], "damaged.log:1"),
-        ("room.yaml.gz", b"image: 1\nresolution: wide\n", "room.yaml.gz:2"),
+        ("room.yaml.gz", b"image: 1\norigin: wide\n", "room.yaml.gz:2"),
         ("room.dat.gz", b"[[wall]]\n", "robot_specifications"),
     ] {
         let map = file(&folder, name, map);
@@ -204,7 +204,7 @@ fn malformed_mcap_exits_with_3() {
     let path = file(&folder("replay-mcap"), "drive.mcap", b"\x89MCAP0\r\n and nothing more");
     let run = surepose(&["replay", "mcap", &path]);
     assert_eq!(run.code, 3, "{}", run.stderr);
-    assert!(run.stderr.contains("drive.mcap") && run.stderr.contains("cut short"), "{}", run.stderr);
+    assert!(run.stderr.contains("drive.mcap") && run.stderr.contains("damaged recording"), "{}", run.stderr);
     let run = surepose(&["replay", "mcap", &path, "--remap", "odom"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
     let run = surepose(&["replay", "ticks", &path, "--compass"]);

@@ -19,10 +19,10 @@ fn invalid_options_are_usage_errors_with_a_remedy() {
         (&["ros2", "--map-frame", "a b"], "expected letters, digits"),
         (&["ros2", "--map-frame", "/map"], "no / at the beginning"),
     ];
-    for (arguments, cure) in cases {
+    for (arguments, remedy) in cases {
         let run = surepose(arguments);
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
-        assert!(run.stderr.replace("\n  │ ", " ").contains(cure), "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.replace("\n  │ ", " ").contains(remedy), "{arguments:?}: {}", run.stderr);
     }
 }
 

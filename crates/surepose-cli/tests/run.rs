@@ -102,7 +102,7 @@ fn timeout_exits_with_1() {
 
 #[test]
 fn goal_reached_only_by_the_estimate_exits_with_1() {
-    let blind = ["run", "--seed", "1", "--set", "laser.beams=2", "--set", "compass.std_deg=180"];
+    let blind = ["run", "--seed", "1", "--set", "laser.beams=5", "--set", "compass.std_deg=180"];
     let run = surepose(&[&blind[..], &["--json"]].concat());
     assert_eq!(run.code, 1, "{}", run.stderr);
     let json = run.json();

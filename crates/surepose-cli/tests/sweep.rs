@@ -34,8 +34,8 @@ fn json_describes_the_trials_and_a_warning_lists_ignored_parameters() {
     let run = surepose(&[&["sweep", "--runs", "10", "--period", "0.1", "--json"], &set[..]].concat());
     assert!(run.stderr.contains("Ignored parameters: robot.track_m, goal.hold_s"), "{}", run.stderr);
     let json = run.json();
-    for (key, told) in [("loop", "bench"), ("noise", "none"), ("law", "surepose"), ("precision", "f64")] {
-        assert_eq!(json[key], told, "{json}");
+    for (key, expected) in [("loop", "bench"), ("noise", "none"), ("law", "surepose"), ("precision", "f64")] {
+        assert_eq!(json[key], expected, "{json}");
     }
     assert_eq!(json["period_s"], 0.1);
     let run = surepose(&["sweep", "--runs", "10", "--loop", "ekf", "--set", "filter.delta=0.003", "--json"]);

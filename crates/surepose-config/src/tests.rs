@@ -194,12 +194,12 @@ fn malformed_text_is_an_error_with_its_line() {
 
 #[test]
 fn bare_decimal_point_gives_one_problem_with_its_remedy() {
-    for (written, cure) in [(".5", "0.5"), ("-.5", "-0.5"), ("5.", "5"), (".5e-1", "0.05")] {
+    for (written, remedy) in [(".5", "0.5"), ("-.5", "-0.5"), ("5.", "5"), (".5e-1", "0.05")] {
         let found = complaints(&format!("[law]\nh = 1\nk_v = {written} # fast\n"));
         let [found] = found.as_slice() else { panic!("{written}: {found:#?}") };
         assert!(found.starts_with("robot.toml:3: invalid TOML: "), "{found}");
         assert!(
-            found.ends_with(&format!("a decimal point needs digits on both sides: write {cure}")),
+            found.ends_with(&format!("a decimal point needs digits on both sides: write {remedy}")),
             "{found}"
         );
     }

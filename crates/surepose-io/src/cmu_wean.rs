@@ -27,7 +27,7 @@ use crate::lines::{Clock, Field, LineReader, TextLine};
 use crate::quantity::{ANGLE, POSITION, PROBABILITY, RESOLUTION};
 use crate::recording::{Recording, ScanRecord, SensorPose, StampedPose};
 
-const CENTIMETRE: f64 = 0.01;
+const CENTIMETER: f64 = 0.01;
 const BEAMS: usize = 180;
 /// The value of an unknown cell in the grid file.
 const UNKNOWN: f64 = -1.0;
@@ -93,7 +93,7 @@ fn scan(
     let odometry_from_laser = pose::<Laser>([laser_x, laser_y, laser_heading])?;
     let body_from_laser = odometry_from_body.inverse() * odometry_from_laser;
     let (angle_min, angle_increment) = half_circle::beams(BEAMS);
-    let ranges = ranges.iter().map(|range| range.laser_range(CENTIMETRE, &RETURNS));
+    let ranges = ranges.iter().map(|range| range.laser_range(CENTIMETER, &RETURNS));
     Ok(ScanRecord {
         time,
         angle_min,
@@ -114,12 +114,12 @@ fn wrong_columns(line: TextLine<'_>, found: usize) -> DataError {
     line.error(Problem::Columns { expected: SCAN_COLUMNS, found, layout })
 }
 
-/// A pose in the frame of odometry, which is a map that drifts.
+/// Reads a pose in the odometry frame, a map frame that drifts.
 fn pose<From: surepose::geometry::Frame>(
     [x, y, heading]: [&Field<'_>; 3],
 ) -> Result<Pose<Map, From, f64>, DataError> {
-    let x = x.read_in("x", &POSITION, CENTIMETRE)?;
-    let y = y.read_in("y", &POSITION, CENTIMETRE)?;
+    let x = x.read_in("x", &POSITION, CENTIMETER)?;
+    let y = y.read_in("y", &POSITION, CENTIMETER)?;
     Ok(Pose::new(x, y, Angle::from_radians(heading.read("heading", &ANGLE)?)))
 }
 
@@ -192,10 +192,10 @@ fn parse_header(lines: &mut LineReader<'_>) -> Result<Header, DataError> {
             }
             [name, value] => match name.text().strip_prefix(b"robot_specifications->") {
                 Some(b"resolution") => {
-                    resolution = Some(value.read_in("resolution", &RESOLUTION, CENTIMETRE)?);
+                    resolution = Some(value.read_in("resolution", &RESOLUTION, CENTIMETER)?);
                 }
-                Some(b"autoshifted_x") => origin.x = value.read_in("x shift", &POSITION, CENTIMETRE)?,
-                Some(b"autoshifted_y") => origin.y = value.read_in("y shift", &POSITION, CENTIMETRE)?,
+                Some(b"autoshifted_x") => origin.x = value.read_in("x shift", &POSITION, CENTIMETER)?,
+                Some(b"autoshifted_y") => origin.y = value.read_in("y shift", &POSITION, CENTIMETER)?,
                 Some(_) => {}
                 None => return Err(unknown_header(line)),
             },

@@ -42,7 +42,7 @@ pub struct Rover {
 }
 
 const MICROSECOND: f64 = 1e-6;
-const MILLIMETRE: f64 = 1e-3;
+const MILLIMETER: f64 = 1e-3;
 const TURN_STEPS: f64 = 1024.0;
 const STEP_AHEAD: f64 = 384.0;
 const FIRST_STEP: f64 = 44.0;
@@ -80,7 +80,7 @@ pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedTicks>, DataE
         let time = clock.stamp(*time, MICROSECOND)?;
         let left = ticks(left, "left ticks")?;
         let right = ticks(right, "right ticks")?;
-        let ranges = ranges.iter().map(|range| range.laser_range(MILLIMETRE, &RETURNS));
+        let ranges = ranges.iter().map(|range| range.laser_range(MILLIMETER, &RETURNS));
         let ranges = ranges.collect::<Result<_, _>>()?;
         recording.odometry.push(StampedTicks { time, left, right });
         recording.scans.push(ScanRecord {

@@ -119,9 +119,9 @@ impl CertifyCommand {
         }
         output.result(&json, || {
             let mut table = table(&[]);
-            let mut told = json.clone();
-            told.remove("counterexample");
-            for row in worded(&told, &WORDS) {
+            let mut shown = json.clone();
+            shown.remove("counterexample");
+            for row in worded(&shown, &WORDS) {
                 table.add_row(row);
             }
             for (key, what) in

@@ -71,12 +71,12 @@ impl SweepCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let trials = self.trials.read(self.noise_unless_given())?;
         let sweep = self.sweep(&trials)?;
-        let unheeded = trials.unheeded();
-        if !unheeded.is_empty() {
+        let ignored_parameters = trials.ignored_parameters();
+        if !ignored_parameters.is_empty() {
             warning(&format!(
                 "the trials use the bench robot and goal; [robot] only affects fitted gains. Ignored parameters: \
                  {}",
-                unheeded.join(", ")
+                ignored_parameters.join(", ")
             ));
         }
         let folder = self.out.as_deref().map(OutputDir::at).transpose()?;

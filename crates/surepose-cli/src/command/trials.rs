@@ -64,7 +64,7 @@ impl TrialArgs {
         let noise = self.noise.unwrap_or(noise_unless_given);
         // The bench robot has no acceleration limit; the largest valid value has the same effect.
         let bench = [
-            (&param::POSITION_NOISE, self.loop_.told(noise.sizes())),
+            (&param::POSITION_NOISE, self.loop_.position_noise(noise.sizes())),
             (&param::WHEEL_RADIUS, 0.05),
             (&param::WHEEL_SEPARATION, 0.6),
             (&param::WHEEL_SPEED_LIMIT, 0.3),
@@ -92,7 +92,7 @@ impl Trials<'_> {
     }
 
     /// Returns the parameters, as `SECTION.KEY`, that the user changed but the trials ignore.
-    pub(super) fn unheeded(&self) -> Vec<String> {
+    pub(super) fn ignored_parameters(&self) -> Vec<String> {
         let counts = |setting: &Setting| match setting.parameter.section {
             "law" | "loop" => true,
             "filter" if self.arguments.loop_ == LoopName::Ekf => {
@@ -145,7 +145,7 @@ const BENCH: &str = "bench";
 
 impl LoopName {
     /// Returns the configured position noise of the law \[m]: the standard deviation from tick to tick.
-    fn told(self, noise: SweepNoise) -> f64 {
+    fn position_noise(self, noise: SweepNoise) -> f64 {
         match self {
             Self::Bench => noise.position,
             Self::Ekf => FILTER_JITTER,

@@ -59,7 +59,7 @@ fn malformed_logs_name_line_and_problem() {
     assert!(message("L 1\n").contains("(got 2, "));
     assert!(message(&scan("NaN", 180, "1")).contains("column 8 (range): not finite"));
     assert!(message(&scan("1", 180, "-1")).contains("column 188 (time): out of range (got '-1',"));
-    assert!(message("O 1 2 3 4\nO 1 2 3 3\n").starts_with("log:2: time goes back"));
+    assert!(message("O 1 2 3 4\nO 1 2 3 3\n").starts_with("log:2: time: decreases"));
     assert!(message("X 1\n").starts_with("log:1: record: unknown (got 'X', expected O or L)"));
     assert!(message("O 1 2 3 4\n").starts_with("log: no L lines found"));
 }

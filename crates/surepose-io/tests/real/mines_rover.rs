@@ -17,12 +17,12 @@ fn both_recordings_match_numpy() {
         assert_eq!((log.odometry.len(), log.scans.len()), (lines, lines), "{name}");
         assert!(log.scans.iter().all(|scan| scan.ranges.len() == 682), "{name}");
         assert!((log.duration() - duration).abs() < 1e-6, "{name}: {} s", log.duration());
-        let metres_per_tick = ROVER.wheel_radius * TAU / ROVER.ticks_per_turn;
+        let meters_per_tick = ROVER.wheel_radius * TAU / ROVER.ticks_per_turn;
         let ticks = log
             .odometry
             .windows(2)
             .map(|pair| (pair[1].left - pair[0].left) + (pair[1].right - pair[0].right));
-        let driven: f64 = ticks.map(|ticks| (ticks as f64 / 2.0 * metres_per_tick).abs()).sum();
+        let driven: f64 = ticks.map(|ticks| (ticks as f64 / 2.0 * meters_per_tick).abs()).sum();
         assert!((driven - distance).abs() < 1e-5, "{name}: {driven} m");
         let missing =
             log.scans.iter().flat_map(|scan| &scan.ranges).filter(|range| range.is_infinite()).count();

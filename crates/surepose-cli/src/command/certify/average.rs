@@ -37,9 +37,9 @@ pub(super) fn run(config: &Config, noise: NoiseBounds, output: Output) -> Result
     let json = json_of(found.as_ref(), clock.elapsed().as_secs_f64());
     output.result(&json, || {
         let mut table = table(&[]);
-        let mut told = json.clone();
-        told.remove("left_out");
-        for row in worded(&told, &WORDS) {
+        let mut shown = json.clone();
+        shown.remove("left_out");
+        for row in worded(&shown, &WORDS) {
             table.add_row(row);
         }
         for (k, words) in LEFT_OUT.iter().filter(|_| found.is_some()).enumerate() {
