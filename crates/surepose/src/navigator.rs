@@ -263,9 +263,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         report.command = Some(Command { twist: step.limited, wheels: step.wheels });
         report.control = Some(step);
         report.blocked_by = cap.blocked_by;
-        if let Some(ended) = ended
-            && !(ended == GoalResult::Reached && self.config.hold_goal)
-        {
+        let is_held = ended == Some(GoalResult::Reached) && self.config.hold_goal;
+        if ended.is_some() && !is_held {
             self.release_goal(report.stamp);
         }
         ended

@@ -105,13 +105,17 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
 
     /// Present quality of the belief.
     pub fn health(&self) -> Health {
-        let health = |monitor: &LocalizationMonitor<S, _, _>| monitor.health(self.stamp(), &self.belief());
+        let health = |monitor: &LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>| {
+            monitor.health(self.stamp(), &self.belief())
+        };
         self.monitor.as_ref().map_or(Health::Healthy, health)
     }
 
     /// Present safety action for the wheels.
     pub fn action(&self) -> SafetyAction {
-        let action = |monitor: &LocalizationMonitor<S, _, _>| monitor.action(self.stamp(), &self.belief());
+        let action = |monitor: &LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>| {
+            monitor.action(self.stamp(), &self.belief())
+        };
         self.monitor.as_ref().map_or(SafetyAction::Proceed, action)
     }
 

@@ -141,10 +141,11 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         if is_scan && matches!(outcome, MeasurementOutcome::Accepted { .. }) {
             self.scan_updates = self.scan_updates.saturating_add(1);
         }
-        if let Measurement::Heading(heading) = measured.value
-            && self.is_searching
-        {
-            self.global.set_heading(Stamped::new(measured.stamp, heading));
+        match measured.value {
+            Measurement::Heading(heading) if self.is_searching => {
+                self.global.set_heading(Stamped::new(measured.stamp, heading));
+            }
+            _ => {}
         }
     }
 
@@ -168,7 +169,9 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         let may_be_pushed = !self.is_searching
             && !self.supervisor.contradicts_map(&stats)
             && self.last_push.is_none_or(|last| now.since(last) > self.config.local_search_interval);
-        if may_be_pushed && let Some(found) = search.refine(estimator.ekf(), &beams, belief, map.walls) {
+        let refine = || search.refine(estimator.ekf(), &beams, belief, map.walls);
+        let found = if may_be_pushed { refine() } else { None };
+        if let Some(found) = found {
             estimator.reset_at(*stamp, self.with_map_uncertainty(found));
             self.supervisor.on_relocalized(now);
             self.last_push = Some(now);

@@ -93,7 +93,10 @@ impl<S: Float, const BEAMS: usize> ObstacleMonitor<S, BEAMS> {
             let (sin, cos) = event.scan.angle(index).sin_cos();
             let end = map_from_laser * Point::new(*range * cos, *range * sin);
             let is_wall = event.map.walls.iter().any(|wall| wall.distance(end) <= self.config.wall_distance);
-            if !is_wall && let Some(slot) = self.points.get_mut(self.len) {
+            if is_wall {
+                continue;
+            }
+            if let Some(slot) = self.points.get_mut(self.len) {
                 *slot = end;
                 self.len += 1;
             }
