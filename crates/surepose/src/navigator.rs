@@ -21,7 +21,7 @@ use crate::geometry::{Goal, Map, Pose};
 use crate::kinematics::{Twist, WheelPair};
 use crate::localization::{Localizer, LoopObserver, Odometry, SensorInput};
 use crate::map::MapView;
-use crate::safety::{BlockReason, FaultReason, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
+use crate::safety::{BlockReason, FaultReason, Health, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
@@ -102,7 +102,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let belief = self.estimate(map, input, observer);
 
         // Supervise: assess the estimate.
-        let (health, action) = (self.localizer.health(), self.localizer.action());
+        let (health, action) = self.localizer.judge();
         let mut report = StepReport::new(input.stamp, belief, health, action);
 
         // How should it move, and how fast may it?
@@ -338,7 +338,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         }
         self.result = self.end_goal(GoalResult::Aborted(AbortReason::ClockSetBack));
         self.rest_until = self.rest_until.map(|_| now.after(REST_TIME));
-        let is_lost = self.localizer.health() == crate::safety::Health::Lost;
+        let is_lost = self.localizer.health() == Health::Lost;
         self.start(now, (!is_lost).then_some(self.localizer.belief()));
     }
 

@@ -105,18 +105,20 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
 
     /// Present quality of the belief.
     pub fn health(&self) -> Health {
-        let health = |monitor: &LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>| {
-            monitor.health(self.stamp(), &self.belief())
-        };
-        self.monitor.as_ref().map_or(Health::Healthy, health)
+        self.judge().0
     }
 
     /// Present safety action for the wheels.
     pub fn action(&self) -> SafetyAction {
-        let action = |monitor: &LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>| {
-            monitor.action(self.stamp(), &self.belief())
-        };
-        self.monitor.as_ref().map_or(SafetyAction::Proceed, action)
+        self.judge().1
+    }
+
+    /// Present quality of the belief and safety action for the wheels, from one evaluation.
+    pub fn judge(&self) -> (Health, SafetyAction) {
+        match &self.monitor {
+            Some(monitor) => monitor.judge(self.stamp(), &self.belief()),
+            None => (Health::Healthy, SafetyAction::Proceed),
+        }
     }
 
     /// Monitor; `None` for an unsupervised localizer.

@@ -93,14 +93,9 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         self.global.reset(now);
     }
 
-    /// Quality of the estimate.
-    pub fn health(&self, now: Stamp, belief: &Belief<S>) -> Health {
-        self.supervisor.health(now, belief)
-    }
-
-    /// Safety action for the wheels.
-    pub fn action(&self, now: Stamp, belief: &Belief<S>) -> SafetyAction {
-        self.supervisor.action(now, belief)
+    /// Quality of the estimate, and the safety action for the wheels.
+    pub fn judge(&self, now: Stamp, belief: &Belief<S>) -> (Health, SafetyAction) {
+        self.supervisor.judge(now, belief)
     }
 
     /// Candidate poses of a lost robot; empty while the robot is not lost.
@@ -163,7 +158,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         let stats = BeamStats { missed_returns: missed.count(belief, map.walls), ..stats };
         self.supervisor.on_scan(&stats, scan_nis);
         let now = estimator.stamp();
-        if self.health(now, &estimator.belief()) != Health::Lost {
+        if self.supervisor.health(now, &estimator.belief()) != Health::Lost {
             return;
         }
         let may_be_pushed = !self.is_searching

@@ -171,9 +171,9 @@ impl<S: Float> CollisionConfig<S> {
     ) -> Option<BlockReason> {
         let radius = self.footprint.circumscribed_radius();
         let reach = |clearance: S| motion.length.abs() + radius + clearance;
-        let sweep = motion.length.abs().max(motion.turn.abs() * radius);
-        let steps = (sweep.to_f64() / PATH_STEP).clamp(1.0, MAX_PATH_STEPS) as u16 + 1;
         let poses = || {
+            let sweep = motion.length.abs().max(motion.turn.abs() * radius);
+            let steps = (sweep.to_f64() / PATH_STEP).clamp(1.0, MAX_PATH_STEPS) as u16 + 1;
             (1..=steps).map(move |step| {
                 let fraction = S::from_f64(f64::from(step) / f64::from(steps));
                 let part = Motion { length: motion.length * fraction, turn: motion.turn * fraction };

@@ -191,23 +191,31 @@ impl<S: Float> Supervisor<S> {
 
     /// How far the estimate can be trusted at `now`.
     pub fn health(&self, now: Stamp, belief: &Belief<S>) -> Health {
-        match self.fault(now, belief) {
-            Some(FaultReason::Lost) => Health::Lost,
-            Some(FaultReason::WheelTrackingError) | None if self.scans_against == 0 => Health::Healthy,
-            _ => Health::Degraded,
-        }
+        self.judge(now, belief).0
     }
 
     /// What the wheels may do at `now`.
     pub fn action(&self, now: Stamp, belief: &Belief<S>) -> SafetyAction {
-        match self.fault(now, belief) {
+        self.judge(now, belief).1
+    }
+
+    /// Health and action at `now`, from one evaluation of all faults.
+    pub fn judge(&self, now: Stamp, belief: &Belief<S>) -> (Health, SafetyAction) {
+        let fault = self.fault(now, belief);
+        let health = match fault {
+            Some(FaultReason::Lost) => Health::Lost,
+            Some(FaultReason::WheelTrackingError) | None if self.scans_against == 0 => Health::Healthy,
+            _ => Health::Degraded,
+        };
+        let action = match fault {
             None => SafetyAction::Proceed,
             Some(reason @ (FaultReason::Lost | FaultReason::OdometryTimeout)) => SafetyAction::Stop(reason),
             Some(reason @ FaultReason::Uncertain) if !is_within(belief, self.config.stop_std) => {
                 SafetyAction::Stop(reason)
             }
             Some(reason) => SafetyAction::Slowdown(reason),
-        }
+        };
+        (health, action)
     }
 
     /// What is wrong, the worst first.
