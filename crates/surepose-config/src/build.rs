@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use surepose::control::{
-    ActuatorLimits, BrakingProfile, Controller, Deadband, Direction, Gains, HybridLaw, Law, Limits,
-    Tolerance, Tran2012Law,
+    ActuatorLimits, ActuatorModel, BrakingProfile, Controller, Deadband, Direction, Gains, HybridLaw, Law,
+    Limits, MinSpeeds, Tolerance, Tran2012Law,
 };
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
 use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
@@ -141,9 +141,24 @@ impl Config {
 
     /// Wheel limits.
     pub fn limits(&self) -> Limits<f64> {
-        Limits {
-            wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT),
-            wheel_acceleration: self.number(&param::WHEEL_ACCELERATION_LIMIT),
+        let wheel_acceleration = self.number(&param::WHEEL_ACCELERATION_LIMIT);
+        let wheel_deceleration = match self.origin(&param::WHEEL_DECELERATION_LIMIT) {
+            ValueSource::Default => wheel_acceleration,
+            _ => self.number(&param::WHEEL_DECELERATION_LIMIT),
+        };
+        Limits { wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT), wheel_acceleration, wheel_deceleration }
+    }
+
+    /// What the base makes of a command.
+    pub fn actuator(&self) -> ActuatorModel<f64> {
+        ActuatorModel {
+            min_speeds: MinSpeeds {
+                wheel: self.number(&param::MIN_WHEEL_SPEED),
+                v: self.number(&param::MIN_SPEED),
+                omega: self.number(&param::MIN_TURN_RATE),
+            },
+            delay: self.number(&param::COMMAND_DELAY),
+            time_constant: self.number(&param::MOTOR_TIME_CONSTANT),
         }
     }
 

@@ -4,6 +4,7 @@
 //! the later one wins. Every value has passed the bounds of the table, so that the constants of the core can be built
 //! without errors. [`build`](self) does so, in one place for all commands.
 
+mod abort;
 mod build;
 mod file;
 mod key;
@@ -18,6 +19,7 @@ use std::path::Path;
 
 use surepose::param::{self, Kind, Parameter};
 
+pub use abort::describe_abort;
 pub use build::{CompassParameters, LaserParameters};
 pub use key::parameter;
 pub use navigation::{HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod};

@@ -143,6 +143,7 @@ impl Config {
         let search_turn_rate = self.number(&param::SEARCH_TURN_RATE);
         NavigatorConfig {
             controller: self.controller(),
+            actuator: self.actuator(),
             collision: CollisionConfig {
                 footprint: Footprint::Circle(footprint_radius),
                 wall_clearance: self.number(&param::WALL_CLEARANCE),
@@ -157,6 +158,8 @@ impl Config {
             },
             search_turn_rate: if setup.has_laser { search_turn_rate } else { 0.0 },
             goal_timeout: self.number(&param::GOAL_TIMEOUT),
+            stall_timeout: self.number(&param::STALL_TIMEOUT),
+            progress_timeout: self.number(&param::PROGRESS_TIMEOUT),
             hold_goal: setup.hold_goal,
         }
     }

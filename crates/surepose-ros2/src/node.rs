@@ -24,6 +24,7 @@ use surepose::geometry::{Goal, Map, Pose};
 use surepose::kinematics::Twist;
 use surepose::navigator::GoalResult;
 use surepose::time::{Stamp, Stamped};
+use surepose_config::describe_abort;
 
 use crate::convert::{MessageError, belief_of, pose_of, stamp_of};
 use crate::dds::{self, NodeError, spinning};
@@ -265,7 +266,7 @@ impl<Say: FnMut(&str)> Run<Say> {
         match ended {
             GoalResult::Canceled => self.say("goal canceled"),
             GoalResult::Preempted => self.say("goal preempted by another goal"),
-            GoalResult::Aborted(reason) => self.say(&format!("goal aborted: {}", reason.name())),
+            GoalResult::Aborted(reason) => self.say(&format!("goal aborted: {}", describe_abort(reason))),
             // A reached goal has a line of its own.
             _ => {}
         }

@@ -108,6 +108,11 @@ impl Simulation {
         self.robot.navigator().localizer().action()
     }
 
+    /// Why the goal was aborted; `None` where it was not.
+    pub fn abort_reason(&self) -> Option<AbortReason> {
+        self.aborted
+    }
+
     fn note(&mut self, report: &StepReport<f64>, twist: Twist<f64>) {
         let drive = &self.controller.drive;
         let speeds = drive.wheel_speeds_from_twist(twist);

@@ -40,7 +40,7 @@ fn law<S: Scalar>(which: Which) -> Law<S> {
 }
 
 fn robot<S: Scalar>() -> (DiffDrive<S>, Limits<S>) {
-    let limits = Limits { wheel_speed: S::from_f64(0.3), wheel_acceleration: S::from_f64(1e9) };
+    let limits = Limits::symmetric(S::from_f64(0.3), S::from_f64(1e9));
     (DiffDrive::new(S::from_f64(0.05), S::from_f64(0.6)), limits)
 }
 

@@ -52,7 +52,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let drive = DiffDrive::new(0.05, 0.6);
-        let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
+        let limits = Limits::symmetric(0.3, 100.0);
         let tolerance = Tolerance { position: 0.01, heading: 0.017, dwell: 1.0, hysteresis: 1.5 };
         let quarter = |k: f64| Angle::from_degrees(90.0 * k);
         Self {

@@ -29,7 +29,7 @@ const MAX_TIME: f64 = 60.0;
 pub(crate) fn main() -> Result<ExitCode, Box<dyn Error>> {
     // The robot: wheel radius 5 cm, wheel separation 0.4 m, and what its motors can do.
     let drive = DiffDrive::new(0.05, 0.4);
-    let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+    let limits = Limits::symmetric(0.5, 1.0);
 
     // The controller, with gains that follow from the robot, and the tolerance of the goal.
     let tolerance = Tolerance { position: 0.01, heading: 0.02, dwell: 0.5, hysteresis: 1.5 };

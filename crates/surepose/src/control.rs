@@ -5,6 +5,7 @@
 //! computes the twist from the scheduled gains. [`Limits`] scale that twist to what the wheels can do, and the
 //! [`GoalChecker`] decides when the goal is reached. [`Controller`] joins them for one period.
 
+mod actuator;
 mod braking;
 mod controller;
 mod deadband;
@@ -26,6 +27,7 @@ mod pid;
 mod tran2012;
 mod tuning;
 
+pub use actuator::{ActuatorModel, ActuatorState, MAX_PENDING, MinSpeeds};
 pub use braking::BrakingProfile;
 pub use controller::{ControlDecision, ControlStep, Controller, ControllerState};
 pub use deadband::Deadband;

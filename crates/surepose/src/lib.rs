@@ -18,7 +18,7 @@
 //!
 //! // The robot: wheel radius 0.05 m, wheel separation 0.4 m, and the limits of its wheels.
 //! let (drive, period) = (DiffDrive::new(0.05, 0.4), 0.02);
-//! let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+//! let limits = Limits::symmetric(0.5, 1.0);
 //! let tolerance = Tolerance { position: 0.01, heading: 0.02, dwell: 0.5, hysteresis: 1.5 };
 //! let controller = Controller::fitted(drive, limits, period, Direction::Auto, tolerance);
 //!

@@ -11,13 +11,16 @@ mod config;
 mod goal;
 mod observers;
 mod report;
+mod result;
+mod sent_commands;
 
 use goal::ActiveGoal;
 use observers::Observers;
+use sent_commands::SentCommands;
 
 use crate::control::ControllerState;
 use crate::estimation::{Belief, WheelOdometry};
-use crate::geometry::{Goal, Map, Pose};
+use crate::geometry::{Body, Goal, Map, Pose};
 use crate::kinematics::{Twist, WheelPair};
 use crate::localization::{Localizer, LoopObserver, Odometry, SensorInput};
 use crate::map::MapView;
@@ -26,8 +29,8 @@ use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
 pub use config::NavigatorConfig;
-pub use goal::{AbortReason, GoalResult, NoRoomAtGoal};
 pub use report::{Command, StepReport};
+pub use result::{AbortReason, GoalResult, NoRoomAtGoal};
 
 /// A stamp that is earlier than the previous one by more than this \[s] comes from a clock that was set back.
 pub const CLOCK_SET_BACK_THRESHOLD: f64 = 1.0;
@@ -61,8 +64,7 @@ pub struct Navigator<
     goal: Option<ActiveGoal<S>>,
     /// Result of a goal that ended outside a step, until the next report.
     result: Option<GoalResult>,
-    /// Twist of the last command; zero while the wheels belong to another controller.
-    previous: Twist<S>,
+    commands: SentCommands<S>,
     /// Until when rest is commanded after a goal; `None` where the wheels are free.
     rest_until: Option<Stamp>,
 }
@@ -81,7 +83,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
             obstacles: ObstacleMonitor::new(config.obstacles),
             goal: None,
             result: None,
-            previous: Twist::zero(),
+            commands: SentCommands::new(),
             rest_until: None,
         }
     }
@@ -133,6 +135,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         }
         let ended = self.end_goal(GoalResult::Preempted);
         self.rest_until = None;
+        self.commands.restart_monitor();
         self.goal = Some(ActiveGoal::new(map_from_goal));
         Ok(ended)
     }
@@ -170,7 +173,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
     pub fn on_odometry_timeout(&mut self) -> bool {
         let was_resting = self.rest_until.take().is_some();
         self.reset_controller();
-        self.previous = Twist::zero();
+        self.commands.forget();
         self.goal.is_some() || was_resting
     }
 
@@ -214,6 +217,10 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         self.handle_clock_set_back(input.stamp);
         let input = SensorInput { odometry: self.plausible(input), ..*input };
         let commanded = self.commanded_odometry(&input);
+        if self.goal.is_some() {
+            let elapsed = S::from_f64(input.stamp.since(self.localizer.stamp()));
+            self.commands.compare(&self.config, input.odometry, elapsed);
+        }
         let mut observers = Observers { obstacles: &mut self.obstacles, observer };
         let belief = self.localizer.update(&input, commanded, map, &mut observers);
         self.obstacles.expire(input.stamp);
@@ -228,7 +235,9 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         report: &mut StepReport<S>,
     ) -> Option<GoalResult> {
         let controller = &self.config.controller;
-        let decision = controller.decide(goal.state, report.belief.pose, goal.map_from_goal);
+        // Where the robot will be when this command takes effect.
+        let predicted = self.commands.predict(&self.config, report.belief.pose);
+        let decision = controller.decide(goal.state, predicted, goal.map_from_goal);
         let desired = match report.action {
             // A lost robot turns in place, so that scans from other headings can localize it.
             SafetyAction::Stop(FaultReason::Lost) if map.is_known() => {
@@ -240,7 +249,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         };
 
         // The supervisor and the collision check cap the speed of the rims.
-        let cap = self.speed_cap(desired, map, report);
+        let cap = self.speed_cap(predicted, desired, map, report);
         let desired = if cap.rim_speed > S::from_f64(0.0) { desired } else { Twist::zero() };
 
         // Limits come once, and last.
@@ -249,18 +258,17 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         } else {
             controller.limits
         };
-        let limited = limits.limit(&controller.drive, desired, self.previous, controller.period);
+        let limited = limits.limit(&controller.drive, desired, self.commands.limited(), controller.period);
         let step = controller.finish(decision, limited);
 
         // A stop invalidates the pose, and with it the controller state.
         let is_stopped = matches!(report.action, SafetyAction::Stop(_));
         goal.state = if is_stopped { ControllerState::new() } else { step.state };
-        goal.note(report.stamp, report.action, cap.blocked_by);
-        let ended = goal.result(&self.config, step.limited, report.stamp);
+        goal.note(&self.config, report, &step, cap.blocked_by);
+        let ended = goal.result(&self.config, step.limited, self.commands.motion_fault(&self.config));
 
-        self.previous = step.limited;
         self.goal = Some(goal);
-        report.command = Some(Command { twist: step.limited, wheels: step.wheels });
+        report.command = Some(self.commands.send(&self.config, step.limited));
         report.control = Some(step);
         report.blocked_by = cap.blocked_by;
         let is_held = ended == Some(GoalResult::Reached) && self.config.hold_goal;
@@ -271,7 +279,13 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
     }
 
     /// The largest rim speed that supervisor and collision check allow.
-    fn speed_cap(&self, desired: Twist<S>, map: &MapView<'_, S>, report: &StepReport<S>) -> SpeedCap<S> {
+    fn speed_cap(
+        &self,
+        predicted: Pose<Map, Body, S>,
+        desired: Twist<S>,
+        map: &MapView<'_, S>,
+        report: &StepReport<S>,
+    ) -> SpeedCap<S> {
         let controller = &self.config.controller;
         if let SafetyAction::Stop(_) = report.action {
             // The pose is invalid, and the robot at most turns in place.
@@ -284,9 +298,9 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
             drive: &controller.drive,
             limits: &controller.limits,
             period: controller.period,
-            map_from_body: report.belief.pose,
+            map_from_body: predicted,
             desired,
-            previous: self.previous,
+            previous: self.commands.limited(),
         };
         let cap = self.config.collision.speed_cap(&intent, map.walls, self.obstacles.points());
         let supervised = match report.action {
@@ -301,16 +315,19 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let until = self.rest_until.filter(|until| now <= *until);
         let Some(until) = until else {
             self.rest_until = None;
-            self.previous = Twist::zero();
+            self.commands.forget();
             return None;
         };
         let controller = &self.config.controller;
-        let twist =
-            controller.limits.limit(&controller.drive, Twist::zero(), self.previous, controller.period);
-        self.previous = twist;
+        let twist = controller.limits.limit(
+            &controller.drive,
+            Twist::zero(),
+            self.commands.limited(),
+            controller.period,
+        );
         let is_at_rest = twist == Twist::zero();
         self.rest_until = Some(if is_at_rest { until } else { now.after(REST_TIME) });
-        Some(Command { twist, wheels: controller.drive.wheel_rates_from_twist(twist) })
+        Some(self.commands.send(&self.config, twist))
     }
 
     /// Ends the goal; returns `result` unless the end of the goal was reported before.
@@ -359,7 +376,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let controller = &self.config.controller;
         let elapsed = S::from_f64(input.stamp.since(self.localizer.stamp()).max(0.0));
         if self.goal.is_some() || self.rest_until.is_some() {
-            let speeds = controller.drive.wheel_speeds_from_twist(self.previous);
+            let speeds = self.commands.expected_rims(&self.config);
             return WheelOdometry::from_command(speeds.scaled(elapsed));
         }
         match input.odometry {

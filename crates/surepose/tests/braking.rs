@@ -9,7 +9,7 @@ const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
 const SHARE: f64 = 0.7;
 
 fn controller(speed: f64, acceleration: f64, period: f64) -> Controller<f64> {
-    let limits = Limits { wheel_speed: speed, wheel_acceleration: acceleration };
+    let limits = Limits::symmetric(speed, acceleration);
     let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), dwell: 1.0, hysteresis: 1.5 };
     Controller::fitted(DRIVE, limits, period, Direction::Auto, tolerance)
 }
@@ -40,7 +40,7 @@ fn park(controller: &Controller<f64>, start: [f64; 3]) -> (f64, f64) {
 #[test]
 fn braking_is_never_harder_than_the_wheels_can() {
     for acceleration in [0.05, 0.5, 5.0] {
-        let limits = Limits { wheel_speed: 1.0, wheel_acceleration: acceleration };
+        let limits = Limits::symmetric(1.0, acceleration);
         let braking = BrakingProfile::from_limits(&DRIVE, &limits);
         let allowed = SHARE * acceleration;
         for gain in [0.5, 2.0, 9.0] {
@@ -69,7 +69,7 @@ fn braking_is_never_harder_than_the_wheels_can() {
 #[test]
 fn what_the_wheels_follow_is_not_slowed_down() {
     let gains = |k: f64| Gains { k_v: k, k_alpha: k, h: 0.3, k_theta: k };
-    let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
+    let limits = Limits::symmetric(0.3, 0.5);
     assert!(
         BrakingProfile::from_limits_if_needed(&DRIVE, &limits, &gains(1.1)).is_none()
             && BrakingProfile::from_limits_if_needed(&DRIVE, &limits, &gains(1.2)).is_some()

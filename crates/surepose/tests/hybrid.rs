@@ -16,7 +16,7 @@ fn drive<S: Float>() -> DiffDrive<S> {
 }
 
 fn limits<S: Float>(acceleration: f64) -> Limits<S> {
-    Limits { wheel_speed: S::from_f64(0.3), wheel_acceleration: S::from_f64(acceleration) }
+    Limits::symmetric(S::from_f64(0.3), S::from_f64(acceleration))
 }
 
 fn law<S: Float>(period: f64, direction: Direction) -> HybridLaw<S> {

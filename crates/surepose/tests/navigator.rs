@@ -16,12 +16,12 @@ use surepose::localization::{
 };
 use surepose::map::{MapView, Wall};
 use surepose::navigator::{Navigator, NavigatorConfig};
-use surepose::safety::{CollisionConfig, Footprint, ObstacleConfig, SupervisorConfig};
+use surepose::safety::{CollisionConfig, Footprint, SupervisorConfig};
 use surepose::time::{Stamp, Stamped};
 
 const PERIOD: f64 = 0.1;
 const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
-const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
+const LIMITS: Limits<f64> = Limits::symmetric(0.3, 0.5);
 
 fn controller() -> Controller<f64> {
     let tolerance = Tolerance { position: 0.01, heading: 0.017, dwell: 1.0, hysteresis: 1.5 };
@@ -63,20 +63,8 @@ fn supervised() -> Localizer<f64, 64, 61> {
 
 /// Navigator with the default thresholds.
 fn config() -> NavigatorConfig<f64> {
-    NavigatorConfig {
-        controller: controller(),
-        collision: CollisionConfig {
-            footprint: Footprint::Circle(0.3),
-            wall_clearance: 0.05,
-            obstacle_clearance: 0.1,
-            travel_factor: 1.2,
-            response_time: 0.05,
-        },
-        obstacles: ObstacleConfig::default(),
-        search_turn_rate: 0.8,
-        goal_timeout: 10.0,
-        hold_goal: false,
-    }
+    let usual = NavigatorConfig::new(controller(), Footprint::Circle(0.3));
+    NavigatorConfig { collision: CollisionConfig { obstacle_clearance: 0.1, ..usual.collision }, ..usual }
 }
 
 /// A room of 4 m by 3 m.

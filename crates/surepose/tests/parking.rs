@@ -6,7 +6,7 @@ use surepose::kinematics::{DiffDrive, Integration};
 
 fn controller(direction: Direction) -> Controller<f64> {
     let (drive, period) = (DiffDrive::new(0.05, 0.6), 0.02);
-    let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 100.0 };
+    let limits = Limits::symmetric(0.3, 100.0);
     let tolerance = Tolerance { position: 0.01, heading: 1f64.to_radians(), dwell: 1.0, hysteresis: 1.5 };
     Controller::fitted(drive, limits, period, direction, tolerance)
 }

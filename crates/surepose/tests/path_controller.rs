@@ -19,7 +19,7 @@ fn controller<S: Float>() -> PathController<S, 8> {
             k_across: num(12.0),
             k_heading: num(2.1),
         },
-        limits: Limits { wheel_speed: num(0.3), wheel_acceleration: num(5.0) },
+        limits: Limits::symmetric(num(0.3), num(5.0)),
         period: num(0.1),
     }
 }

@@ -8,7 +8,7 @@ use surepose::kinematics::DiffDrive;
 use surepose_cert::{DeployedController, DisturbedState, NoiseBounds, Request, SampledController};
 
 pub const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
-pub const LIMITS: Limits<f64> = Limits { wheel_speed: 0.3, wheel_acceleration: 1e9 };
+pub const LIMITS: Limits<f64> = Limits::symmetric(0.3, 1e9);
 
 /// Default control law for a period \[s].
 pub fn hybrid(period: f64) -> HybridLaw<f64> {

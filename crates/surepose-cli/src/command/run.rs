@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use surepose::param;
-use surepose_config::Config;
+use surepose_config::{Config, describe_abort};
 use surepose_figures::{self as picture, Picture};
 use surepose_sim::WallSegment;
 use surepose_sim::robot::{InsufficientClearance, Scenario};
@@ -90,6 +90,9 @@ impl RunCommand {
         let summary = simulation.summary();
         if summary.walls == 0 && summary.time_s > 1.0 {
             warning("laser: no wall was observed in any scan; check the [laser] parameters");
+        }
+        if let Some(reason) = simulation.abort_reason() {
+            warning(&format!("goal aborted: {}", describe_abort(reason)));
         }
         let mut json = object(&summary);
         if let Some(folder) = &folder {

@@ -146,7 +146,7 @@ impl RandomGoals {
         }
         let navigation = NavigationVariables::from_poses(pose, self.goal);
         let twist = GlobalLaw { k_v: 2.0, k_alpha: 4.0, h: 0.5 }.twist(&navigation);
-        let limits = Limits { wheel_speed: self.speed, wheel_acceleration: 10.0 };
+        let limits = Limits::symmetric(self.speed, 10.0);
         drive.wheel_rates_from_twist(limits.limit_speed(drive, twist))
     }
 }

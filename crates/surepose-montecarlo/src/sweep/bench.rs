@@ -51,7 +51,7 @@ impl SweepNoise {
 
 /// Returns the limits of the benchmark's wheels: no acceleration limit.
 pub fn limits() -> Limits<f64> {
-    Limits { wheel_speed: WHEEL_SPEED, wheel_acceleration: f64::INFINITY }
+    Limits::symmetric(WHEEL_SPEED, f64::INFINITY)
 }
 
 /// Returns the default law for the benchmark's robot with the given noise.

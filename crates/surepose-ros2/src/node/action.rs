@@ -14,6 +14,7 @@ use ros2_client::builtin_interfaces::Duration as RosDuration;
 use ros2_client::{ActionTypeName, Node, ReadResult, ServiceMapping};
 use surepose::navigator::GoalResult;
 use surepose::time::Stamp;
+use surepose_config::describe_abort;
 
 use crate::convert::{header, pose_message};
 use crate::dds::{NodeError, latched, refused, reliable};
@@ -125,13 +126,15 @@ impl NavigateAction {
     pub(super) fn ended(&mut self, ended: GoalResult) -> Option<ResultDelivery> {
         let current = self.current.take()?;
         let (status, code, message) = match ended {
-            GoalResult::Reached => (GoalEndStatus::Succeeded, NONE, ""),
-            GoalResult::Canceled => (GoalEndStatus::Canceled, NONE, ""),
-            GoalResult::Preempted => (GoalEndStatus::Aborted, UNKNOWN, "preempted by another goal"),
-            GoalResult::Aborted(reason) => (GoalEndStatus::Aborted, UNKNOWN, reason.name()),
-            _ => (GoalEndStatus::Aborted, UNKNOWN, "unknown"),
+            GoalResult::Reached => (GoalEndStatus::Succeeded, NONE, String::new()),
+            GoalResult::Canceled => (GoalEndStatus::Canceled, NONE, String::new()),
+            GoalResult::Preempted => {
+                (GoalEndStatus::Aborted, UNKNOWN, "preempted by another goal".to_owned())
+            }
+            GoalResult::Aborted(reason) => (GoalEndStatus::Aborted, UNKNOWN, describe_abort(reason)),
+            _ => (GoalEndStatus::Aborted, UNKNOWN, "unknown".to_owned()),
         };
-        let result = NavigateToPoseResult { error_code: code, error_msg: message.to_owned() };
+        let result = NavigateToPoseResult { error_code: code, error_msg: message };
         Some(ResultDelivery { server: self.server(), handle: current.handle, status, result })
     }
 }

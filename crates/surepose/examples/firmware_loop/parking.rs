@@ -61,7 +61,7 @@ impl Display for Parked {
 /// who want to know what a tick costs.
 pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
     let drive = DiffDrive::new(0.05, 0.6);
-    let limits = Limits { wheel_speed: 0.3, wheel_acceleration: 0.5 };
+    let limits = Limits::symmetric(0.3, 0.5);
     let period = f32::from(PERIOD) * 1e-3;
     let tolerance = Tolerance { position: 0.01, heading: 0.0175, dwell: 0.5, hysteresis: 1.5 };
     let controller = Controller::fitted(drive, limits, period, Direction::Auto, tolerance);

@@ -19,7 +19,7 @@ use super::tuning::ACCELERATION_FRACTION;
 /// Tested by `braking::braking_is_never_harder_than_the_wheels_can`.
 ///
 /// # Departure
-/// [Tran2012] does not model wheel acceleration limits.
+/// [Tran2012] does not model limits of the wheels' acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrakingProfile<S> {
     /// 2/a \[s²/m].
@@ -32,7 +32,7 @@ impl<S: Scalar> BrakingProfile<S> {
     /// Derives the profile from `drive` and `limits`.
     pub fn from_limits(drive: &DiffDrive<S>, limits: &Limits<S>) -> Self {
         Self {
-            twice_per_deceleration: S::from_f64(2.0 / ACCELERATION_FRACTION) / limits.wheel_acceleration,
+            twice_per_deceleration: S::from_f64(2.0 / ACCELERATION_FRACTION) / limits.wheel_deceleration,
             half_separation: drive.wheel_separation * S::from_f64(0.5),
         }
     }
@@ -59,7 +59,7 @@ impl BrakingProfile<f64> {
         gains: &Gains<f64>,
     ) -> Option<Self> {
         let hardest = gains.k_v.max(gains.k_alpha).max(gains.k_theta) * limits.wheel_speed;
-        (hardest > ACCELERATION_FRACTION * limits.wheel_acceleration)
+        (hardest > ACCELERATION_FRACTION * limits.wheel_deceleration)
             .then(|| Self::from_limits(drive, limits))
     }
 

@@ -44,8 +44,8 @@ impl<S: Scalar> Gains<S> {
     /// Each gain is also at most √(2a/9 cm), and that of the bearing at most twice this value. So the wheels decelerate
     /// at a constant rate until 9 cm of wheel travel remain, see `BrakingProfile`. The bearing may overshoot on the way.
     pub fn for_loop(period: S, limits: &Limits<S>) -> Self {
-        let even =
-            (limits.wheel_acceleration * S::from_f64(2.0 * ACCELERATION_FRACTION / SETTLING_DISTANCE)).sqrt();
+        let weaker = limits.wheel_acceleration.min(limits.wheel_deceleration);
+        let even = (weaker * S::from_f64(2.0 * ACCELERATION_FRACTION / SETTLING_DISTANCE)).sqrt();
         let gain = |part: f64, most: S| (S::from_f64(part) / period).min(most);
         Self {
             k_v: gain(K_V_PER_PERIOD, even.min(S::from_f64(MAX_K_V))),

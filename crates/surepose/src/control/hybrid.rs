@@ -57,7 +57,7 @@ use super::tuning::{
 /// use surepose::geometry::{Angle, Pose};
 /// use surepose::kinematics::DiffDrive;
 ///
-/// let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+/// let limits = Limits::symmetric(0.5, 1.0);
 /// let law = HybridLaw::fitted(&DiffDrive::new(0.05, 0.4), &limits, 0.02, Direction::Forward);
 /// let goal = Pose::new(1.0, 0.2, Angle::<f64>::zero());
 /// let navigation = NavigationVariables::from_poses(Pose::identity(), goal);

@@ -10,7 +10,7 @@ use crate::scalar::{Mask, Scalar};
 /// use surepose::control::Limits;
 /// use surepose::kinematics::{DiffDrive, Twist};
 ///
-/// let limits = Limits { wheel_speed: 0.5, wheel_acceleration: 1.0 };
+/// let limits = Limits::symmetric(0.5, 1.0);
 /// let desired = Twist::new(2.0, 1.0);
 /// // After one period of 0.1 s from rest, the faster rim runs at 0.1 m/s, on the same path.
 /// let limited = limits.limit(&DiffDrive::new(0.05, 0.4), desired, Twist::zero(), 0.1);
@@ -22,9 +22,17 @@ pub struct Limits<S> {
     pub wheel_speed: S,
     /// Maximum wheel acceleration \[m/s²].
     pub wheel_acceleration: S,
+    /// Maximum wheel deceleration \[m/s²].
+    pub wheel_deceleration: S,
 }
 
 impl<S: Scalar> Limits<S> {
+    /// Limits of wheels that brake as hard as they accelerate: speed \[m/s], acceleration \[m/s²].
+    #[inline(always)]
+    pub const fn symmetric(wheel_speed: S, wheel_acceleration: S) -> Self {
+        Self { wheel_speed, wheel_acceleration, wheel_deceleration: wheel_acceleration }
+    }
+
     /// The part s ≤ 1 of these `rims`' speeds \[m/s] at which the faster one runs at its limit: [Tran2012] leaves limits
     /// out.
     ///
@@ -57,21 +65,35 @@ impl<S: Scalar> Limits<S> {
         let desired = self.limit_speed(drive, desired);
         let (target, start) =
             (drive.wheel_speeds_from_twist(desired), drive.wheel_speeds_from_twist(previous));
-        let max_change = self.wheel_acceleration * period;
+        let (right, left) = (self.reach(start.right, period), self.reach(start.left, period));
 
-        let right = factor_range(target.right, start.right, max_change);
-        let left = factor_range(target.left, start.left, max_change);
-        let (low, high) = (right.0.max(left.0), right.1.min(left.1).min(S::from_f64(1.0)));
+        let (right_range, left_range) =
+            (right.factor_range(target.right, start.right), left.factor_range(target.left, start.left));
+        let low = right_range.0.max(left_range.0);
+        let high = right_range.1.min(left_range.1).min(S::from_f64(1.0));
         let on_path = desired.scaled(high);
 
-        let change = WheelPair::new(target.right - start.right, target.left - start.left).max_abs();
-        let fraction = max_change.div_or_zero(change.max(max_change));
+        let fraction =
+            right.fraction(target.right - start.right).min(left.fraction(target.left - start.left));
         let toward = Twist::new(
             previous.v + (desired.v - previous.v) * fraction,
             previous.omega + (desired.omega - previous.omega) * fraction,
         );
         let feasible = S::from_f64(0.0).lt(high).and(!high.lt(low));
         Twist::select(feasible, on_path, toward)
+    }
+
+    /// How far the speed of a wheel can change from `speed` \[m/s] within one `period` \[s].
+    #[inline(always)]
+    fn reach(&self, speed: S, period: S) -> SpeedReach<S> {
+        let (faster, slower) = (self.wheel_acceleration * period, self.wheel_deceleration * period);
+        // A wheel that reverses within the period counts as no stronger than the weaker of both.
+        let slower = slower.min(faster.min(slower).max(speed.abs()));
+        let is_backward = speed.lt(S::from_f64(0.0));
+        SpeedReach {
+            up: S::select(is_backward, slower, faster),
+            down: S::select(is_backward, faster, slower),
+        }
     }
 }
 
@@ -82,20 +104,36 @@ impl Limits<f64> {
         Limits {
             wheel_speed: T::from_f64(self.wheel_speed),
             wheel_acceleration: T::from_f64(self.wheel_acceleration),
+            wheel_deceleration: T::from_f64(self.wheel_deceleration),
         }
     }
 }
 
-/// Computes the factors s for which s·`target` is within `max_change` of `start`, as (lowest, highest).
-#[inline(always)]
-fn factor_range<S: Scalar>(target: S, start: S, max_change: S) -> (S, S) {
-    let tiny = S::from_f64(1e-12);
-    let stationary = target.abs().lt(tiny);
-    let per_target = S::from_f64(1.0) / S::select(stationary, S::from_f64(1.0), target);
-    let (a, b) = ((start - max_change) * per_target, (start + max_change) * per_target);
-    let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-    // A wheel with target speed 0 allows every factor if it can stop in time, and none otherwise.
-    let can_stop = !max_change.lt(start.abs());
-    let highest = S::select(can_stop, one, -one);
-    (S::select(stationary, zero, a.min(b)), S::select(stationary, highest, a.max(b)))
+/// Largest increase and decrease of a wheel's speed in one period \[m/s].
+struct SpeedReach<S> {
+    up: S,
+    down: S,
+}
+
+impl<S: Scalar> SpeedReach<S> {
+    /// The factors s for which s·`target` can be reached from `start`, as (lowest, highest).
+    #[inline(always)]
+    fn factor_range(&self, target: S, start: S) -> (S, S) {
+        let tiny = S::from_f64(1e-12);
+        let stationary = target.abs().lt(tiny);
+        let per_target = S::from_f64(1.0) / S::select(stationary, S::from_f64(1.0), target);
+        let (a, b) = ((start - self.down) * per_target, (start + self.up) * per_target);
+        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
+        // A wheel with target speed 0 allows every factor if it can stop in time, and none otherwise.
+        let can_stop = !start.lt(-self.up).or(self.down.lt(start));
+        let highest = S::select(can_stop, one, -one);
+        (S::select(stationary, zero, a.min(b)), S::select(stationary, highest, a.max(b)))
+    }
+
+    /// The part of `change` \[m/s] that one period allows, in \[0, 1].
+    #[inline(always)]
+    fn fraction(&self, change: S) -> S {
+        let most = S::select(change.lt(S::from_f64(0.0)), self.down, self.up);
+        most.div_or_zero(change.abs().max(most))
+    }
 }

@@ -1,6 +1,6 @@
 //! Constants of the navigator.
 
-use crate::control::Controller;
+use crate::control::{ActuatorModel, Controller};
 use crate::safety::{CollisionConfig, Footprint, ObstacleConfig};
 use crate::scalar::Float;
 
@@ -10,6 +10,8 @@ use crate::scalar::Float;
 pub struct NavigatorConfig<S> {
     /// Control law, limits and goal tolerance.
     pub controller: Controller<S>,
+    /// What the base makes of a command.
+    pub actuator: ActuatorModel<S>,
     /// Collision check.
     pub collision: CollisionConfig<S>,
     /// Obstacle monitor.
@@ -18,6 +20,10 @@ pub struct NavigatorConfig<S> {
     pub search_turn_rate: S,
     /// Time after which a stopped or blocked robot gives its goal up \[s].
     pub goal_timeout: f64,
+    /// Time without motion, despite commands, after which the goal is aborted \[s].
+    pub stall_timeout: S,
+    /// Time without progress toward the goal after which it is aborted \[s].
+    pub progress_timeout: S,
     /// Whether a reached pose is held, and driven to again after a push, until the next goal.
     pub hold_goal: bool,
 }
@@ -27,10 +33,13 @@ impl<S: Float> NavigatorConfig<S> {
     pub fn new(controller: Controller<S>, footprint: Footprint<S>) -> Self {
         Self {
             controller,
+            actuator: ActuatorModel::ideal(),
             collision: CollisionConfig::new(footprint),
             obstacles: ObstacleConfig::default(),
             search_turn_rate: S::from_f64(0.8),
             goal_timeout: 10.0,
+            stall_timeout: S::from_f64(5.0),
+            progress_timeout: S::from_f64(20.0),
             hold_goal: false,
         }
     }

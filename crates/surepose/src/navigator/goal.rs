@@ -1,68 +1,28 @@
 //! The active goal: what the controller remembers of it, what holds the robot up, and how it ends.
 
-use crate::control::{ControllerState, GoalStatus};
+use crate::control::{ControlStep, ControllerState, GoalStatus};
 use crate::geometry::{Goal, Map, Pose};
 use crate::kinematics::Twist;
-use crate::safety::{BlockReason, FaultReason, SafetyAction};
+use crate::safety::{BlockReason, FaultReason, LyapunovValue, MotionFault, ProgressMonitor, SafetyAction};
 use crate::scalar::Float;
 use crate::time::Stamp;
 
-use super::NavigatorConfig;
+use super::{AbortReason, GoalResult, NavigatorConfig, StepReport};
 
-/// How a goal ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum GoalResult {
-    /// The robot rests within the tolerance of the goal, according to its estimate.
-    Reached,
-    /// The goal was canceled.
-    Canceled,
-    /// Another goal replaced it.
-    Preempted,
-    /// The robot could not go on.
-    Aborted(AbortReason),
-}
-
-/// Why a goal was aborted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum AbortReason {
-    /// The supervisor stopped the robot for the goal time-out.
-    Fault(FaultReason),
-    /// A wall, an obstacle or a missing laser blocked the robot.
-    Blocked(BlockReason),
-    /// The stamps of odometry went back by more than a second.
-    ClockSetBack,
-}
-
-impl AbortReason {
-    /// The name used in reports and JSON.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fault(reason) => reason.name(),
-            Self::Blocked(reason) => reason.name(),
-            Self::ClockSetBack => "clock_set_back",
-        }
-    }
-}
-
-/// A goal that was not accepted: the footprint at the goal is closer to a wall than the required clearance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NoRoomAtGoal<S> {
-    /// Distance from the footprint to the nearest wall \[m]; 0 in contact.
-    pub clearance: S,
-    /// Required distance \[m].
-    pub required: S,
-}
+/// Rate at which unimpeded time makes up for impeded time.
+const RECOVERY_RATE: f64 = 0.5;
 
 /// The goal that the robot drives to, or holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ActiveGoal<S: Float> {
     pub(super) map_from_goal: Pose<Map, Goal, S>,
     pub(super) state: ControllerState<S>,
-    /// What stops the robot, and since when.
-    fault: Option<(FaultReason, Stamp)>,
-    blocked: Option<(BlockReason, Stamp)>,
+    /// Time of the last step with this goal.
+    stepped: Option<Stamp>,
+    /// What stops the robot, and for how long \[s]. Two reasons that alternate share one time.
+    impediment: Option<AbortReason>,
+    impeded_for: f64,
+    progress: ProgressMonitor<S>,
     /// A wall stopped the robot: it brakes, and the goal is over.
     is_stopped_by_wall: bool,
     has_arrived: bool,
@@ -73,8 +33,10 @@ impl<S: Float> ActiveGoal<S> {
         Self {
             map_from_goal,
             state: ControllerState::new(),
-            fault: None,
-            blocked: None,
+            stepped: None,
+            impediment: None,
+            impeded_for: 0.0,
+            progress: ProgressMonitor::new(),
             is_stopped_by_wall: false,
             has_arrived: false,
         }
@@ -95,39 +57,83 @@ impl<S: Float> ActiveGoal<S> {
         self.is_stopped_by_wall
     }
 
-    /// Takes in what stops the robot at `now`.
-    pub(super) fn note(&mut self, now: Stamp, action: SafetyAction, blocked: Option<BlockReason>) {
-        let fault = match action {
-            SafetyAction::Stop(reason) => Some(reason),
-            _ => None,
+    /// Takes in the outcome of a step: what stops the robot, or how far it is.
+    pub(super) fn note(
+        &mut self,
+        config: &NavigatorConfig<S>,
+        report: &StepReport<S>,
+        step: &ControlStep<S>,
+        blocked: Option<BlockReason>,
+    ) {
+        let elapsed = self.stepped.map_or(0.0, |stepped| report.stamp.since(stepped).max(0.0));
+        self.stepped = Some(report.stamp);
+        let impediment = match report.action {
+            SafetyAction::Stop(reason) => Some(AbortReason::Fault(reason)),
+            _ => blocked.map(AbortReason::Blocked),
         };
-        self.fault = fault.map(|reason| (reason, self.fault.map_or(now, |(_, since)| since)));
-        self.blocked = blocked.map(|reason| (reason, self.blocked.map_or(now, |(_, since)| since)));
         self.is_stopped_by_wall |= blocked == Some(BlockReason::Wall);
+        if impediment.is_some() {
+            self.impeded_for += elapsed;
+            self.impediment = impediment;
+        } else {
+            self.impeded_for = (self.impeded_for - RECOVERY_RATE * elapsed).max(0.0);
+            self.note_progress(config, report, step, S::from_f64(elapsed));
+        }
+        if report.action == SafetyAction::Stop(FaultReason::Lost) {
+            self.progress.restart_from_new_pose();
+        }
     }
 
-    /// The result, once the goal is over: after `limited` was commanded at `now`.
+    /// The result, once the goal is over: after `limited` was commanded, with the `motion` fault of the base.
     pub(super) fn result(
         &mut self,
         config: &NavigatorConfig<S>,
         limited: Twist<S>,
-        now: Stamp,
+        motion: Option<MotionFault>,
     ) -> Option<GoalResult> {
-        let is_over = |since: Stamp| now.since(since) >= config.goal_timeout;
-        if let Some((reason, _)) = self.fault.filter(|(_, since)| is_over(*since)) {
-            return Some(GoalResult::Aborted(AbortReason::Fault(reason)));
-        }
-        if let Some((reason, _)) = self.blocked.filter(|(_, since)| is_over(*since)) {
-            return Some(GoalResult::Aborted(AbortReason::Blocked(reason)));
-        }
         let rests = limited == Twist::zero();
-        if self.is_stopped_by_wall && rests {
-            return Some(GoalResult::Aborted(AbortReason::Blocked(BlockReason::Wall)));
-        }
         let status = self.state.goal_checker.status(&config.controller.tolerance);
         let is_there = status == GoalStatus::Reached && rests;
         let arrives = is_there && !self.has_arrived;
         self.has_arrived |= is_there;
-        arrives.then_some(GoalResult::Reached)
+        let aborted = self.abort_reason(config, rests, motion).map(GoalResult::Aborted);
+        aborted.or_else(|| arrives.then_some(GoalResult::Reached))
+    }
+
+    /// Measures progress, except at the goal.
+    fn note_progress(
+        &mut self,
+        config: &NavigatorConfig<S>,
+        report: &StepReport<S>,
+        step: &ControlStep<S>,
+        elapsed: S,
+    ) {
+        let controller = &config.controller;
+        if step.state.goal_checker.status(&controller.tolerance) != GoalStatus::Approaching {
+            self.progress.on_arrival();
+            return;
+        }
+        let hybrid = &step.state.hybrid;
+        let value = controller.law.lyapunov(&step.navigation, hybrid);
+        let value = LyapunovValue { value, is_local: hybrid.local_mode };
+        self.progress.update(value, elapsed * report.action.speed_scale());
+    }
+
+    fn abort_reason(
+        &self,
+        config: &NavigatorConfig<S>,
+        rests: bool,
+        motion: Option<MotionFault>,
+    ) -> Option<AbortReason> {
+        if self.is_stopped_by_wall && rests {
+            return Some(AbortReason::Blocked(BlockReason::Wall));
+        }
+        if self.impeded_for >= config.goal_timeout {
+            return self.impediment;
+        }
+        if let Some(fault) = motion {
+            return Some(AbortReason::Motion(fault));
+        }
+        (self.progress.stagnant_for() >= config.progress_timeout).then_some(AbortReason::NoProgress)
     }
 }

@@ -59,6 +59,27 @@ parameters! {
     /// Maximum rim acceleration of a wheel.
     WHEEL_ACCELERATION_LIMIT = "robot" "wheel_acceleration_limit_m_s2", MeterPerSecondSquared,
         positive(1000.0, 0.5, "at 0 the wheels cannot start");
+    /// Maximum rim deceleration of a wheel. If unset, it equals the acceleration.
+    WHEEL_DECELERATION_LIMIT = "robot" "wheel_deceleration_limit_m_s2", MeterPerSecondSquared,
+        positive(1000.0, 0.5, "at 0 the wheels cannot stop");
+    /// Minimum rim speed that a wheel executes; the motor ignores slower commands. They are sent as short pulses at this
+    /// speed, so that the distance over time is what the law asks for. 0 for a wheel that executes every speed.
+    MIN_WHEEL_SPEED = "robot" "min_wheel_speed_m_s", MeterPerSecond,
+        in_range(0.0, 1.0, 0.0, "a speed is not negative, and no robot parks with a minimum above 1 m/s");
+    /// Minimum |v| that the base executes, for a driver that ignores slower commands; see min_wheel_speed_m_s.
+    MIN_SPEED = "robot" "min_speed_m_s", MeterPerSecond,
+        in_range(0.0, 1.0, 0.0, "a speed is not negative, and no robot parks with a minimum above 1 m/s");
+    /// Minimum |ω| that the base executes, for a driver that ignores slower commands; see min_wheel_speed_m_s.
+    MIN_TURN_RATE = "robot" "min_turn_rate_deg_s", DegreePerSecond,
+        in_range(0.0, 180.0, 0.0, "a turn rate is not negative, and no robot parks with a minimum above 180°/s");
+    /// Dead time between a command and its effect on the wheels. The controller predicts the pose at which a command takes
+    /// effect; at most the last 32 commands are predicted.
+    COMMAND_DELAY = "robot" "command_delay_s", Second,
+        in_range(0.0, 2.0, 0.0, "a command does not act before it is sent");
+    /// Time constant of the wheels' response, for a base that follows a change of speed exponentially. The controller
+    /// predicts the distance that the wheels still cover.
+    MOTOR_TIME_CONSTANT = "robot" "motor_time_constant_s", Second,
+        in_range(0.0, 2.0, 0.0, "a time constant is not negative, and a slower base cannot be controlled");
     /// Radius of the robot's outline around the middle of its axle. 0 checks the middle alone.
     FOOTPRINT_RADIUS = "robot" "footprint_radius_m", Meter,
         in_range(0.0, 5.0, 0.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
@@ -188,6 +209,10 @@ parameters! {
     AIDING_TIMEOUT = "safety" "aiding_timeout_s", Second, positive(3600.0, 5.0, TIMEOUT_REASON);
     /// Time after which a stopped or blocked robot gives its goal up.
     GOAL_TIMEOUT = "safety" "goal_timeout_s", Second, positive(3600.0, 10.0, TIMEOUT_REASON);
+    /// Time without motion, though motion is commanded, after which the goal is aborted as `stalled` or `blocked`.
+    STALL_TIMEOUT = "safety" "stall_timeout_s", Second, positive(60.0, 5.0, TIMEOUT_REASON);
+    /// Time without progress, by the Lyapunov function, after which the goal is aborted as `no_progress`.
+    PROGRESS_TIMEOUT = "safety" "progress_timeout_s", Second, positive(3600.0, 20.0, TIMEOUT_REASON);
     /// Smallest share of the beams that must end at a wall of the map; a scan with less contradicts the map.
     MIN_HIT_RATIO = "safety" "min_hit_ratio", One,
         in_range(0.0, 1.0, 0.55, "a share lies between 0 and 1");

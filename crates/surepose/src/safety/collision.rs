@@ -121,8 +121,7 @@ impl<S: Float> CollisionConfig<S> {
         let Intent { drive, limits, period, desired, previous, .. } = *intent;
         let wanted = drive.wheel_speeds_from_twist(desired).max_abs();
         let previous = drive.wheel_speeds_from_twist(previous).max_abs();
-        let reachable = limits.wheel_acceleration * period;
-        let fastest = wanted.min(limits.wheel_speed).min(previous + reachable);
+        let fastest = wanted.min(limits.wheel_speed).min(previous + limits.wheel_acceleration * period);
         if wanted <= S::from_f64(0.0) || !wanted.is_finite() {
             return SpeedCap::unlimited();
         }
@@ -130,7 +129,7 @@ impl<S: Float> CollisionConfig<S> {
         for fraction in SPEED_FRACTIONS {
             let cap = fastest * S::from_f64(fraction);
             // Until the wheels have slowed down they are faster than the cap.
-            let rim_speed = cap.max(previous - reachable);
+            let rim_speed = cap.max(previous - limits.wheel_deceleration * period);
             let path = self.stopping_motion(intent, desired.scaled(rim_speed / wanted), rim_speed);
             match self.first_contact(intent.map_from_body, path, walls, obstacles) {
                 None if fraction >= 1.0 => return SpeedCap::unlimited(),
@@ -157,7 +156,7 @@ impl<S: Float> CollisionConfig<S> {
     /// Motion of a robot that drives on with `twist` for a period and the response time, and then brakes to rest.
     fn stopping_motion(&self, intent: &Intent<'_, S>, twist: Twist<S>, rim_speed: S) -> Motion<S> {
         // Braking at a constant rate covers half the distance of driving on for as long.
-        let braking = S::from_f64(0.5) * rim_speed / intent.limits.wheel_acceleration;
+        let braking = S::from_f64(0.5) * rim_speed / intent.limits.wheel_deceleration;
         twist.integrate_for(self.travel_factor * (intent.period + self.response_time + braking))
     }
 

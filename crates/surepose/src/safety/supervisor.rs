@@ -59,11 +59,11 @@ impl FaultReason {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Lost => "lost",
-            Self::OdometryTimeout => "odometry_silent",
-            Self::DeadReckoningOnly => "unaided",
+            Self::OdometryTimeout => "odometry_timeout",
+            Self::DeadReckoningOnly => "dead_reckoning_only",
             Self::Inconsistent => "inconsistent",
             Self::Uncertain => "uncertain",
-            Self::WheelTrackingError => "wheels_not_following",
+            Self::WheelTrackingError => "wheel_tracking_error",
         }
     }
 }

@@ -1,0 +1,93 @@
+//! Pulses in place of speeds that the base ignores.
+
+use crate::kinematics::{DiffDrive, Twist, WheelPair};
+use crate::scalar::Float;
+
+/// Pulses exceed the minimum by 2 %: minima are configured in rounded numbers, and a pulse just below moves nothing.
+const PULSE_MARGIN: f64 = 1.02;
+
+/// Minimum speeds that a base executes; 0 for none. Slower commands do not move it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MinSpeeds<S> {
+    /// Minimum rim speed of each wheel \[m/s].
+    pub wheel: S,
+    /// Minimum |v| \[m/s].
+    pub v: S,
+    /// Minimum |ω| \[rad/s].
+    pub omega: S,
+}
+
+impl<S: Float> MinSpeeds<S> {
+    /// A base that executes every speed.
+    pub fn none() -> Self {
+        let zero = S::from_f64(0.0);
+        Self { wheel: zero, v: zero, omega: zero }
+    }
+}
+
+/// Pulse modulation with error feedback (first-order sigma-delta modulation) of v, ω and both rims.
+///
+/// A speed at or above its minimum passes. A smaller one is added up to a distance; once this exceeds half of what one period
+/// at the minimum covers, a pulse of one period at the minimum is sent and subtracted. Minima of v and ω apply first, then
+/// that of the wheels.
+///
+/// # Guarantee
+/// After every period, the distance sent differs from the distance asked for by at most half a pulse: v_min·T/2 in path
+/// length, ω_min·T/2 in heading, and u_min·T/2 in the travel of each wheel, each 2 % more. Zero stays zero, and drops what is owed.
+/// Tested by `actuator::modulated_motion_stays_within_half_a_pulse`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SpeedModulator<S> {
+    /// Path length \[m], heading \[rad] and rim travels \[m] asked for and not sent.
+    length: S,
+    turn: S,
+    travel: WheelPair<S>,
+}
+
+impl<S: Float> SpeedModulator<S> {
+    /// Nothing owed.
+    pub(super) fn new() -> Self {
+        let zero = S::from_f64(0.0);
+        Self { length: zero, turn: zero, travel: WheelPair::zero() }
+    }
+
+    /// The twist to send in the next `period` \[s] for the `asked` one.
+    pub(super) fn modulate(
+        &mut self,
+        min: &MinSpeeds<S>,
+        drive: &DiffDrive<S>,
+        asked: Twist<S>,
+        period: S,
+    ) -> Twist<S> {
+        if asked == Twist::zero() {
+            *self = Self::new();
+            return asked;
+        }
+        let v = pulse(&mut self.length, asked.v, min.v, period);
+        let omega = pulse(&mut self.turn, asked.omega, min.omega, period);
+        let sent = Twist::new(v, omega);
+        if min.wheel <= S::from_f64(0.0) {
+            return sent;
+        }
+        let rims = drive.wheel_speeds_from_twist(sent);
+        drive.twist_from_wheel_speeds(WheelPair::new(
+            pulse(&mut self.travel.right, rims.right, min.wheel, period),
+            pulse(&mut self.travel.left, rims.left, min.wheel, period),
+        ))
+    }
+}
+
+/// `speed`, or a pulse at `min` or rest instead; `owed` is the distance asked for and not sent.
+fn pulse<S: Float>(owed: &mut S, speed: S, min: S, period: S) -> S {
+    let min = min * S::from_f64(PULSE_MARGIN);
+    if min <= S::from_f64(0.0) || speed.abs() >= min {
+        return speed;
+    }
+    *owed = *owed + speed * period;
+    let quantum = min * period;
+    if owed.abs() < quantum * S::from_f64(0.5) {
+        return S::from_f64(0.0);
+    }
+    let sent = if *owed < S::from_f64(0.0) { -min } else { min };
+    *owed = *owed - sent * period;
+    sent
+}

@@ -1,0 +1,152 @@
+//! Motion monitor: compares commanded with measured motion.
+
+use crate::kinematics::WheelPair;
+use crate::scalar::Float;
+
+/// Time constant of the sums of commanded and measured motion \[s].
+const MEMORY: f64 = 1.5;
+/// Commanded motion below which nothing is concluded \[m of rim travel].
+const MIN_COMMANDED: f64 = 0.003;
+/// A channel that does less than this fraction of its command does not move.
+const STUCK_FRACTION: f64 = 0.2;
+/// A channel that does at least this fraction of its command moves.
+const MOVING_FRACTION: f64 = 0.5;
+/// A channel is judged only where its command is at least this fraction of the fastest one.
+const RELEVANT_FRACTION: f64 = 0.3;
+/// Rim speed that every base executes \[m/s]: a wheel that stands still at it is blocked.
+const EXECUTABLE_SPEED: f64 = 0.05;
+
+/// A part of the motion whose command is compared with odometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MotionChannel {
+    /// Turn rate of the base.
+    Turn,
+    /// Forward speed of the base.
+    Forward,
+    /// Speed of the right wheel.
+    RightWheel,
+    /// Speed of the left wheel.
+    LeftWheel,
+}
+
+/// Why commanded motion does not happen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MotionFault {
+    /// The command is so small that the base may ignore it.
+    Stalled(MotionChannel),
+    /// The command moved the base before, or is one that every base executes.
+    Blocked(MotionChannel),
+}
+
+/// Compares commanded motion with odometry: of v, ω and both wheels.
+///
+/// Sums with a memory of 1.5 s make it independent of the control period, of encoder resolution and of pulses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionMonitor<S> {
+    channels: [(MotionChannel, ChannelMotion<S>); 4],
+}
+
+impl<S: Float> MotionMonitor<S> {
+    /// Nothing commanded so far.
+    pub fn new() -> Self {
+        let channels = [
+            MotionChannel::Turn,
+            MotionChannel::Forward,
+            MotionChannel::RightWheel,
+            MotionChannel::LeftWheel,
+        ];
+        Self { channels: channels.map(|channel| (channel, ChannelMotion::new())) }
+    }
+
+    /// Takes the `expected` rim speeds \[m/s] of the last `elapsed` \[s] and the rim `travel` \[m] that odometry measured.
+    pub fn update(&mut self, expected: WheelPair<S>, travel: WheelPair<S>, elapsed: S) {
+        let is_usable = travel.right.is_finite() && travel.left.is_finite() && elapsed > S::from_f64(0.0);
+        if !is_usable {
+            return;
+        }
+        let half = S::from_f64(0.5);
+        let channels = |rims: WheelPair<S>| {
+            [(rims.right - rims.left) * half, (rims.right + rims.left) * half, rims.right, rims.left]
+        };
+        let (commanded, measured) = (channels(expected), channels(travel));
+        let relevant = commanded.iter().fold(S::from_f64(0.0), |most, speed| most.max(speed.abs()))
+            * S::from_f64(RELEVANT_FRACTION);
+        for (index, (_, channel)) in self.channels.iter_mut().enumerate() {
+            let speed = commanded[index];
+            let speed = if speed.abs() >= relevant { speed } else { S::from_f64(0.0) };
+            channel.update(speed, measured[index], elapsed);
+        }
+    }
+
+    /// What has not moved for `timeout` \[s] although it was commanded to.
+    pub fn fault(&self, timeout: S) -> Option<MotionFault> {
+        let stuck = self.channels.iter().find(|(_, channel)| channel.stuck_for >= timeout);
+        stuck.map(|(name, channel)| {
+            if channel.is_blocked() { MotionFault::Blocked(*name) } else { MotionFault::Stalled(*name) }
+        })
+    }
+
+    /// Starts timing anew, for a new goal; the speeds that moved the base are kept.
+    pub fn restart(&mut self) {
+        for (_, channel) in &mut self.channels {
+            *channel = ChannelMotion { least_moving: channel.least_moving, ..ChannelMotion::new() };
+        }
+    }
+}
+
+impl<S: Float> Default for MotionMonitor<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// One channel, as the rim travel of a wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ChannelMotion<S> {
+    /// Recent commanded travel, measured travel in its direction \[m], and time with a command \[s].
+    commanded: S,
+    measured: S,
+    active: S,
+    /// Time without motion despite commands \[s].
+    stuck_for: S,
+    /// Lowest mean command at which the channel moved \[m/s].
+    least_moving: S,
+}
+
+impl<S: Float> ChannelMotion<S> {
+    fn new() -> Self {
+        let zero = S::from_f64(0.0);
+        let least_moving = S::from_f64(EXECUTABLE_SPEED);
+        Self { commanded: zero, measured: zero, active: zero, stuck_for: zero, least_moving }
+    }
+
+    fn update(&mut self, speed: S, travel: S, elapsed: S) {
+        let zero = S::from_f64(0.0);
+        let kept = S::from_f64(MEMORY) / (S::from_f64(MEMORY) + elapsed);
+        let is_active = speed.abs() > zero;
+        let along = if speed < zero { -travel } else { travel };
+        self.commanded = (self.commanded + speed.abs() * elapsed) * kept;
+        self.measured = (self.measured + if is_active { along } else { zero }) * kept;
+        self.active = (self.active + if is_active { elapsed } else { zero }) * kept;
+        if self.commanded < S::from_f64(MIN_COMMANDED) {
+            return;
+        }
+        if self.measured < self.commanded * S::from_f64(STUCK_FRACTION) {
+            self.stuck_for = self.stuck_for + elapsed;
+        } else {
+            self.stuck_for = zero;
+        }
+        if self.measured >= self.commanded * S::from_f64(MOVING_FRACTION) {
+            self.least_moving = self.least_moving.min(self.mean_command());
+        }
+    }
+
+    /// Mean speed of the recent commands \[m/s].
+    fn mean_command(&self) -> S {
+        self.commanded.div_or_zero(self.active)
+    }
+
+    fn is_blocked(&self) -> bool {
+        self.mean_command() >= self.least_moving
+    }
+}

@@ -1,0 +1,78 @@
+//! Progress monitor: does the Lyapunov function of the control law fall as it must?
+
+use crate::scalar::Float;
+
+/// Decrease of V that counts as progress, relative to V: of V_g (global law) and of V_l (local law).
+const GLOBAL_DECREASE: f64 = 0.02;
+const LOCAL_DECREASE: f64 = 0.1;
+/// V_g beyond which the required decrease no longer grows.
+const FULL_VALUE: f64 = 1.0;
+
+/// Measures the time since the Lyapunov function last reached a new minimum.
+///
+/// The global law comes before the local one: once the local law was active, only a new minimum of V_l is progress. A robot
+/// that circles the goal, because its wheels accelerate less than configured, reaches no new minimum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProgressMonitor<S> {
+    best: Option<LyapunovValue<S>>,
+    stagnant_for: S,
+}
+
+/// Value of the Lyapunov function of the active law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LyapunovValue<S> {
+    /// V_g or V_l.
+    pub value: S,
+    /// Whether it is V_l, of the local law.
+    pub is_local: bool,
+}
+
+impl<S: Float> ProgressMonitor<S> {
+    /// No value seen.
+    pub fn new() -> Self {
+        Self { best: None, stagnant_for: S::from_f64(0.0) }
+    }
+
+    /// Takes the `value` after `elapsed` \[s] in which the robot was free to drive; scaled where it had to drive slowly.
+    pub fn update(&mut self, value: LyapunovValue<S>, elapsed: S) {
+        if self.best.is_some_and(|best| !is_progress(best, value)) {
+            self.stagnant_for = self.stagnant_for + elapsed;
+        } else {
+            self.best = Some(value);
+            self.stagnant_for = S::from_f64(0.0);
+        }
+    }
+
+    /// Forgets the minimum, for a pose that was replaced; the time without progress goes on.
+    pub fn restart_from_new_pose(&mut self) {
+        self.best = None;
+    }
+
+    /// Starts timing anew: the robot is at its goal.
+    pub fn on_arrival(&mut self) {
+        self.stagnant_for = S::from_f64(0.0);
+    }
+
+    /// Time without progress \[s].
+    pub fn stagnant_for(&self) -> S {
+        self.stagnant_for
+    }
+}
+
+impl<S: Float> Default for ProgressMonitor<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn is_progress<S: Float>(best: LyapunovValue<S>, now: LyapunovValue<S>) -> bool {
+    match (best.is_local, now.is_local) {
+        (false, true) => true,
+        (true, false) => false,
+        (false, false) => {
+            let decrease = S::from_f64(GLOBAL_DECREASE) * best.value.min(S::from_f64(FULL_VALUE));
+            now.value <= best.value - decrease
+        }
+        (true, true) => now.value <= best.value * S::from_f64(1.0 - LOCAL_DECREASE),
+    }
+}
