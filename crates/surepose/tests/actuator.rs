@@ -1,7 +1,7 @@
 //! The actuator stage: pulses for speeds that the base ignores, and the pose at which a delayed command takes effect.
 
 use proptest::prelude::*;
-use surepose::control::{ActuatorModel, ActuatorState, MinSpeeds};
+use surepose::control::{ActuatorModel, ActuatorState, Limits, MinSpeeds};
 use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose::kinematics::{DiffDrive, Integration, Twist};
 
@@ -9,6 +9,7 @@ use surepose::kinematics::{DiffDrive, Integration, Twist};
 type Part = fn(&Twist<f64>) -> f64;
 
 const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.4);
+const LIMITS: Limits<f64> = Limits::symmetric(0.3, 0.5);
 
 fn twists() -> impl Strategy<Value = Vec<Twist<f64>>> {
     // Held for several periods, as the commands of a drive are, with rests in between.
@@ -22,11 +23,12 @@ fn twists() -> impl Strategy<Value = Vec<Twist<f64>>> {
     prop::collection::vec(held, 1..20).prop_map(expand)
 }
 
-/// The largest difference of the sums of `asked` and `sent` since the last rest, times `period`.
-fn deviation(asked: &[f64], sent: &[f64], rests: &[bool], period: f64) -> f64 {
+/// The largest difference of the sums of `asked` and `sent` since the last rest, times `period`, for speeds below `min`.
+fn deviation(asked: &[f64], sent: &[f64], rests: &[bool], min: f64, period: f64) -> f64 {
     let (mut owed, mut most) = (0.0_f64, 0.0_f64);
     for ((asked, sent), rests) in asked.iter().zip(sent).zip(rests) {
-        owed = if *rests { 0.0 } else { owed + (asked - sent) * period };
+        let is_slow = asked.abs() < 1.02 * min;
+        owed = if *rests { 0.0 } else { owed + if is_slow { (asked - sent) * period } else { 0.0 } };
         most = most.max(owed.abs());
     }
     most
@@ -51,7 +53,7 @@ proptest! {
         };
         let model = ActuatorModel { min_speeds, ..ActuatorModel::ideal() };
         let mut state = ActuatorState::new();
-        let sent: Vec<_> = asked.iter().map(|twist| state.execute(&model, &DRIVE, *twist, period)).collect();
+        let sent: Vec<_> = asked.iter().map(|twist| state.execute(&model, &DRIVE, &LIMITS, *twist, period)).collect();
         let rests: Vec<_> = asked.iter().map(|twist| *twist == Twist::zero()).collect();
         for (asked, sent) in asked.iter().zip(&sent) {
             prop_assert!(*asked != Twist::zero() || *sent == Twist::zero());
@@ -65,7 +67,7 @@ proptest! {
         for (part, min) in parts {
             let of = |twists: &[Twist<f64>]| twists.iter().map(part).collect::<Vec<_>>();
             prop_assert!(of(&sent).iter().all(|speed| is_executable(*speed, min)));
-            let deviation = deviation(&of(&asked), &of(&sent), &rests, period);
+            let deviation = deviation(&of(&asked), &of(&sent), &rests, min, period);
             prop_assert!(deviation <= 1.02 * min * period / 2.0 + 1e-12, "{} > {}", deviation, min * period);
         }
     }
@@ -97,7 +99,7 @@ proptest! {
             let arrives = drive_on(pose, &sent, now, now + delay);
             prop_assert!(predicted.origin().distance(arrives.origin()) < 1e-9);
             prop_assert!((predicted.heading - arrives.heading).radians().abs() < 1e-9);
-            state.execute(&model, &DRIVE, *command, period);
+            state.execute(&model, &DRIVE, &LIMITS, *command, period);
             sent.push(*command);
             pose = drive_on(pose, &sent, now, now + period);
         }
@@ -119,7 +121,7 @@ fn the_prediction_hides_the_lag() {
                 predicted.x
             );
             let command = if tick % 50 < 25 { 0.2 } else { -0.1 };
-            state.execute(&model, &DRIVE, Twist::new(command, 0.0), period);
+            state.execute(&model, &DRIVE, &LIMITS, Twist::new(command, 0.0), period);
             // The exact response of u′ = (c − u)/τ, and its integral.
             let kept = (-period / time_constant).exp();
             travelled += command * period + (speed - command) * time_constant * (1.0 - kept);
@@ -129,10 +131,37 @@ fn the_prediction_hides_the_lag() {
     }
 }
 
+/// A pulse on top of a passing speed keeps the wheels within their limits: the passing speed yields.
+#[test]
+fn pulses_keep_the_limits_on_the_way() {
+    let min_speeds = MinSpeeds { v: 0.02, omega: 0.08, wheel: 0.0 };
+    let model = ActuatorModel { min_speeds, ..ActuatorModel::ideal() };
+    let period = 0.1;
+    for omega in [0.01, -0.03, 0.06] {
+        let (mut state, mut limited, mut last, mut turned) =
+            (ActuatorState::new(), Twist::zero(), Twist::zero(), 0.0_f64);
+        for tick in 0..60 {
+            let target = if tick < 40 { Twist::new(0.3, omega) } else { Twist::zero() };
+            limited = LIMITS.limit(&DRIVE, target, limited, period);
+            let sent = state.execute(&model, &DRIVE, &LIMITS, limited, period);
+            let rims = DRIVE.wheel_speeds_from_twist(sent);
+            assert!(rims.max_abs() <= LIMITS.wheel_speed + 1e-12, "{omega}, tick {tick}: {rims:?}");
+            let change = DRIVE.wheel_speeds_from_twist(sent - last).max_abs();
+            let ends = sent == Twist::zero();
+            assert!(
+                ends || change <= LIMITS.wheel_acceleration * period + 1e-12,
+                "{omega}, tick {tick}: {change}"
+            );
+            turned += if tick < 40 { (sent.omega - limited.omega) * period } else { 0.0 };
+            last = sent;
+        }
+        assert!(turned.abs() <= 1.02 * 0.08 * period / 2.0 + 1e-12, "{omega}: {turned}");
+    }
+}
+
 /// Braking may be harder or softer than accelerating, for each wheel and both directions.
 #[test]
 fn wheels_brake_at_their_own_rate() {
-    use surepose::control::Limits;
     for (up, down) in [(0.5, 1.0), (0.5, 0.2)] {
         let limits = Limits { wheel_speed: 0.4, wheel_acceleration: up, wheel_deceleration: down };
         for (start, target) in [(0.0, 0.4), (0.4, 0.0), (-0.4, 0.0), (0.4, 0.2), (0.01, -0.4), (0.3, -0.3)] {

@@ -10,6 +10,8 @@ use crate::geometry::{Body, Map, Pose};
 use crate::kinematics::{DiffDrive, Integration, Twist};
 use crate::scalar::Float;
 
+use super::limits::Limits;
+
 pub use pending_commands::MAX_PENDING;
 pub use speed_modulator::MinSpeeds;
 
@@ -41,16 +43,16 @@ impl<S: Float> ActuatorModel<S> {
 /// State of the actuator stage: commands that have not taken effect, the speed of the base, and the motion still owed.
 ///
 /// ```
-/// use surepose::control::{ActuatorModel, ActuatorState, MinSpeeds};
+/// use surepose::control::{ActuatorModel, ActuatorState, Limits, MinSpeeds};
 /// use surepose::kinematics::{DiffDrive, Twist};
 ///
 /// // A base that ignores |v| < 2 cm/s is asked for 0.5 cm/s: about every fourth period it gets 2 cm/s.
 /// let min_speeds = MinSpeeds { v: 0.02, ..MinSpeeds::none() };
 /// let model = ActuatorModel { min_speeds, ..ActuatorModel::ideal() };
-/// let (drive, period) = (DiffDrive::new(0.05, 0.4), 0.1);
+/// let (drive, limits, period) = (DiffDrive::new(0.05, 0.4), Limits::symmetric(0.5, 1.0), 0.1);
 /// let mut state = ActuatorState::new();
 /// let asked = Twist::new(0.005, 0.0);
-/// let distance: f64 = (0..40).map(|_| state.execute(&model, &drive, asked, period).v * period).sum();
+/// let distance: f64 = (0..40).map(|_| state.execute(&model, &drive, &limits, asked, period).v * period).sum();
 /// assert!((distance - 0.02).abs() <= 1.02 * 0.02 * period / 2.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,10 +86,11 @@ impl<S: Float> ActuatorState<S> {
         &mut self,
         model: &ActuatorModel<S>,
         drive: &DiffDrive<S>,
+        limits: &Limits<S>,
         limited: Twist<S>,
         period: S,
     ) -> Twist<S> {
-        let command = self.modulator.modulate(&model.min_speeds, drive, limited, period);
+        let command = self.modulator.modulate(&model.min_speeds, drive, limits, limited, period);
         if model.delay > S::from_f64(0.0) || model.time_constant > S::from_f64(0.0) {
             self.pending.push(model.delay, model.time_constant, command, period);
         }

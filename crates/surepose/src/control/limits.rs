@@ -83,6 +83,13 @@ impl<S: Scalar> Limits<S> {
         Twist::select(feasible, on_path, toward)
     }
 
+    /// The largest change of a wheel's speed from `speed` \[m/s] toward `direction` within one `period` \[s].
+    #[inline(always)]
+    pub(super) fn largest_change(&self, speed: S, direction: S, period: S) -> S {
+        let reach = self.reach(speed, period);
+        S::select(direction.lt(S::from_f64(0.0)), reach.down, reach.up)
+    }
+
     /// How far the speed of a wheel can change from `speed` \[m/s] within one `period` \[s].
     #[inline(always)]
     fn reach(&self, speed: S, period: S) -> SpeedReach<S> {

@@ -55,7 +55,9 @@ impl AbortReason {
             Self::Motion(MotionFault::Stalled(MotionChannel::Forward)) => {
                 &[param::MIN_SPEED, param::MIN_WHEEL_SPEED]
             }
-            Self::Motion(MotionFault::Stalled(_)) => &[param::MIN_WHEEL_SPEED],
+            Self::Motion(MotionFault::Stalled(_)) => {
+                &[param::MIN_WHEEL_SPEED, param::MIN_SPEED, param::MIN_TURN_RATE]
+            }
             Self::NoProgress => {
                 &[param::WHEEL_ACCELERATION_LIMIT, param::COMMAND_DELAY, param::MOTOR_TIME_CONSTANT]
             }

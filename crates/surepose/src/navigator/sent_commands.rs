@@ -53,9 +53,9 @@ impl<S: Float> SentCommands<S> {
 
     /// Sends a twist that is within the limits.
     pub(super) fn send(&mut self, config: &NavigatorConfig<S>, limited: Twist<S>) -> Command<S> {
-        let Controller { drive, period, .. } = config.controller;
+        let Controller { drive, limits, period, .. } = config.controller;
         self.limited = limited;
-        self.sent = self.actuator.execute(&config.actuator, &drive, limited, period);
+        self.sent = self.actuator.execute(&config.actuator, &drive, &limits, limited, period);
         Command { twist: self.sent, wheels: drive.wheel_rates_from_twist(self.sent) }
     }
 
