@@ -128,8 +128,8 @@ impl<S: Float> SpeedModulator<S> {
         } else {
             Twist::new(sent.v, sent.omega + change / half)
         };
-        let has_room = low <= high;
-        if has_room && is_executable(yielded.v, min.v) && is_executable(yielded.omega, min.omega) {
+        let is_feasible = low <= high;
+        if is_feasible && is_executable(yielded.v, min.v) && is_executable(yielded.omega, min.omega) {
             yielded
         } else {
             sent
