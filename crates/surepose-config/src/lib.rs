@@ -22,7 +22,9 @@ use surepose::param::{self, Kind, Parameter};
 pub use abort::describe_abort;
 pub use build::{CompassParameters, LaserParameters};
 pub use key::parameter;
-pub use navigation::{HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod};
+pub use navigation::{
+    HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod, beam_model,
+};
 pub use problem::{ConfigError, ConfigProblem};
 pub use setting::{Setting, Value, ValueSource};
 

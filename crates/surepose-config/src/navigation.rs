@@ -70,14 +70,17 @@ impl ScanMethod {
     fn model(self) -> ScanModel<f64> {
         match self {
             Self::Lines => ScanModel::Lines(LineAssociator::default()),
-            // Association errors are correlated over about four scans, so the standard deviations of an independent scan,
-            // 3 cm and 0.3°, are doubled.
-            Self::Beams => ScanModel::BeamModel(BeamModelMatcher {
-                min_hit_ratio: 0.4,
-                scan_std: [0.06, 0.06, 0.6_f64.to_radians()],
-            }),
+            Self::Beams => ScanModel::BeamModel(beam_model()),
         }
     }
+}
+
+/// Beam model of a robot that takes several scans per second, on a map traced from a grid or a log.
+///
+/// Association errors are correlated over about four scans, so the standard deviations of an independent scan, 3 cm and
+/// 0.3°, are doubled.
+pub fn beam_model() -> BeamModelMatcher<f64> {
+    BeamModelMatcher { min_hit_ratio: 0.4, scan_std: [0.06, 0.06, 0.6_f64.to_radians()] }
 }
 
 /// Shortest range; shorter returns are from the robot itself \[m].

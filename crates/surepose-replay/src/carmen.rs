@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use surepose::geometry::{Body, Map, Pose};
 use surepose::kinematics::Motion;
+use surepose::lidar::BeamModelMatcher;
 use surepose::time::Stamp;
 use surepose_config::Config;
 use surepose_io::recording::{Recording, ScanRecord, StampedPose};
@@ -17,6 +18,12 @@ use surepose_sim::{CancelToken, ErrorAccumulator};
 use super::laser_replay::{LaserReplay, LaserReplaySettings};
 use super::odometry::{pose_after, pose_of};
 use super::report::{ReplayError, ReplayReport};
+
+/// Standard deviations of x \[m], y \[m] and θ \[rad] of the error common to all beams of a scan.
+///
+/// The errors of consecutive scans are correlated on a robot that takes ten per second. In these logs consecutive
+/// scans are a meter apart.
+const SCAN_STD: [f64; 3] = [0.02, 0.02, 0.3_f64.to_radians()];
 
 /// Settings of the replay, the same for all logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +49,9 @@ impl CarmenSettings {
     /// Reads the settings of a configuration.
     pub fn from_config(config: &Config) -> Self {
         let mapping = from_log::LogMappingSettings::default();
-        Self { replay: LaserReplaySettings::from_config(config), lag_records: 0.55, mapping }
+        let common = LaserReplaySettings::from_config(config);
+        let beam_model = BeamModelMatcher { scan_std: SCAN_STD, ..common.beam_model };
+        Self { replay: LaserReplaySettings { beam_model, ..common }, lag_records: 0.55, mapping }
     }
 }
 

@@ -7,10 +7,9 @@ use std::time::Instant;
 use surepose::estimation::Belief;
 use surepose::geometry::{Body, Map, Pose};
 use surepose::kinematics::Motion;
-use surepose::lidar::ScanMatcher;
 use surepose::param;
 use surepose::time::Stamp;
-use surepose_config::Config;
+use surepose_config::{Config, beam_model};
 use surepose_io::recording::{Recording, StampedPose};
 use surepose_sim::CancelToken;
 
@@ -33,12 +32,10 @@ pub fn preset() -> Config {
         .with_preset("wean", &[(&param::LASER_RANGE_STD, 0.1)])
 }
 
-/// Returns the settings of a configuration; coarse grids require short faces and fewer matching beams.
+/// Returns the settings of a configuration; the scans come as fast as those of a robot.
 pub fn settings(config: &Config) -> LaserReplaySettings {
     let common = LaserReplaySettings::from_config(config);
-    let scan_matcher =
-        ScanMatcher { min_beams_per_wall: 3, min_overlap: 0.2, wall_offset_std: 0.05, ..common.scan_matcher };
-    LaserReplaySettings { scan_matcher, start_std: START_STD, ..common }
+    LaserReplaySettings { beam_model: beam_model(), start_std: START_STD, ..common }
 }
 
 /// Result of a replay.

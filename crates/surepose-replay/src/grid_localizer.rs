@@ -84,10 +84,11 @@ impl GridLocalizer {
     pub(super) fn new(grid: &Grid, settings: LaserReplaySettings) -> Self {
         // The wall is anywhere in its cell.
         let std = libm::hypot(settings.range_std, rounding(grid.resolution));
+        let field = LikelihoodField::from_grid(grid, std.max(pose_grid::COARSE));
         Self {
-            field: LikelihoodField::from_grid(grid, std.max(pose_grid::COARSE)),
+            law: field.likelihood_table(std),
+            field,
             settings,
-            law: LikelihoodTable::with_std(std, grid.resolution),
             within: 2.0 * std,
             hypotheses: Vec::new(),
             surface: SurfaceCells::new(grid.resolution),

@@ -4,15 +4,19 @@ use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, Measureme
 use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
 use surepose::lidar::{
-    LaserGeometry, RangeFinder, Scan, ScanEvent, ScanMatch, ScanMatchResult, ScanMatcher, ScanModel,
+    BeamMatch, BeamModelMatcher, BeamStats, LaserGeometry, RangeFinder, Scan, ScanEvent, ScanModel,
     ScanProcessor,
 };
 use surepose::localization::{Localizer, LoopObserver, Odometry, SensorInput, SensorReading};
 use surepose::map::{MapView, Wall};
 use surepose::param;
 use surepose::time::{Stamp, Stamped};
-use surepose_config::Config;
+use surepose_config::{Config, beam_model};
 use surepose_io::recording::{self, laser_extrinsics};
+
+/// Standard deviations of x \[m], y \[m] and θ \[rad] of the error common to all beams of a scan: twice those of a robot.
+/// The errors of a map extracted from a log are correlated with those of its scans.
+const SCAN_STD: [f64; 3] = [0.12, 0.12, 1.2_f64.to_radians()];
 
 /// Maximum number of beams of a scan.
 const MAX_BEAMS: usize = 2048;
@@ -33,8 +37,8 @@ pub struct LaserReplaySettings {
     pub bearing_std: f64,
     /// Probability with which a consistent scan passes the gate.
     pub gate_probability: f64,
-    /// Scan matcher.
-    pub scan_matcher: ScanMatcher<f64>,
+    /// Beam model of the scans, as a robot uses it on a map traced from a grid or a log.
+    pub beam_model: BeamModelMatcher<f64>,
     /// Standard deviations of the start pose: x \[m], y \[m], θ \[rad].
     pub start_std: [f64; 3],
 }
@@ -70,15 +74,7 @@ impl LaserReplaySettings {
             range_std: number(&param::LASER_RANGE_STD),
             bearing_std: number(&param::LASER_BEARING_STD),
             gate_probability: number(&param::GATE_PROBABILITY),
-            scan_matcher: ScanMatcher {
-                gate: Gate::new(0.999),
-                max_correspondence_distance: 0.7,
-                min_beams_per_wall: 5,
-                min_overlap: 0.33,
-                wall_offset_std: 0.01,
-                wall_direction_std: 0.005,
-                scan_std: [0.02, 0.02, 0.3_f64.to_radians()],
-            },
+            beam_model: BeamModelMatcher { scan_std: SCAN_STD, ..beam_model() },
             start_std: [0.02, 0.02, 0.5_f64.to_radians()],
         }
     }
@@ -130,7 +126,7 @@ pub(super) struct LaserReplay {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ScanOutcome {
     /// Matched; with the decision of the filter.
-    Evaluated(MeasurementOutcome, ScanMatchResult<f64>),
+    Evaluated(MeasurementOutcome, BeamStats<f64>),
     /// Too few beams are on walls of the map.
     LowOverlap,
     /// No wall of the map is in view.
@@ -164,8 +160,8 @@ impl ScanOverlap {
     /// Adds a scan; a scan on no wall adds 0.
     pub(super) fn add(&mut self, seen: &ScanOutcome) {
         self.scans += 1.0;
-        if let ScanOutcome::Evaluated(_, aligned) = seen {
-            self.sum += f64::from(aligned.beams) / f64::from(aligned.returns.max(1));
+        if let ScanOutcome::Evaluated(_, stats) = seen {
+            self.sum += stats.hit_ratio();
         }
     }
 
@@ -190,7 +186,7 @@ impl LaserReplay {
         let estimator = DelayedEkf::new(settings.ekf(), gate, f64::INFINITY, stamp, belief);
         // Each scan brings the mounting of its laser.
         let laser = settings.laser(recording::SensorPose::default());
-        let scan_processor = ScanProcessor::new(laser, ScanModel::ScanMatch(settings.scan_matcher));
+        let scan_processor = ScanProcessor::new(laser, ScanModel::BeamModel(settings.beam_model));
         Self { localizer: Box::new(Localizer::unsupervised(estimator, scan_processor)), settings, walls }
     }
 
@@ -216,12 +212,12 @@ impl LaserReplay {
             &MapView::from_walls(&self.walls),
             &mut last_scan,
         );
-        match (last_scan.scan_match, last_scan.outcome) {
+        match (last_scan.beam_match, last_scan.outcome) {
             (None, _) if !is_remembered => ScanOutcome::OutsideHistory,
             (None, _) => ScanOutcome::Invalid,
-            (Some(ScanMatch::NoOverlap), _) => ScanOutcome::NoOverlap,
-            (Some(ScanMatch::Matched(aligned)), Some(outcome)) => ScanOutcome::Evaluated(outcome, aligned),
-            (Some(_), _) => ScanOutcome::LowOverlap,
+            (Some(BeamMatch { stats, .. }), _) if stats.hits == 0 => ScanOutcome::NoOverlap,
+            (Some(BeamMatch { stats, .. }), Some(outcome)) => ScanOutcome::Evaluated(outcome, stats),
+            (Some(_), None) => ScanOutcome::LowOverlap,
         }
     }
 }
@@ -230,7 +226,7 @@ impl LaserReplay {
 #[derive(Default)]
 struct LastScan {
     outcome: Option<MeasurementOutcome>,
-    scan_match: Option<ScanMatch<f64>>,
+    beam_match: Option<BeamMatch<f64>>,
 }
 
 impl LoopObserver<f64> for LastScan {
@@ -239,7 +235,7 @@ impl LoopObserver<f64> for LastScan {
     }
 
     fn on_scan(&mut self, event: &ScanEvent<'_, f64>) {
-        self.scan_match = event.observation.scan_match;
+        self.beam_match = event.observation.beam_match;
     }
 }
 

@@ -41,7 +41,7 @@ fn off((scan, x, y, heading): Taken, trajectory: &[Option<Pose<Map, Body, f64>>]
 #[test]
 fn wean_hall_is_tracked_from_a_given_start() {
     let settings = cmu_wean::settings(&cmu_wean::preset());
-    for ((name, places), share) in PLACES.into_iter().zip([0.75, 0.79]) {
+    for ((name, places), share) in PLACES.into_iter().zip([0.95, 0.97]) {
         let Some((log, grid)) = run(name) else { continue };
         let start = Pose::new(40.0, 41.4, Angle::from_degrees(-96.0));
         let WeanReplay { report, trajectory, .. } = cmu_wean::replay(

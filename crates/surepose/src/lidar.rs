@@ -14,12 +14,10 @@
 //! [`LineAssociator`] matches each line with a wall of the map, one to one and inside a χ² gate. The line must overlap
 //! the wall.
 //!
-//! [`ScanMatcher`] matches a scan with the walls of a map beam by beam. It serves cluttered rooms, where few walls are
-//! long enough for line extraction.
+//! [`BeamModelMatcher`] casts a ray for each beam to the first wall, and estimates the pose from all beams together. It
+//! serves cluttered rooms, where few walls are long enough for line extraction, and walls traced from a grid or a log.
 //!
-//! [`BeamModelMatcher`] casts a ray for each beam to the first wall, and estimates the pose from all beams together.
-//!
-//! [`ScanProcessor`] turns a scan into measurements for the filter by one of these three models.
+//! [`ScanProcessor`] turns a scan into measurements for the filter by one of these two models.
 //!
 //! # Coordinates
 //! A line that does not pass through the laser is a·x + b·y = 1, with (a, b) = (cos ψ, sin ψ)/r. A beam at bearing φ
@@ -45,11 +43,10 @@ mod missed_returns;
 mod pose_normal_equations;
 mod scan;
 mod scan_event;
-mod scan_matcher;
 mod scan_processor;
 mod segment;
 
-pub use beam_model_matcher::BeamModelMatcher;
+pub use beam_model_matcher::{BeamMatch, BeamModelMatcher};
 pub use beam_stats::BeamStats;
 pub use beam_subset::BeamSubset;
 pub use line_associator::{Association, Associations, LineAssociator};
@@ -58,5 +55,4 @@ pub use missed_returns::MissedReturns;
 pub(crate) use pose_normal_equations::PoseNormalEquations;
 pub use scan::{LaserGeometry, RangeFinder, Scan, ScanError};
 pub use scan_event::ScanEvent;
-pub use scan_matcher::{ScanMatch, ScanMatchResult, ScanMatcher, ScanMatcherWorkspace};
 pub use scan_processor::{ScanModel, ScanObservation, ScanProcessor};

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use surepose::geometry::{Angle, Body, Point, Pose};
+use surepose::map::Cell;
 use surepose_io::grid::Cells;
 
-use super::likelihood_field::{CellIndex, LikelihoodField, LikelihoodTable};
+use super::likelihood_field::LikelihoodField;
 
 /// Position step \[m], and number of headings per turn.
 const STEP: f64 = 0.2;
@@ -24,12 +25,12 @@ pub(super) fn poses(
     ends: &[Point<Body, f64>],
     most: usize,
 ) -> Vec<Pose<Cells, Body, f64>> {
-    let law = LikelihoodTable::with_std(COARSE, field.resolution());
+    let law = field.likelihood_table(COARSE);
     let step = (STEP / field.resolution()).round().max(1.0) as i32;
     let (width, height) = field.size();
     let candidates = (0..height / step).flat_map(|y| (0..width / step).map(move |x| (x, y)));
     let candidates: Vec<_> = candidates.filter(|(x, y)| field.is_free((x * step, y * step))).collect();
-    let mut best: BTreeMap<[i32; 3], (f64, CellIndex, i32)> = BTreeMap::new();
+    let mut best: BTreeMap<[i32; 3], (f64, Cell, i32)> = BTreeMap::new();
     for turn in 0..HEADINGS {
         let cell_from_body = Pose::<Cells, Body, f64>::new(0.0, 0.0, heading(turn));
         let to_end = |end: &Point<Body, f64>| {
@@ -37,7 +38,7 @@ pub(super) fn poses(
             let cells = |length: f64| (length / field.resolution()).round() as i32;
             (cells(end.x), cells(end.y))
         };
-        let ends: Vec<CellIndex> = ends.iter().map(to_end).collect();
+        let ends: Vec<Cell> = ends.iter().map(to_end).collect();
         for &(x, y) in &candidates {
             let at = (x * step, y * step);
             let score = ends.iter().map(|end| field.log_likelihood(&law, (at.0 + end.0, at.1 + end.1))).sum();

@@ -29,16 +29,6 @@ impl<S: Float> PoseNormalEquations<S> {
         }
     }
 
-    /// Adds the normal equations of several residuals.
-    pub(super) fn add_block(&mut self, information: &Matrix<S, 3, 3>, gradient: &[S; 3]) {
-        for i in 0..3 {
-            for k in 0..3 {
-                self.information[(i, k)] = self.information[(i, k)] + information[(i, k)];
-            }
-            self.gradient[i] = self.gradient[i] + gradient[i];
-        }
-    }
-
     /// Pose measurement from the sums, whose steps are relative to `near`.
     ///
     /// # Errors

@@ -1,23 +1,20 @@
-//! Scans to pose measurements, by one of three models.
+//! Scans to pose measurements, by one of two models.
 
-use crate::estimation::{Belief, Ekf, Measurement, PoseMeasurement};
+use crate::estimation::{Belief, Ekf, Measurement};
 use crate::geometry::Pose;
 use crate::map::Wall;
 use crate::scalar::Float;
 
-use super::beam_model_matcher::BeamModelMatcher;
+use super::beam_model_matcher::{BeamMatch, BeamModelMatcher};
 use super::line_associator::{Associations, LineAssociator};
 use super::line_extractor::{LineExtraction, LineExtractor};
 use super::scan::{LaserGeometry, RangeFinder, Scan, ScanError};
-use super::scan_matcher::{ScanMatch, ScanMatcher, ScanMatcherWorkspace};
 
 /// Model by which a scan is compared with the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScanModel<S> {
     /// Lines are extracted and associated: for places with long flat walls and an exact map of them.
     Lines(LineAssociator<S>),
-    /// The scan is matched beam by beam with the nearest walls: for maps of few walls in cluttered rooms.
-    ScanMatch(ScanMatcher<S>),
     /// Each beam ends at the first wall on its ray: for maps of many short walls, for example traced from a grid.
     BeamModel(BeamModelMatcher<S>),
 }
@@ -32,7 +29,6 @@ pub struct ScanProcessor<S, const BEAMS: usize> {
     /// Model of the comparison.
     pub model: ScanModel<S>,
     extractor: LineExtractor<S, BEAMS>,
-    workspace: ScanMatcherWorkspace<S, BEAMS>,
 }
 
 /// Result of processing one scan.
@@ -42,16 +38,14 @@ pub struct ScanObservation<'a, S> {
     pub extracted: LineExtraction<'a, S>,
     /// Associations of the lines; empty for models other than [`ScanModel::Lines`].
     pub associations: Associations<S>,
-    /// Result of the scan match; `None` for models other than [`ScanModel::ScanMatch`].
-    pub scan_match: Option<ScanMatch<S>>,
-    /// Pose by the beam model; `None` for other models, and where too few beams are hits.
-    pub fix: Option<PoseMeasurement<S>>,
+    /// Result of the beam model; `None` for [`ScanModel::Lines`].
+    pub beam_match: Option<BeamMatch<S>>,
 }
 
 impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
     /// Processor for this laser.
     pub fn new(laser: RangeFinder<S>, model: ScanModel<S>) -> Self {
-        Self { laser, model, extractor: LineExtractor::new(), workspace: ScanMatcherWorkspace::default() }
+        Self { laser, model, extractor: LineExtractor::new() }
     }
 
     /// Laser that took `scan`: the configured one, with the range limits and mounting of the scan where present.
@@ -76,20 +70,14 @@ impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
         let laser = self.laser_of(scan);
         let extracted = self.extractor.extract(&laser, scan)?;
         let body_from_laser = &laser.body_from_laser;
-        let unmatched =
-            ScanObservation { extracted, associations: Associations::new(), scan_match: None, fix: None };
+        let unmatched = ScanObservation { extracted, associations: Associations::new(), beam_match: None };
         Ok(match &self.model {
             ScanModel::Lines(line_associator) => ScanObservation {
                 associations: line_associator.associate(ekf, belief, body_from_laser, extracted.lines, walls),
                 ..unmatched
             },
-            ScanModel::ScanMatch(scan_matcher) => {
-                let matched =
-                    scan_matcher.match_scan(&mut self.workspace, ekf, belief, &laser, scan, walls)?;
-                ScanObservation { scan_match: Some(matched), ..unmatched }
-            }
             ScanModel::BeamModel(beam_model_matcher) => ScanObservation {
-                fix: beam_model_matcher.match_scan(&laser, scan, belief, walls)?,
+                beam_match: Some(beam_model_matcher.match_scan(ekf, &laser, scan, belief, walls)?),
                 ..unmatched
             },
         })
@@ -114,11 +102,7 @@ impl<S: Float> ScanProcessor<S, 0> {
 impl<S: Float> ScanObservation<'_, S> {
     /// Measurements for the filter.
     pub fn measurements(&self) -> impl Iterator<Item = Measurement<S>> + '_ {
-        let matched = match self.scan_match {
-            Some(ScanMatch::Matched(matched)) => Some(matched.fix),
-            _ => None,
-        };
-        let poses = matched.into_iter().chain(self.fix).map(Measurement::Pose);
-        self.associations.measurements().map(|line| Measurement::Line(*line)).chain(poses)
+        let pose = self.beam_match.and_then(|matched| matched.fix).map(Measurement::Pose);
+        self.associations.measurements().map(|line| Measurement::Line(*line)).chain(pose)
     }
 }

@@ -5,9 +5,8 @@ use crate::scalar::Float;
 
 use super::wall::Wall;
 
-/// Maximum distance that a cell stores \[m], and its resolution \[m].
-const MAX_DISTANCE: f64 = 0.508;
-const UNIT: f64 = 0.004;
+/// Unit of the distances over a wall map \[m]. A cell stores up to 127 of them, here 0.508 m.
+const WALL_UNIT: f64 = 0.004;
 
 /// Bits of a cell: the maximum distance, and the flag of a cell that the robot cannot occupy.
 const FAR: u8 = 0x7f;
@@ -23,9 +22,28 @@ pub struct GridSpec<S> {
     resolution: S,
     columns: i32,
     rows: i32,
+    /// Unit of the distances that cells store \[m].
+    unit: f64,
+}
+
+/// State of a cell of an occupancy grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellState {
+    /// The robot can be here.
+    Free,
+    /// Not observed.
+    Unknown,
+    /// Part of a wall.
+    Occupied,
 }
 
 impl<S: Float> GridSpec<S> {
+    /// Grid of an occupancy grid, in the frame of that grid, for distances of up to `max_distance` \[m].
+    pub fn from_size(columns: i32, rows: i32, resolution: S, max_distance: S) -> Self {
+        let unit = max_distance.to_f64() / f64::from(FAR);
+        Self { origin: Point::default(), resolution, columns: columns.max(0), rows: rows.max(0), unit }
+    }
+
     /// Grid with cells of `resolution` \[m] over all of `walls`; no cells where there are no walls.
     pub fn from_walls(walls: &[Wall<S>], resolution: S) -> Self {
         let mut corners: Option<[Point<Map, S>; 2]> = None;
@@ -37,7 +55,7 @@ impl<S: Float> GridSpec<S> {
             ]);
         }
         let [low, high] = corners.unwrap_or_default();
-        let margin = S::from_f64(MAX_DISTANCE);
+        let margin = S::from_f64(WALL_UNIT * f64::from(FAR));
         let count = |from: S, to: S| {
             ((to - from + margin + margin).to_f64() / resolution.to_f64()).min(MAX_CELLS_PER_AXIS) as i32 + 1
         };
@@ -47,7 +65,13 @@ impl<S: Float> GridSpec<S> {
             resolution,
             columns: any * count(low.x, high.x),
             rows: any * count(low.y, high.y),
+            unit: WALL_UNIT,
         }
+    }
+
+    /// Maximum distance that a cell stores \[m].
+    fn max_distance(&self) -> f64 {
+        self.unit * f64::from(FAR)
     }
 
     /// Number of cells.
@@ -71,17 +95,48 @@ impl<S: Float> GridSpec<S> {
             let [a, b] = wall
                 .ends()
                 .map(|end| (self.to_cells(end.x - self.origin.x), self.to_cells(end.y - self.origin.y)));
-            let margin_cells = self.to_cells(S::from_f64(MAX_DISTANCE)) + 1;
+            let margin_cells = self.to_cells(S::from_f64(self.max_distance())) + 1;
             let columns =
                 (a.0.min(b.0) - margin_cells).max(0)..=(a.0.max(b.0) + margin_cells).min(self.columns - 1);
             for row in (a.1.min(b.1) - margin_cells).max(0)..=(a.1.max(b.1) + margin_cells).min(self.rows - 1)
             {
                 for column in columns.clone() {
                     let (column, row) = (column as usize, row as usize);
-                    let distance = wall.distance(self.center(column, row)).to_f64() / UNIT;
+                    let distance = wall.distance(self.center(column, row)).to_f64() / self.unit;
                     if let Some(cell) = cells.get_mut(row * self.columns as usize + column) {
                         *cell = (*cell & FAR).min(distance.min(f64::from(FAR)) as u8) | (*cell & OCCUPIED);
                     }
+                }
+            }
+        }
+    }
+
+    /// Rasterizes an occupancy grid into `cells`: distances between centers of cells, rounded to the unit.
+    ///
+    /// Cells inside solid areas count as distant from each other, because beams end on surfaces only. The robot can
+    /// occupy free cells only.
+    pub fn rasterize_occupancy(&self, cells: &mut [u8], state: impl Fn(Cell) -> CellState) {
+        let in_grid =
+            |(column, row): Cell| (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
+        let is_occupied = |cell: Cell| in_grid(cell) && state(cell) == CellState::Occupied;
+        let index = |(column, row): Cell| row as usize * self.columns as usize + column as usize;
+        let all = || (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| (column, row)));
+        for (at, cell) in all().zip(cells.iter_mut()) {
+            *cell = if state(at) == CellState::Free { FAR } else { FAR | OCCUPIED };
+        }
+        let reach = self.to_cells(S::from_f64(self.max_distance())) + 1;
+        for (x, y) in all().filter(|cell| is_occupied(*cell)) {
+            let is_inner = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)].into_iter().all(is_occupied);
+            let reach = if is_inner { 0 } else { reach };
+            for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
+                let at = (x + dx, y + dy);
+                if !in_grid(at) {
+                    continue;
+                }
+                if let Some(cell) = cells.get_mut(index(at)) {
+                    let squared = S::from_f64(f64::from(dx * dx + dy * dy));
+                    let units = (squared.sqrt() * self.resolution).to_f64() / self.unit + 0.5;
+                    *cell = (*cell & FAR).min(units.min(f64::from(FAR)) as u8) | (*cell & OCCUPIED);
                 }
             }
         }
@@ -112,7 +167,7 @@ pub struct DistanceField<'a, S> {
 }
 
 /// Column and row, or offsets between cells.
-pub(crate) type Cell = (i32, i32);
+pub type Cell = (i32, i32);
 
 impl<'a, S: Float> DistanceField<'a, S> {
     /// Field over `cells`; `None` where their number differs from that of `grid`.
@@ -121,25 +176,29 @@ impl<'a, S: Float> DistanceField<'a, S> {
     }
 
     /// Maximum distance that a cell stores \[m].
-    pub(crate) fn max_distance() -> S {
-        S::from_f64(MAX_DISTANCE)
+    pub(crate) fn max_distance(&self) -> S {
+        S::from_f64(self.grid.max_distance())
     }
 
     /// Length in the unit of [`DistanceField::distance`].
-    pub(crate) fn units(length: S) -> u32 {
-        (length.to_f64() / UNIT) as u32
+    pub fn units(&self, length: S) -> u32 {
+        (length.to_f64() / self.grid.unit) as u32
     }
 
-    /// Distance from a cell to the nearest wall, in units.
+    /// Unit of [`DistanceField::distance`] \[m].
+    pub fn unit(&self) -> S {
+        S::from_f64(self.grid.unit)
+    }
+
+    /// Distance from a cell to the nearest wall, 0 to 127 units; 127 stands for any larger distance.
     #[inline(always)]
-    pub(crate) fn distance(&self, cell: Cell) -> u32 {
+    pub fn distance(&self, cell: Cell) -> u32 {
         u32::from(self.at(cell) & FAR)
     }
 
     /// Whether the robot can occupy a cell with its center `clearance` \[m] from every wall.
-    pub(crate) fn is_free(&self, cell: Cell, clearance: S) -> bool {
-        self.at(cell) & OCCUPIED == 0
-            && self.distance(cell) >= Self::units(clearance.min(Self::max_distance()))
+    pub fn is_free(&self, cell: Cell, clearance: S) -> bool {
+        self.at(cell) & OCCUPIED == 0 && self.distance(cell) >= self.units(clearance.min(self.max_distance()))
     }
 
     /// Stored cell value; outside the grid, far from walls and occupied.

@@ -157,9 +157,9 @@ impl<S: Float> ScanTemplate<S> {
         let mut rays = [Ray::default(); MAX_RAYS];
         for (ray, (x, y)) in rays.iter_mut().zip(&self.rays[..self.len]) {
             let range = (x.squared() + y.squared()).sqrt();
-            let slack = (place + turn * range).min(DistanceField::<S>::max_distance());
+            let slack = (place + turn * range).min(field.max_distance());
             let end = field.cells_of(cos * *x - sin * *y, sin * *x + cos * *y);
-            *ray = Ray { end, decay: MAX_SCORE / DistanceField::<S>::units(slack).max(1) };
+            *ray = Ray { end, decay: MAX_SCORE / field.units(slack).max(1) };
         }
         rays
     }
