@@ -10,6 +10,8 @@ mod file;
 mod key;
 mod navigation;
 mod problem;
+mod reference;
+mod schema;
 mod setting;
 #[cfg(test)]
 mod tests;
@@ -24,6 +26,8 @@ pub use choice::ConfigChoice;
 pub use key::parameter;
 pub use navigation::{HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod};
 pub use problem::{ConfigError, ConfigProblem};
+pub use reference::reference_page;
+pub use schema::json_schema;
 pub use setting::{Setting, Value, ValueSource};
 
 use setting::exact;

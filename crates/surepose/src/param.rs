@@ -183,7 +183,16 @@ pub fn is_section(section: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{ALL, Kind, Unit, find, find_by_name};
+    use super::{ALL, Kind, SECTIONS, Unit, find, find_by_name};
+
+    #[test]
+    fn sections_are_contiguous_and_described() {
+        let mut sections = SECTIONS.iter();
+        for group in ALL.chunk_by(|a, b| a.section == b.section) {
+            assert_eq!(sections.next().map(|(name, _)| *name), group.first().map(|p| p.section));
+        }
+        assert_eq!(sections.next(), None);
+    }
 
     #[test]
     fn every_parameter_is_well_formed() {

@@ -51,6 +51,21 @@ const TIMEOUT_REASON: &str = "a time-out is positive";
 const PLACE: &str = "a coordinate beyond 10 km indicates a wrong unit";
 const TURN: &str = "an angle beyond one turn indicates a wrong unit";
 
+/// The sections of the configuration file with their contents, in the order of [`ALL`].
+pub const SECTIONS: &[(&str, &str)] = &[
+    ("robot", "Drive, limits and outline of the robot."),
+    ("law", "Control law and its gains."),
+    ("goal", "When the goal counts as reached."),
+    ("filter", "Kalman filter."),
+    ("compass", "Compass."),
+    ("laser", "Laser range finder."),
+    ("camera", "Camera that observes landmarks, of the recordings in the format `mrclam`."),
+    ("commands", "Response of a base to velocity commands, for recordings without wheel ticks."),
+    ("safety", "Supervisor, collision check and search of a lost robot."),
+    ("loop", "Control loop."),
+    ("scenario", "Simulated run: environment, start and goal."),
+];
+
 parameters! {
     /// Radius of the drive wheels; the mean of both if they differ.
     WHEEL_RADIUS = "robot" "wheel_radius_m", Meter,
