@@ -7,8 +7,8 @@
 
 use std::process::ExitCode;
 
-use surepose::control::Limits;
-use surepose::param::{START_HEADING, START_X, START_Y};
+use surepose::control::{Direction, Limits};
+use surepose::param::{Choice, START_HEADING, START_X, START_Y};
 use surepose_config::Config;
 use surepose_sim::robot::Scenario;
 use surepose_sim::simulation::{Sample, SimulationOutcome, SimulationSummary, simulate};
@@ -28,21 +28,21 @@ fn main() -> ExitCode {
     );
     let default: Vec<Run> = (1..=count).map(|seed| Run::of(&Scenario::default(), seed)).collect();
     let mut all_right = report("default", &default);
-    for direction in ["auto", "forward", "reverse"] {
+    for &direction in Direction::ALL {
         let mut starts = Seed(0).stream("starts");
         let runs: Vec<Run> = (1..=2 * count)
-            .filter_map(|seed| {
+            .map(|seed| {
                 let start = [
                     (&START_X, starts.uniform(-1.5, 4.0)),
                     (&START_Y, starts.uniform(-1.5, 4.0)),
                     (&START_HEADING, starts.uniform(-180.0, 180.0)),
                 ];
                 let config = Config::default().with_preset("random start", &start);
-                let config = config.with_option(&format!("law.direction={direction}")).ok()?;
-                Some(Run::of(&Scenario::in_arena(Arena::open(), config), seed))
+                let config = config.with_preset_choice("direction", direction);
+                Run::of(&Scenario::in_arena(Arena::open(), config), seed)
             })
             .collect();
-        all_right &= report(direction, &runs);
+        all_right &= report(direction.name(), &runs);
     }
     ExitCode::from(u8::from(!all_right))
 }

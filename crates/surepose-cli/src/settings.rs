@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use surepose::geometry::{Angle, Body, Map, Pose};
-use surepose::param;
+use surepose::param::{self, Choice, LawName};
 use surepose_config::{Config, Setting, Value, ValueSource};
 use surepose_ros2::Names;
 
@@ -59,7 +59,7 @@ impl LawArgs {
     pub(crate) fn over(&self, base: Config) -> Result<Config, CliError> {
         let config = self.config.over(base)?;
         let Some(name) = &self.law else { return Ok(config) };
-        let set = config.choice(&param::LAW_NAME);
+        let set = config.choice::<LawName>().name();
         if config.origin(&param::LAW_NAME) == ValueSource::CommandLine && set != name {
             let what = format!("--law: conflicting control laws (got --law {name} and --set law.name={set})");
             return Err(CliError::Usage { what, help: "leave out one of the two options".to_owned() });

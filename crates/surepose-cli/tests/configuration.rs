@@ -86,6 +86,24 @@ fn explain_prints_unit_range_and_reason() {
 }
 
 #[test]
+fn schema_is_a_json_document() {
+    let json = surepose(&["config", "schema"]).json();
+    assert_eq!(json["$schema"], "https://json-schema.org/draft/2020-12/schema");
+    assert_eq!(json["properties"]["robot"]["properties"]["wheel_speed_limit_m_s"]["exclusiveMinimum"], 0.0);
+    assert_eq!(json["properties"]["law"]["properties"]["direction"]["enum"][1], "forward");
+}
+
+#[test]
+fn committed_reference_page_is_current() {
+    let page = surepose(&["config", "reference"]).stdout;
+    let committed = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/parameters.md"));
+    assert!(
+        committed.is_ok_and(|committed| committed == page),
+        "docs/parameters.md is not current; run `cargo run --release -- config reference > docs/parameters.md`"
+    );
+}
+
+#[test]
 fn problems_point_into_the_file() {
     let text =
         "[robot]\nwheel_radius_mm = 50\ntrack_m = -0.6\n\n[compass]\nstd_deg = -0.1\n\n[law]\nk_alfa = 3\n";

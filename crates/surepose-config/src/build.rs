@@ -8,8 +8,8 @@ use surepose::control::{
 };
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
 use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
-use surepose::kinematics::{DiffDrive, Integration, WheelPair};
-use surepose::param;
+use surepose::kinematics::{DiffDrive, WheelPair};
+use surepose::param::{self, BrakingMode, LawName, Parameter};
 use surepose::time::Stamp;
 
 use super::{Config, ValueSource};
@@ -73,19 +73,28 @@ impl Config {
     /// Fits gains that are not set to law, period and wheels, and the capture radius to the law.
     #[must_use]
     pub fn fitted(&self) -> Self {
-        let (name, gains, radius) = match self.choice(&param::LAW_NAME) {
-            "paper" => (PAPER, Gains::tran2012(), Some(PAPER_CAPTURE_RADIUS)),
-            _ => (FITTED, Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
+        let name = match self.choice() {
+            LawName::Paper => PAPER,
+            LawName::Surepose => FITTED,
         };
-        let values = [
+        let is_free = |(parameter, _): &(&Parameter, f64)| self.origin(parameter) == ValueSource::Default;
+        let free: Vec<_> = self.derived_values().into_iter().filter(is_free).collect();
+        self.clone().with_preset(name, &free)
+    }
+
+    /// Returns the values of parameters that follow from the law, the period and the wheels.
+    pub(super) fn derived_values(&self) -> Vec<(&'static Parameter, f64)> {
+        let (gains, radius) = match self.choice() {
+            LawName::Paper => (Gains::tran2012(), Some(PAPER_CAPTURE_RADIUS)),
+            LawName::Surepose => (Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
+        };
+        let gains = [
             (&param::K_V, gains.k_v),
             (&param::K_ALPHA, gains.k_alpha),
             (&param::H, gains.h),
             (&param::K_THETA, gains.k_theta),
         ];
-        let values = values.into_iter().chain(radius.map(|radius| (&param::CAPTURE_RADIUS, radius)));
-        let free = values.filter(|(gain, _)| self.origin(gain) == ValueSource::Default);
-        self.clone().with_preset(name, &free.collect::<Vec<_>>())
+        gains.into_iter().chain(radius.map(|radius| (&param::CAPTURE_RADIUS, radius))).collect()
     }
 
     /// Returns the gains of the control law.
@@ -101,20 +110,16 @@ impl Config {
 
     /// Drive direction.
     pub fn direction(&self) -> Direction {
-        match self.choice(&param::DIRECTION) {
-            "forward" => Direction::Forward,
-            "reverse" => Direction::Reverse,
-            _ => Direction::Auto,
-        }
+        self.choice()
     }
 
     /// Returns the control law.
     pub fn law(&self) -> Law<f64> {
         let (gains, capture_radius) = (self.gains(), self.fitted().number(&param::CAPTURE_RADIUS));
         let (noise, period) = (self.number(&param::POSITION_NOISE), self.number(&param::PERIOD));
-        match self.choice(&param::LAW_NAME) {
-            "paper" => Law::Tran2012(Tran2012Law { gains, capture_radius, capture_heading: PI }),
-            _ => Law::Hybrid(HybridLaw {
+        match self.choice() {
+            LawName::Paper => Law::Tran2012(Tran2012Law { gains, capture_radius, capture_heading: PI }),
+            LawName::Surepose => Law::Hybrid(HybridLaw {
                 gains,
                 capture_radius,
                 direction: self.direction(),
@@ -127,10 +132,10 @@ impl Config {
     /// Braking profile that reduces the gains to the wheel limits; `None` uses the gains as they are.
     pub fn braking(&self) -> Option<BrakingProfile<f64>> {
         let is_set = |gain| matches!(self.origin(gain), ValueSource::File { .. } | ValueSource::CommandLine);
-        let evenly = match self.choice(&param::BRAKING) {
-            "even" => true,
-            "gains" => false,
-            _ => self.choice(&param::LAW_NAME) != "paper" && !is_set(&param::K_V) && !is_set(&param::K_ALPHA),
+        let evenly = match (self.choice(), self.choice()) {
+            (BrakingMode::Even, _) => true,
+            (BrakingMode::Gains, _) | (BrakingMode::Auto, LawName::Paper) => false,
+            (BrakingMode::Auto, LawName::Surepose) => !is_set(&param::K_V) && !is_set(&param::K_ALPHA),
         };
         if evenly {
             BrakingProfile::from_limits_if_needed(&self.drive(), &self.limits(), &self.gains())
@@ -181,14 +186,7 @@ impl Config {
 
     /// Constants of the filter.
     pub fn ekf(&self) -> Ekf<f64> {
-        Ekf {
-            drive: self.drive(),
-            delta: self.number(&param::DELTA),
-            integration: match self.choice(&param::INTEGRATION) {
-                "midpoint" => Integration::Midpoint,
-                _ => Integration::Arc,
-            },
-        }
+        Ekf { drive: self.drive(), delta: self.number(&param::DELTA), integration: self.choice() }
     }
 
     /// Returns the χ² gate.

@@ -6,10 +6,13 @@
 
 mod abort;
 mod build;
+mod choice;
 mod file;
 mod key;
 mod navigation;
 mod problem;
+mod reference;
+mod schema;
 mod setting;
 #[cfg(test)]
 mod tests;
@@ -21,11 +24,14 @@ use surepose::param::{self, Kind, Parameter};
 
 pub use abort::describe_abort;
 pub use build::{CompassParameters, LaserParameters};
+pub use choice::ConfigChoice;
 pub use key::parameter;
 pub use navigation::{
     HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod, beam_model,
 };
 pub use problem::{ConfigError, ConfigProblem};
+pub use reference::reference_page;
+pub use schema::json_schema;
 pub use setting::{Setting, Value, ValueSource};
 
 use setting::exact;
@@ -42,7 +48,11 @@ impl Default for Config {
     fn default() -> Self {
         let setting =
             |parameter| Setting { parameter, value: default(parameter), origin: ValueSource::Default };
-        Self { settings: param::ALL.iter().map(setting).collect() }
+        let mut config = Self { settings: param::ALL.iter().map(setting).collect() };
+        for (parameter, value) in config.derived_values() {
+            config.put_number(parameter, value, ValueSource::Default);
+        }
+        config
     }
 }
 
@@ -80,19 +90,11 @@ impl Config {
         self
     }
 
-    /// Overrides a choice with that of the preset `name`; an unknown option is ignored.
+    /// Overrides a choice with that of the preset `name`.
     #[must_use]
-    pub fn with_preset_choice(
-        mut self,
-        name: &'static str,
-        parameter: &'static Parameter,
-        choice: &str,
-    ) -> Self {
-        if let Kind::Choice { options } = parameter.kind
-            && let Some(option) = options.iter().find(|option| **option == choice)
-        {
-            self.put(Setting { parameter, value: Value::Choice(option), origin: ValueSource::Preset(name) });
-        }
+    pub fn with_preset_choice<C: ConfigChoice>(mut self, name: &'static str, choice: C) -> Self {
+        let value = Value::Choice(choice.name());
+        self.put(Setting { parameter: C::PARAMETER, value, origin: ValueSource::Preset(name) });
         self
     }
 
@@ -130,12 +132,13 @@ impl Config {
         }
     }
 
-    /// Returns the value of a choice; empty for a number.
-    pub fn choice(&self, parameter: &Parameter) -> &'static str {
-        match self.value(parameter) {
-            Value::Choice(name) => name,
-            Value::Number(_) => "",
-        }
+    /// Returns the option in effect.
+    pub fn choice<C: ConfigChoice>(&self) -> C {
+        let found = match self.value(C::PARAMETER) {
+            Value::Choice(name) => C::from_name(name),
+            Value::Number(_) => None,
+        };
+        found.unwrap_or(C::DEFAULT)
     }
 
     /// Returns the origin of a value.
@@ -177,7 +180,7 @@ impl Config {
 
 fn default(parameter: &Parameter) -> Value {
     match parameter.kind {
-        Kind::Number { default, .. } => Value::Number(default),
+        Kind::Number { default, .. } => Value::Number(default.unwrap_or(0.0)),
         Kind::Integer { default, .. } => Value::Number(default.into()),
         Kind::Choice { options } => Value::Choice(options.first().copied().unwrap_or("")),
     }

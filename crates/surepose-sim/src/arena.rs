@@ -2,6 +2,7 @@
 
 use surepose::control::{InvalidPath, Path};
 use surepose::geometry::{Angle, Map, Point, Pose};
+use surepose::param::{ArenaName, Choice};
 
 /// A flat wall segment, visible from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,24 +65,33 @@ impl Arena {
             WallSegment::between((3.6, 0.4), (3.6, 1.6)),
             WallSegment::between((0.4, 3.6), (1.4, 3.6)),
         ];
-        Self::rectangle("paper", (-2.0, -2.0), (4.5, 4.5), &plates)
+        Self::rectangle(ArenaName::Paper.name(), (-2.0, -2.0), (4.5, 4.5), &plates)
     }
 
     /// The paper's arena without plates.
     pub fn open() -> Self {
-        Self::rectangle("open", (-2.0, -2.0), (4.5, 4.5), &[])
+        Self::rectangle(ArenaName::Open.name(), (-2.0, -2.0), (4.5, 4.5), &[])
     }
 
     /// Reference environment for localization: the rectangle (0, 0)–(6, 4) with two plates.
     pub fn loop_world() -> Self {
         let plates =
             [WallSegment::between((2.5, 2.0), (3.5, 2.0)), WallSegment::between((5.2, 0.6), (5.2, 1.6))];
-        Self::rectangle("loop", (0.0, 0.0), (6.0, 4.0), &plates)
+        Self::rectangle(ArenaName::Loop.name(), (0.0, 0.0), (6.0, 4.0), &plates)
     }
 
     /// Looks up an arena by name. `None`: unknown name.
     pub fn named(name: &str) -> Option<Self> {
-        [Self::paper(), Self::open(), Self::loop_world()].into_iter().find(|arena| arena.name == name)
+        ArenaName::from_name(name).map(Self::from_name)
+    }
+
+    /// Creates the arena of the configuration's choice.
+    pub fn from_name(name: ArenaName) -> Self {
+        match name {
+            ArenaName::Paper => Self::paper(),
+            ArenaName::Open => Self::open(),
+            ArenaName::Loop => Self::loop_world(),
+        }
     }
 
     /// Creates a rectangle of walls between two opposite corners, with `plates` inside.
@@ -161,7 +171,7 @@ pub fn loop_course() -> Result<Path<f64, 8>, InvalidPath> {
 mod tests {
     use surepose::geometry::Point;
 
-    use super::{Arena, WallSegment, loop_course};
+    use super::{Arena, ArenaName, Choice, WallSegment, loop_course};
 
     #[test]
     fn clearance_is_the_signed_distance_to_the_nearest_wall() {
@@ -202,8 +212,8 @@ mod tests {
 
     #[test]
     fn arenas_are_found_by_name() {
-        for name in ["paper", "open", "loop"] {
-            assert_eq!(Arena::named(name).map(|arena| arena.name()), Some(name));
+        for name in ArenaName::NAMES {
+            assert_eq!(Arena::named(name).map(|arena| arena.name()), Some(*name));
         }
         assert_eq!(Arena::named("lop"), None);
     }

@@ -1,6 +1,7 @@
 //! Differential drive: wheels ↔ twist ↔ motion of the pose, [Tran2012] Eq. (1), (7)–(9).
 
 use crate::geometry::{Frame, Pose};
+use crate::param::impl_choice;
 use crate::scalar::Scalar;
 
 /// No wheel turns as fast as this \[rad/s]: a rate beyond it is of a broken encoder, or of constants that no robot has.
@@ -194,6 +195,8 @@ pub enum Integration {
     /// Along the chord's direction by the arc's length: [Tran2012] Eq. (9) as printed.
     Midpoint,
 }
+
+impl_choice!(Integration { Arc = "arc", Midpoint = "midpoint" });
 
 impl<S: Scalar> Motion<S> {
     /// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::integrate`].

@@ -3,8 +3,11 @@
 //! The configuration file, its error messages, `surepose config` and the ROS parameters are generated from [`ALL`].
 //! Values in this module are in the unit of their key: degrees where the key ends in `_deg`, SI units elsewhere.
 
+mod choice;
 mod table;
 
+pub(crate) use choice::impl_choice;
+pub use choice::{ArenaName, BrakingMode, Choice, LawName};
 pub use table::*;
 
 /// A constant that the user may set.
@@ -27,8 +30,9 @@ pub struct Parameter {
 pub enum Kind {
     /// A finite number.
     Number {
-        /// The value unless the configuration sets another.
-        default: f64,
+        /// The value unless the configuration sets another. `None`: the value is derived from other parameters, as the
+        /// meaning states.
+        default: Option<f64>,
         /// The bounds.
         range: Range,
     },
@@ -41,7 +45,7 @@ pub enum Kind {
     },
     /// One of several names; the first is the default.
     Choice {
-        /// The names.
+        /// The names, those of a [`Choice`].
         options: &'static [&'static str],
     },
 }
@@ -144,6 +148,17 @@ impl Unit {
     }
 }
 
+impl Parameter {
+    /// Returns the default in SI units and radians; 0 for a choice and for a derived value.
+    pub const fn default_si(&self) -> f64 {
+        match self.kind {
+            Kind::Number { default: Some(default), .. } => default * self.unit.to_si(),
+            Kind::Integer { default, .. } => default as f64,
+            Kind::Number { default: None, .. } | Kind::Choice { .. } => 0.0,
+        }
+    }
+}
+
 /// Finds the parameter `key` of `section`; `None` if it does not exist.
 pub fn find(section: &str, key: &str) -> Option<&'static Parameter> {
     ALL.iter().find(|p| p.section == section && p.key == key)
@@ -168,7 +183,16 @@ pub fn is_section(section: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{ALL, Kind, Unit, find, find_by_name};
+    use super::{ALL, Kind, SECTIONS, Unit, find, find_by_name};
+
+    #[test]
+    fn sections_are_contiguous_and_described() {
+        let mut sections = SECTIONS.iter();
+        for group in ALL.chunk_by(|a, b| a.section == b.section) {
+            assert_eq!(sections.next().map(|(name, _)| *name), group.first().map(|p| p.section));
+        }
+        assert_eq!(sections.next(), None);
+    }
 
     #[test]
     fn every_parameter_is_well_formed() {
@@ -178,7 +202,7 @@ mod tests {
             assert!(ALL.iter().skip(i + 1).all(|q| (q.section, q.key) != (p.section, p.key)));
             match p.kind {
                 Kind::Number { default, range } => {
-                    assert!(range.contains(default), "{}.{}", p.section, p.key);
+                    assert!(default.is_none_or(|default| range.contains(default)), "{}.{}", p.section, p.key);
                 }
                 Kind::Integer { default, range } => assert!(range.contains(default.into()), "{}", p.key),
                 Kind::Choice { options } => assert!(!options.is_empty() && p.unit == Unit::One),

@@ -1,11 +1,13 @@
-//! `surepose config`: checks, shows and explains the configuration.
+//! `surepose config`: checks, shows and explains the configuration, and documents its parameters.
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{Kind, Parameter, Range};
-use surepose_config::{Config, ConfigError, ConfigProblem, Setting, Value, parameter};
+use surepose_config::{
+    Config, ConfigError, ConfigProblem, Setting, Value, json_schema, parameter, reference_page,
+};
 use surepose_sim::robot::Scenario;
 
 use crate::certification;
@@ -46,6 +48,18 @@ Exit codes: 0 done; 2 unknown or ambiguous name.")]
         /// The parameter: KEY or SECTION.KEY
         name: String,
     },
+    /// Print the JSON Schema of the configuration file (draft 2020-12)
+    #[command(after_help = "Example: surepose config schema > surepose.schema.json
+
+A TOML file whose first line is `#:schema ./surepose.schema.json` is completed and checked by editors with Taplo or Tombi.
+
+Exit codes: 0 done.")]
+    Schema,
+    /// Print the reference page of all parameters, in Markdown
+    #[command(after_help = "Example: surepose config reference > docs/parameters.md
+
+Exit codes: 0 done.")]
+    Reference,
 }
 
 #[derive(Debug, Args)]
@@ -84,6 +98,14 @@ impl ConfigCommand {
                 Ok(Exit::Done)
             }
             What::Explain { name } => explain(output, &name),
+            What::Schema => {
+                text(&format!("{:#}\n", json_schema()))?;
+                Ok(Exit::Done)
+            }
+            What::Reference => {
+                text(&reference_page())?;
+                Ok(Exit::Done)
+            }
         }
     }
 }
@@ -171,11 +193,13 @@ fn explain(output: Output, wanted: &str) -> Result<Exit, CliError> {
         });
         text(&format!("{all}\n"))?;
     } else {
-        let default = default.as_str().map_or_else(|| default.to_string(), str::to_owned);
-        let unit = Some(p.unit.symbol()).filter(|unit| !unit.is_empty());
-        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let default = match &default {
+            Json::String(option) => option.clone(),
+            Json::Null => "derived".to_owned(),
+            number => format!("{number} {}", p.unit.symbol()).trim_end().to_owned(),
+        };
         text(&format!(
-            "{}\n  {meaning}\n  default: {default}{unit}\n  allowed: {bounds}\n  reason: {reason}\n",
+            "{}\n  {meaning}\n  default: {default}\n  allowed: {bounds}\n  reason: {reason}\n",
             name(p)
         ))?;
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use surepose::param;
+use surepose::param::{self, ArenaName, Choice};
 use surepose_config::{Config, describe_abort};
 use surepose_figures::{self as picture, Picture};
 use surepose_sim::WallSegment;
@@ -134,7 +134,7 @@ impl RunCommand {
             Some(other) => {
                 let what =
                     format!("--scenario: neither a scenario nor a file (got '{}')", other.escape_debug());
-                let help = "use paper, open, loop, or the path of a TOML file".to_owned();
+                let help = format!("use {}, or the path of a TOML file", ArenaName::NAMES.join(", "));
                 return Err(CliError::Usage { what, help });
             }
             None => {}

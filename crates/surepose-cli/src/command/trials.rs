@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value as Json, json};
-use surepose::param;
+use surepose::param::{self, Choice, LawName};
 use surepose_config::{Config, Setting, ValueSource};
 use surepose_montecarlo::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise};
 
@@ -87,7 +87,7 @@ impl Trials<'_> {
             ("loop", json!(name(&self.arguments.loop_))),
             ("noise", json!(name(&self.noise))),
             ("period_s", json!(self.config.number(&param::PERIOD))),
-            ("law", json!(self.config.choice(&param::LAW_NAME))),
+            ("law", json!(self.config.choice::<LawName>().name())),
         ]
     }
 

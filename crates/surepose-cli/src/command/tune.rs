@@ -9,7 +9,7 @@ use certificates::Certificates;
 use clap::Args;
 use serde_json::{Map, Value as Json, json};
 use surepose::control::{Gains, Law};
-use surepose::param::{self, Kind, Parameter};
+use surepose::param::{self, BrakingMode, Kind, Parameter};
 use surepose_cert::NoiseBounds;
 use surepose_config::{Config, ValueSource};
 use surepose_montecarlo::sweep::{Precision, Quantiles, Starts, SweepReport};
@@ -161,7 +161,7 @@ fn values(candidate: &GainCandidate) -> [(&'static Parameter, f64); 5] {
 fn write(path: &Path, config: &Config, noise: NoiseBounds) -> Result<(), CliError> {
     // Explicit gains disable braking within the wheel acceleration limit; the tuned ones need it on every robot.
     let config = match config.origin(&param::BRAKING) {
-        ValueSource::Default => &config.clone().with_preset_choice(TUNED, &param::BRAKING, "even"),
+        ValueSource::Default => &config.clone().with_preset_choice(TUNED, BrakingMode::Even),
         _ => config,
     };
     let toml = toml_of_those(config, |setting| match setting.origin {

@@ -2,7 +2,7 @@
 
 use surepose::geometry::{Body, Goal, Map, Point, Pose};
 use surepose::kinematics::WheelPair;
-use surepose::param;
+use surepose::param::{self, ArenaName};
 use surepose_config::{Config, NavigatorSetup, ScanMethod, ValueSource};
 
 use crate::{
@@ -111,9 +111,10 @@ impl Scenario {
 
     /// Scenario of `config`. In the loop world the default start is on the course.
     pub fn configured(config: Config) -> Self {
-        let arena = Arena::named(config.choice(&param::ARENA)).unwrap_or_else(Arena::paper);
+        let name: ArenaName = config.choice();
+        let arena = Arena::from_name(name);
         let mut values = Vec::new();
-        if arena.name() == Arena::loop_world().name() {
+        if name == ArenaName::Loop {
             let [x, y, heading] = LOOP_START;
             let start = [(&param::START_X, x), (&param::START_Y, y), (&param::START_HEADING, heading)];
             // A partly configured start counts as configured.

@@ -1,6 +1,7 @@
 //! Hybrid law: the global law far away, the local law at the goal, with hysteresis and a smooth transition.
 
 use crate::kinematics::{DiffDrive, Twist};
+use crate::param;
 use crate::scalar::Scalar;
 
 use super::braking::BrakingProfile;
@@ -14,8 +15,8 @@ use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
 use super::output::{ActiveMode, ControlOutput};
 use super::tuning::{
-    APPROACH_RADIUS, ARRIVED_RADIUS, CAPTURE_RADIUS, ENTER_RADIUS, FULL_GAIN_ALPHA, FULL_GAIN_THETA,
-    MAX_LEAVE_RADIUS, MIN_LEAVE_RADIUS, MIN_TURN_FACTOR, TRIM_THRESHOLD, TRIM_TICKS_TO_LEAVE,
+    APPROACH_RADIUS, ARRIVED_RADIUS, ENTER_RADIUS, FULL_GAIN_ALPHA, FULL_GAIN_THETA, MAX_LEAVE_RADIUS,
+    MIN_LEAVE_RADIUS, MIN_TURN_FACTOR, TRIM_THRESHOLD, TRIM_TICKS_TO_LEAVE,
 };
 
 /// Hybrid law of [Tran2012] Sec. 4, for wheels with limits, a sampled loop and a noisy estimate.
@@ -82,7 +83,7 @@ impl<S: Scalar> HybridLaw<S> {
     pub fn fitted(drive: &DiffDrive<S>, limits: &Limits<S>, period: S, direction: Direction) -> Self {
         Self {
             gains: Gains::for_loop(period, limits),
-            capture_radius: S::from_f64(CAPTURE_RADIUS),
+            capture_radius: S::from_f64(param::CAPTURE_RADIUS.default_si()),
             direction,
             actuator_limits: ActuatorLimits::from_limits(drive, limits, period),
             deadband: None,

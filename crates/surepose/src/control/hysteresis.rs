@@ -2,6 +2,7 @@
 
 use core::f64::consts::{PI, TAU};
 
+use crate::param::impl_choice;
 use crate::scalar::{Mask, Scalar};
 
 use super::navigation_variables::NavigationVariables;
@@ -17,6 +18,8 @@ pub enum Direction {
     #[default]
     Auto,
 }
+
+impl_choice!(Direction { Auto = "auto", Forward = "forward", Reverse = "reverse" });
 
 /// State of the hybrid law between ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]

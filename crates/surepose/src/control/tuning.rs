@@ -20,8 +20,6 @@ pub(super) const SETTLING_DISTANCE: f64 = 0.09;
 pub(super) const APPROACH_WEIGHT: f64 = 0.3;
 /// Fraction of the wheel acceleration \[1] used for braking: the rest corrects the path.
 pub(super) const ACCELERATION_FRACTION: f64 = 0.7;
-/// Default capture radius ε_P \[m]: beyond it, laser localization noise changes α only slightly.
-pub(super) const CAPTURE_RADIUS: f64 = 0.033;
 /// Radius \[ε] below which the local law takes over: well below the exit radii, so that noise does not switch back.
 pub(super) const ENTER_RADIUS: f64 = 0.23;
 /// Radius \[ε] above which the local law ends at once: noise at the entry cannot cause an immediate switch back.

@@ -1,6 +1,7 @@
 //! Constants of the navigator.
 
 use crate::control::{ActuatorModel, Controller};
+use crate::param;
 use crate::safety::{CollisionConfig, Footprint, ObstacleConfig};
 use crate::scalar::Float;
 
@@ -29,17 +30,17 @@ pub struct NavigatorConfig<S> {
 }
 
 impl<S: Float> NavigatorConfig<S> {
-    /// Default thresholds for a robot with this controller and outline.
+    /// Thresholds of the parameter table for a robot with this controller and outline.
     pub fn new(controller: Controller<S>, footprint: Footprint<S>) -> Self {
         Self {
             controller,
             actuator: ActuatorModel::ideal(),
             collision: CollisionConfig::new(footprint),
             obstacles: ObstacleConfig::default(),
-            search_turn_rate: S::from_f64(0.8),
-            goal_timeout: 10.0,
-            stall_timeout: S::from_f64(5.0),
-            progress_timeout: S::from_f64(20.0),
+            search_turn_rate: S::from_f64(param::SEARCH_TURN_RATE.default_si()),
+            goal_timeout: param::GOAL_TIMEOUT.default_si(),
+            stall_timeout: S::from_f64(param::STALL_TIMEOUT.default_si()),
+            progress_timeout: S::from_f64(param::PROGRESS_TIMEOUT.default_si()),
             hold_goal: false,
         }
     }

@@ -1,21 +1,29 @@
 //! Lists the parameters. The doc comment of an entry is its meaning in help texts, error messages and ROS.
 
-use super::{Kind, Parameter, Range, Unit};
+use crate::control::Direction;
+use crate::kinematics::Integration;
+
+use super::{ArenaName, BrakingMode, Choice, Kind, LawName, Parameter, Range, Unit};
 
 const fn in_range(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
-    Kind::Number { default, range: Range { low, low_inclusive: true, high, reason } }
+    Kind::Number { default: Some(default), range: Range { low, low_inclusive: true, high, reason } }
 }
 
 const fn positive(high: f64, default: f64, reason: &'static str) -> Kind {
-    Kind::Number { default, range: Range { low: 0.0, low_inclusive: false, high, reason } }
+    Kind::Number { default: Some(default), range: Range { low: 0.0, low_inclusive: false, high, reason } }
+}
+
+/// A positive number whose default is derived from other parameters.
+const fn derived(high: f64, reason: &'static str) -> Kind {
+    Kind::Number { default: None, range: Range { low: 0.0, low_inclusive: false, high, reason } }
 }
 
 const fn integer(low: f64, high: f64, default: u32, reason: &'static str) -> Kind {
     Kind::Integer { default, range: Range { low, low_inclusive: true, high, reason } }
 }
 
-const fn one_of(options: &'static [&'static str]) -> Kind {
-    Kind::Choice { options }
+const fn one_of<C: Choice>() -> Kind {
+    Kind::Choice { options: C::NAMES }
 }
 
 macro_rules! parameters {
@@ -42,6 +50,21 @@ const GAIN: &str = "the Lyapunov derivative is negative only for positive gains"
 const TIMEOUT_REASON: &str = "a time-out is positive";
 const PLACE: &str = "a coordinate beyond 10 km indicates a wrong unit";
 const TURN: &str = "an angle beyond one turn indicates a wrong unit";
+
+/// The sections of the configuration file with their contents, in the order of [`ALL`].
+pub const SECTIONS: &[(&str, &str)] = &[
+    ("robot", "Drive, limits and outline of the robot."),
+    ("law", "Control law and its gains."),
+    ("goal", "When the goal counts as reached."),
+    ("filter", "Kalman filter."),
+    ("compass", "Compass."),
+    ("laser", "Laser range finder."),
+    ("camera", "Camera that observes landmarks, of the recordings in the format `mrclam`."),
+    ("commands", "Response of a base to velocity commands, for recordings without wheel ticks."),
+    ("safety", "Supervisor, collision check and search of a lost robot."),
+    ("loop", "Control loop."),
+    ("scenario", "Simulated run: environment, start and goal."),
+];
 
 parameters! {
     /// Radius of the drive wheels; the mean of both if they differ.
@@ -85,18 +108,19 @@ parameters! {
         in_range(0.0, 5.0, 0.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
 
     /// Control law: `surepose`, or `paper` for the law of Tran et al. (2012) without the additions of Surepose.
-    LAW_NAME = "law" "name", One, one_of(&["surepose", "paper"]);
+    LAW_NAME = "law" "name", One, one_of::<LawName>();
     /// Gain of the distance to the goal. If unset, it is fitted to the law, the period and the wheel acceleration.
-    K_V = "law" "k_v", PerSecond, positive(1000.0, 2.0, GAIN);
+    K_V = "law" "k_v", PerSecond, derived(1000.0, GAIN);
     /// Gain of the bearing to the goal; k_alpha times the period must stay well below 1. If unset, it is fitted like k_v.
-    K_ALPHA = "law" "k_alpha", PerSecond, positive(1000.0, 2.4, GAIN);
-    /// Weight of the direction of approach, relative to the bearing, in the global Lyapunov function.
-    H = "law" "h", One, positive(100.0, 0.3, GAIN);
+    K_ALPHA = "law" "k_alpha", PerSecond, derived(1000.0, GAIN);
+    /// Weight of the direction of approach, relative to the bearing, in the global Lyapunov function. If unset, it
+    /// depends on the law.
+    H = "law" "h", One, derived(100.0, GAIN);
     /// Gain of the heading error near the goal. If unset, it is fitted like k_v.
-    K_THETA = "law" "k_theta", PerSecond, positive(1000.0, 2.788_866_755_113_585, GAIN);
+    K_THETA = "law" "k_theta", PerSecond, derived(1000.0, GAIN);
     /// Braking before the goal. `even` decelerates within the wheel acceleration limit. `gains` uses the unmodified
     /// gains, so that deceleration grows with speed. `auto` means `even`, unless k_v or k_alpha is set or the law is `paper`.
-    BRAKING = "law" "braking", One, one_of(&["auto", "even", "gains"]);
+    BRAKING = "law" "braking", One, one_of::<BrakingMode>();
     /// Distance from the goal at which steering fades out. The local law takes over at a quarter of it. The law `paper`
     /// switches abruptly at this distance, by default 0.01 m.
     CAPTURE_RADIUS = "law" "capture_radius_m", Meter,
@@ -106,7 +130,7 @@ parameters! {
     POSITION_NOISE = "law" "position_noise_m", Meter,
         in_range(0.0, 0.1, 0.0, "a standard deviation is not negative, and no robot parks with more than 0.1 m");
     /// Travel direction. `auto` selects the direction that needs less turning.
-    DIRECTION = "law" "direction", One, one_of(&["auto", "forward", "reverse"]);
+    DIRECTION = "law" "direction", One, one_of::<Direction>();
 
     /// Maximum distance from the goal at which the position counts as reached.
     POSITION_TOLERANCE = "goal" "position_tolerance_m", Meter,
@@ -130,7 +154,7 @@ parameters! {
     HISTORY = "filter" "history_s", Second,
         in_range(0.0, 10.0, 1.0, "a duration is not negative, and the filter stores at most 10 s");
     /// Integration of odometry: along the exact circular arc (`arc`), or by the midpoint rule of the paper (`midpoint`).
-    INTEGRATION = "filter" "integration", One, one_of(&["arc", "midpoint"]);
+    INTEGRATION = "filter" "integration", One, one_of::<Integration>();
 
     /// Standard deviation of the compass heading.
     COMPASS_STD = "compass" "std_deg", Degree, positive(180.0, 0.1, SIGMA);
@@ -238,7 +262,7 @@ parameters! {
         in_range(0.001, 1.0, 0.1, "wheels do not follow commands faster than 1 ms, and above 1 s the loop is too slow to control");
 
     /// Simulated environment: the arena of the paper, the same arena without its plates (`open`), or the `loop` world.
-    ARENA = "scenario" "arena", One, one_of(&["paper", "open", "loop"]);
+    ARENA = "scenario" "arena", One, one_of::<ArenaName>();
     /// Start position of the simulated robot, x.
     START_X = "scenario" "start_x_m", Meter, in_range(-10_000.0, 10_000.0, 0.0, PLACE);
     /// Start position of the simulated robot, y.

@@ -7,6 +7,7 @@ use crate::control::Limits;
 use crate::geometry::{Body, Map, Point, Pose};
 use crate::kinematics::{DiffDrive, Integration, Motion, Twist};
 use crate::map::Wall;
+use crate::param;
 use crate::scalar::Float;
 
 use super::footprint::Footprint;
@@ -96,15 +97,15 @@ pub struct Intent<'a, S> {
 }
 
 impl<S: Float> CollisionConfig<S> {
-    /// 5 cm free around the outline, distances 20 % longer than commanded, a drive that responds within 50 ms.
+    /// Defaults of the parameter table for a robot with this outline; obstacles keep the distance of walls.
     pub fn new(footprint: Footprint<S>) -> Self {
-        let clearance = S::from_f64(0.05);
+        let clearance = S::from_f64(param::WALL_CLEARANCE.default_si());
         Self {
             footprint,
             wall_clearance: clearance,
             obstacle_clearance: clearance,
-            travel_factor: S::from_f64(1.2),
-            response_time: S::from_f64(0.05),
+            travel_factor: S::from_f64(param::TRAVEL_FACTOR.default_si()),
+            response_time: S::from_f64(param::RESPONSE_TIME.default_si()),
         }
     }
 

@@ -4,6 +4,7 @@
 
 use crate::geometry::{Map, Point};
 use crate::lidar::ScanEvent;
+use crate::param;
 use crate::scalar::Float;
 use crate::time::Stamp;
 
@@ -30,7 +31,7 @@ impl<S: Float> Default for ObstacleConfig<S> {
             wall_distance: S::from_f64(0.15),
             range: S::from_f64(3.0),
             memory: 0.5,
-            scan_timeout: 1.0,
+            scan_timeout: param::SCAN_TIMEOUT.default_si(),
         }
     }
 }

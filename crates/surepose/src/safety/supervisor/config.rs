@@ -1,5 +1,6 @@
 //! What the supervisor puts up with.
 
+use crate::param;
 use crate::scalar::Float;
 
 /// The supervisor's constants.
@@ -37,17 +38,17 @@ impl<S: Float> Default for SupervisorConfig<S> {
     /// where two of ten agree by chance.
     fn default() -> Self {
         Self {
-            odometry_timeout: 0.5,
-            aiding_timeout: 5.0,
-            min_hit_ratio: S::from_f64(0.55),
-            max_behind_wall_ratio: S::from_f64(0.12),
+            odometry_timeout: param::ODOMETRY_TIMEOUT.default_si(),
+            aiding_timeout: param::AIDING_TIMEOUT.default_si(),
+            min_hit_ratio: S::from_f64(param::MIN_HIT_RATIO.default_si()),
+            max_behind_wall_ratio: S::from_f64(param::MAX_BEHIND_WALL_RATIO.default_si()),
             min_beams: 12,
             max_scan_excess: 6,
             max_outlier_excess: 15,
-            max_mean_nis: S::from_f64(3.0),
-            max_wheel_rate_error: S::from_f64(2.0),
-            slow_std: S::from_f64(0.5),
-            stop_std: S::from_f64(2.0),
+            max_mean_nis: S::from_f64(param::MAX_MEAN_NIS.default_si()),
+            max_wheel_rate_error: S::from_f64(param::MAX_WHEEL_RATE_ERROR.default_si()),
+            slow_std: S::from_f64(param::SLOW_STD.default_si()),
+            stop_std: S::from_f64(param::STOP_STD.default_si()),
         }
     }
 }
