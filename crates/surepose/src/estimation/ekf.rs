@@ -52,6 +52,16 @@ impl<S: Scalar> WheelOdometry<S> {
         Self { travel, variance: WheelPair::new(travel.right.squared(), travel.left.squared()) }
     }
 
+    /// This travel with the further relative standard deviation `relative_std` of wheels that slip; 0 adds nothing.
+    #[must_use]
+    #[inline]
+    pub fn with_slip(self, relative_std: S) -> Self {
+        let variance = |travel: S| (travel * relative_std).squared();
+        let WheelPair { right, left } = self.variance;
+        let slip = WheelPair::new(variance(self.travel.right), variance(self.travel.left));
+        Self { variance: WheelPair::new(right + slip.right, left + slip.left), ..self }
+    }
+
     /// Fraction ∈ [0, 1] of this travel, with the same fraction of its variance.
     #[must_use]
     #[inline(always)]

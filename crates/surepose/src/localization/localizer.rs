@@ -203,6 +203,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
             Odometry::WithVariance(odometry) => Some(odometry),
             Odometry::Missing => None,
         };
+        let slip = self.monitor.as_ref().map_or(S::from_f64(0.0), |monitor| monitor.slip_std(stamp));
+        let reported = reported.map(|odometry| odometry.with_slip(slip));
         let outcome = match reported.map(|odometry| self.estimator.predict_with(stamp, odometry)) {
             Some(Ok(())) => OdometryOutcome::Used,
             Some(Err(reason)) => OdometryOutcome::Rejected(reason),
