@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// Operations of the example `instructions` per package, with their budgets for f64 on x86-64-v3.
+/// Operations of the benchmark `instructions` per package, with their budgets for f64 on x86-64-v3.
 ///
 /// The budgets of `law` and `cycle` are the counts of hand-written C++ with Eigen. Those of `extract181` and
 /// `extract361` are a thirtieth of the count of a widely used ROS package. The others are the counts reached.
@@ -44,12 +44,9 @@ pub(crate) fn measure(root: &Path) -> Result<Option<Vec<Measured>>, String> {
     }
     let mut measured = Vec::new();
     for (package, budgets) in BUDGETS {
-        // Separate target directories, because the two examples have the same name.
         let target = root.join("target/x86-64-v3").join(package);
-        let build = ["build", "--release", "-p", package, "--example", "instructions", "--target-dir"];
-        let arguments: Vec<&str> = build.into_iter().chain(target.to_str()).collect();
-        crate::run::cargo(root, &arguments, &[("RUSTFLAGS", "-C target-cpu=x86-64-v3")])?;
-        let program = target.join("release/examples/instructions");
+        let flags = [("RUSTFLAGS", "-C target-cpu=x86-64-v3")];
+        let program = crate::run::build_bench(root, package, "instructions", &target, &flags)?;
         for &(work, budget) in budgets {
             // The difference of two run lengths excludes start-up; 600 scans are one lap of the loop world.
             let (short, long) = (count(&program, work, 600)?, count(&program, work, 1800)?);

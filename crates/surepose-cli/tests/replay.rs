@@ -4,7 +4,8 @@ mod common;
 
 use std::path::Path;
 
-use common::{file, folder, recordings, surepose};
+use common::{file, folder, surepose};
+use surepose_testdata::recordings;
 
 /// Writes an MRCLAM data set of one robot at rest in front of a landmark.
 fn data_set(folder: &Path) {

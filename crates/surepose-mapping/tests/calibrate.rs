@@ -6,7 +6,6 @@
 #![allow(clippy::expect_used, reason = "tests may panic")]
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use surepose::estimation::HeadingMeasurement;
 use surepose_config::Config;
@@ -17,6 +16,7 @@ use surepose_mapping::calibrate::{
     Calibration, CalibrationError, CalibrationParameter, CalibrationRecording, Options, calibrate,
 };
 use surepose_sim::CancelToken;
+use surepose_testdata::recording;
 
 fn options(simulated: &Simulated) -> Options {
     let start_heading = Some(HeadingMeasurement { heading: simulated.start_heading, std: 0.0 });
@@ -136,18 +136,7 @@ fn recordings_without_information_are_refused_by_reason() {
 }
 
 fn rover(name: &str) -> Option<Calibration> {
-    let folder = std::env::var_os("SUREPOSE_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let path = folder.join("mines_rover").join(name);
-    if !path.exists() {
-        println!(
-            "SKIPPED: {name} is not in {}; set SUREPOSE_DATA to the folder that has it",
-            folder.display()
-        );
-        return None;
-    }
+    let path = recording(&format!("mines_rover/{name}"))?;
     let log = mines_rover::read(&path).expect("a readable recording");
     let recording = CalibrationRecording {
         ticks_per_turn: ROVER.ticks_per_turn,

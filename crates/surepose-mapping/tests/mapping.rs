@@ -2,12 +2,10 @@
 
 #![allow(clippy::expect_used, reason = "tests may panic")]
 
-mod common;
-
-use common::recording;
 use surepose_io::grid::{Grid, GridOrigin};
 use surepose_io::map_server;
 use surepose_mapping::from_grid;
+use surepose_testdata::recording;
 
 /// Returns a grid of 5 cm cells that are solid where `solid` returns true for their center \[m].
 fn grid(solid: impl Fn(f64, f64) -> bool) -> Grid {

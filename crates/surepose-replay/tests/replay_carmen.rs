@@ -5,15 +5,13 @@
 
 #![allow(clippy::expect_used, reason = "tests may panic")]
 
-mod common;
-
-use common::recording;
 use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose_io::carmen as data;
 use surepose_io::recording::{Recording, StampedPose};
 use surepose_replay::carmen::{CarmenSettings, map_from_log, replay_log};
 use surepose_replay::{ReplayError, ReplayReport};
 use surepose_sim::CancelToken;
+use surepose_testdata::recording;
 
 fn log(name: &str) -> Option<Recording<StampedPose>> {
     let path = recording(&format!("carmen/{name}-corrected.log.gz"))?;

@@ -4,9 +4,6 @@
 
 #![allow(clippy::expect_used, reason = "tests may panic")]
 
-mod common;
-
-use common::recording;
 use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose_io::cmu_wean as data;
 use surepose_io::grid::Grid;
@@ -14,6 +11,7 @@ use surepose_io::recording::{Recording, StampedPose};
 use surepose_replay::cmu_wean::{self, WeanReplay};
 use surepose_replay::{BuildingMap, LaserReplaySettings, mines_rover};
 use surepose_sim::CancelToken;
+use surepose_testdata::recording;
 
 /// Index of a scan, and the pose (x, y, θ) at which it was taken.
 type Taken = (usize, f64, f64, f64);

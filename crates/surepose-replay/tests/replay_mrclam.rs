@@ -3,12 +3,11 @@
 //! The recordings are not part of this repository. The test looks for them in `$SUREPOSE_DATA`, else in
 //! `../shared/data` beside the workspace; without them it prints that it is skipped.
 
-use std::path::PathBuf;
-
 use surepose_io::mrclam::{Landmark, LandmarkObservation, RobotLog, Target};
 use surepose_io::recording::{StampedPose, StampedTwist};
 use surepose_replay::mrclam::{MrclamSettings, replay, replay_log};
 use surepose_replay::{ReplayError, ReplayReport};
+use surepose_testdata::recording;
 
 /// Log of a robot commanded to stand still at (1, 0), facing a landmark at (4, 0), for 10 s.
 fn standing(sightings: Vec<LandmarkObservation>) -> RobotLog {
@@ -62,19 +61,6 @@ fn without_a_reference_there_is_no_start() {
     assert!(matches!(replay_log(&log, &MrclamSettings::default()), Err(ReplayError::NoStart)));
 }
 
-fn data_set() -> Option<PathBuf> {
-    let folder = std::env::var_os("SUREPOSE_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let path = folder.join("mrclam7");
-    if path.exists() {
-        return Some(path);
-    }
-    println!("SKIPPED: mrclam7 is not in {}; set SUREPOSE_DATA to the folder that has it", folder.display());
-    None
-}
-
 fn median(reports: &[ReplayReport], of: impl Fn(&ReplayReport) -> Option<f64>) -> f64 {
     let mut values: Vec<f64> = reports.iter().filter_map(of).collect();
     assert_eq!(values.len(), reports.len(), "every robot has a reference");
@@ -84,7 +70,7 @@ fn median(reports: &[ReplayReport], of: impl Fn(&ReplayReport) -> Option<f64>) -
 
 #[test]
 fn all_five_robots_meet_their_figures_with_one_set_of_settings() {
-    let Some(folder) = data_set() else { return };
+    let Some(folder) = recording("mrclam7") else { return };
     let settings = MrclamSettings::default();
     let reports: Vec<_> =
         (1..=5).map(|robot| replay(&folder, robot, &settings).expect("a readable data set")).collect();
@@ -111,7 +97,7 @@ fn all_five_robots_meet_their_figures_with_one_set_of_settings() {
 
 #[test]
 fn replays_are_reproducible() {
-    let Some(folder) = data_set() else { return };
+    let Some(folder) = recording("mrclam7") else { return };
     let run = || {
         let report = replay(&folder, 4, &MrclamSettings::default()).expect("a readable data set");
         ReplayReport { wall_s: 0.0, ..report }

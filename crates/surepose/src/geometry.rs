@@ -1,7 +1,7 @@
 //! Angles, points, poses and lines of the plane, typed by their frames.
 //!
-//! A [`Pose`] joins two frames: `map_from_body` is where the body frame lies in the map frame. Poses compose only where
-//! their frames meet, which the compiler checks. Every [`Angle`] is wrapped to (−π, π].
+//! A [`Pose`] relates two frames: `map_from_body` is the pose of the body frame in the map frame. The compiler rejects a
+//! composition of poses whose inner frames differ. Every [`Angle`] is wrapped to (−π, π].
 
 mod angle;
 mod frame;

@@ -1,18 +1,18 @@
-//! Differential drive: wheels ↔ twist ↔ motion of the pose, [Tran2012] Eq. (1), (7)–(9).
+//! Kinematics of the differential drive: wheels, twist and motion of the pose, [Tran2012] Eq. (1), (7)–(9).
 
 use crate::geometry::{Frame, Pose};
 use crate::param::impl_choice;
 use crate::scalar::Scalar;
 
-/// No wheel turns as fast as this \[rad/s]: a rate beyond it is of a broken encoder, or of constants that no robot has.
+/// Maximum plausible turn rate of a wheel \[rad/s]. Higher rates come from a faulty encoder or from wrong constants.
 pub(crate) const MAX_WHEEL_RATE: f64 = 1e6;
 
-/// How fast the robot moves: [Tran2012] Eq. (1).
+/// Velocity of the robot: [Tran2012] Eq. (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist<S> {
-    /// Speed along the body's x axis `v` \[m/s].
+    /// Speed v along the x axis of the body \[m/s].
     pub v: S,
-    /// Turn rate `ω`, counter-clockwise \[rad/s].
+    /// Turn rate ω, counter-clockwise \[rad/s].
     pub omega: S,
 }
 
@@ -25,103 +25,103 @@ impl<S: Scalar> core::ops::Sub for Twist<S> {
 }
 
 impl<S: Scalar> Twist<S> {
-    /// The twist of `v` \[m/s] and `omega` \[rad/s].
+    /// Creates a twist from speed `v` \[m/s] and turn rate `omega` \[rad/s].
     #[inline(always)]
     pub fn new(v: S, omega: S) -> Self {
         Self { v, omega }
     }
 
-    /// At rest.
+    /// Returns the twist of a robot at rest.
     #[inline(always)]
     pub fn zero() -> Self {
         Self::new(S::from_f64(0.0), S::from_f64(0.0))
     }
 
-    /// Both parts times `factor`: the same path, driven at another speed.
+    /// Multiplies both components by `factor`; the path stays the same.
     #[must_use]
     #[inline(always)]
     pub fn scaled(self, factor: S) -> Self {
         Self::new(self.v * factor, self.omega * factor)
     }
 
-    /// `yes` where `mask` is true, else `no`.
+    /// Returns `yes` where `mask` is true, else `no`.
     #[must_use]
     #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self::new(S::select(mask, yes.v, no.v), S::select(mask, yes.omega, no.omega))
     }
 
-    /// The motion of holding this twist for `period` \[s].
+    /// Returns the motion at this constant twist over `period` \[s].
     #[inline(always)]
     pub fn integrate_for(self, period: S) -> Motion<S> {
         Motion { length: self.v * period, turn: self.omega * period }
     }
 }
 
-/// One value for each drive wheel: turn rates \[rad/s], rim speeds \[m/s] or travels \[m], as the context says.
+/// One value per drive wheel: turn rate \[rad/s], angle \[rad], rim speed \[m/s] or rim travel \[m], depending on the context.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelPair<S> {
-    /// The right wheel's.
+    /// Value of the right wheel.
     pub right: S,
-    /// The left wheel's.
+    /// Value of the left wheel.
     pub left: S,
 }
 
 impl<S: Scalar> WheelPair<S> {
-    /// One value for each wheel.
+    /// Creates a pair from the values of the right and the left wheel.
     #[inline(always)]
     pub fn new(right: S, left: S) -> Self {
         Self { right, left }
     }
 
-    /// Neither turns.
+    /// Returns zero for both wheels.
     #[inline(always)]
     pub fn zero() -> Self {
         Self::new(S::from_f64(0.0), S::from_f64(0.0))
     }
 
-    /// `yes` where `mask` is true, else `no`.
+    /// Returns `yes` where `mask` is true, else `no`.
     #[must_use]
     #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self::new(S::select(mask, yes.right, no.right), S::select(mask, yes.left, no.left))
     }
 
-    /// Both times `factor`.
+    /// Multiplies both values by `factor`.
     #[must_use]
     #[inline(always)]
     pub fn scaled(self, factor: S) -> Self {
         Self::new(self.right * factor, self.left * factor)
     }
 
-    /// The larger of the two magnitudes.
+    /// Returns the larger of both magnitudes.
     #[inline(always)]
     pub fn max_abs(self) -> S {
         self.right.abs().max(self.left.abs())
     }
 }
 
-/// The geometry that turns wheel rotation into motion.
+/// Geometry of a differential drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiffDrive<S> {
-    /// Radius `R` of each drive wheel \[m].
+    /// Radius R of each drive wheel \[m].
     ///
     /// # Departure
-    /// [Tran2012] has one: wheels of a pair differ by what their tyres carry, and a robot with equal radii in mind then
-    /// drives circles.
+    /// [Tran2012] has one radius. Real radii differ with tire wear and load, so that equal radii in the model bend
+    /// straight paths.
     pub radius: WheelPair<S>,
-    /// Distance `L` between the wheels' contact points \[m].
+    /// Distance L between the contact points of the wheels \[m].
     pub wheel_separation: S,
 }
 
 impl<S: Scalar> DiffDrive<S> {
-    /// Two wheels of the same radius \[m], so far apart \[m].
+    /// Creates a drive with equal wheel radii \[m] and the given wheel separation \[m].
     #[inline(always)]
     pub const fn new(wheel_radius: S, wheel_separation: S) -> Self {
         Self { radius: WheelPair { right: wheel_radius, left: wheel_radius }, wheel_separation }
     }
 
-    /// Motion from rim travels Δs_R, Δs_L \[m]: [Tran2012] Eq. (8).
+    /// Computes the motion from the rim travels Δs_R, Δs_L \[m]: [Tran2012] Eq. (8).
     #[inline(always)]
     pub fn motion_from_travel(&self, travel: WheelPair<S>) -> Motion<S> {
         Motion {
@@ -130,34 +130,37 @@ impl<S: Scalar> DiffDrive<S> {
         }
     }
 
-    /// Rim travels \[m] of wheels that turned by these angles \[rad]; rim speeds \[m/s] for turn rates \[rad/s]:
-    /// [Tran2012] Eq. (7).
+    /// Computes rim travels \[m] from wheel angles \[rad]: [Tran2012] Eq. (7).
+    ///
+    /// It also converts turn rates \[rad/s] to rim speeds \[m/s].
     #[inline(always)]
     pub fn wheel_travel_from_angle(&self, turns: WheelPair<S>) -> WheelPair<S> {
         WheelPair::new(turns.right * self.radius.right, turns.left * self.radius.left)
     }
 
-    /// How far the wheels turn \[rad] for these rim travels \[m], or how fast for rim speeds: the inverse of Eq. (7).
+    /// Computes wheel angles \[rad] from rim travels \[m]: the inverse of Eq. (7).
+    ///
+    /// It also converts rim speeds \[m/s] to turn rates \[rad/s].
     #[inline(always)]
     pub fn wheel_angle_from_travel(&self, rims: WheelPair<S>) -> WheelPair<S> {
         WheelPair::new(rims.right / self.radius.right, rims.left / self.radius.left)
     }
 
-    /// Rim speeds \[m/s] that give `twist`: the inverse of Eq. (8), per second.
+    /// Computes the rim speeds \[m/s] for `twist`: the inverse of Eq. (8), per second.
     #[inline(always)]
     pub fn wheel_speeds_from_twist(&self, twist: Twist<S>) -> WheelPair<S> {
         let swing = twist.omega * (self.wheel_separation * S::from_f64(0.5));
         WheelPair::new(twist.v + swing, twist.v - swing)
     }
 
-    /// The twist of rim speeds \[m/s]: Eq. (8), per second.
+    /// Computes the twist from rim speeds \[m/s]: Eq. (8), per second.
     #[inline(always)]
     pub fn twist_from_wheel_speeds(&self, rims: WheelPair<S>) -> Twist<S> {
         let motion = self.motion_from_travel(rims);
         Twist::new(motion.length, motion.turn)
     }
 
-    /// Wheel turn rates \[rad/s] that give `twist`.
+    /// Computes the turn rates of the wheels \[rad/s] for `twist`.
     #[inline(always)]
     pub fn wheel_rates_from_twist(&self, twist: Twist<S>) -> WheelPair<S> {
         self.wheel_angle_from_travel(self.wheel_speeds_from_twist(twist))
@@ -165,7 +168,7 @@ impl<S: Scalar> DiffDrive<S> {
 }
 
 impl DiffDrive<f64> {
-    /// The same geometry, rounded to another format.
+    /// Converts the geometry to the scalar type `T`, rounded.
     #[inline(always)]
     pub fn cast<T: Scalar>(&self) -> DiffDrive<T> {
         let radius = WheelPair::new(T::from_f64(self.radius.right), T::from_f64(self.radius.left));
@@ -173,35 +176,35 @@ impl DiffDrive<f64> {
     }
 }
 
-/// A short drive along an arc: what one period of odometry measures.
+/// Motion along an arc, such as the motion of one odometry period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion<S> {
-    /// Path length Δs, negative backwards \[m].
+    /// Path length Δs \[m], negative in reverse.
     pub length: S,
-    /// Turn Δθ \[rad].
+    /// Rotation Δθ \[rad].
     pub turn: S,
 }
 
-/// How a motion moves the pose.
+/// Integration rule of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integration {
-    /// Along the circular arc: exact while speed and turn rate are constant.
+    /// Circular arc: exact for constant speed and turn rate.
     ///
     /// # Departure
-    /// [Tran2012] Eq. (9) is the midpoint rule, second order in Δθ. The chord of the arc is shorter than its length by
-    /// sinc(Δθ/2); with that factor the motion is exact for inputs that are held over the period, as ours are.
+    /// [Tran2012] Eq. (9) is the midpoint rule, of second order in Δθ. The ratio of the chord to the length of the arc is
+    /// sinc(Δθ/2). With this factor the motion is exact for commands that are constant over the period.
     #[default]
     Arc,
-    /// Along the chord's direction by the arc's length: [Tran2012] Eq. (9) as printed.
+    /// Midpoint rule: the length of the arc in the direction of its chord, [Tran2012] Eq. (9) as printed.
     Midpoint,
 }
 
 impl_choice!(Integration { Arc = "arc", Midpoint = "midpoint" });
 
 impl<S: Scalar> Motion<S> {
-    /// The motion along the arc that leads from one pose to the other: the inverse of [`Pose::integrate`].
+    /// Computes the arc from one pose to another: the inverse of [`Pose::integrate`].
     ///
-    /// An offset of the second pose across that arc is no motion of wheels, and is left out.
+    /// A lateral offset of the second pose from this arc is ignored, because wheels cannot produce it.
     #[inline(always)]
     pub fn between<To: Frame, From: Frame>(from: Pose<To, From, S>, to: Pose<To, From, S>) -> Self {
         let (one, turn) = (S::from_f64(1.0), (to.heading - from.heading).radians());
@@ -212,7 +215,7 @@ impl<S: Scalar> Motion<S> {
         Self { length: chord / unit.origin().distance(start.origin()), turn }
     }
 
-    /// The chord of the arc over its length Δs.
+    /// Returns the ratio of the chord to the length Δs.
     #[inline(always)]
     fn chord(self, integration: Integration) -> S {
         match integration {
@@ -221,7 +224,7 @@ impl<S: Scalar> Motion<S> {
         }
     }
 
-    /// The same, and its derivative by Δθ.
+    /// Returns the ratio of the chord to the length Δs, and its derivative with respect to Δθ.
     #[inline(always)]
     pub(crate) fn chord_and_derivative(self, integration: Integration) -> (S, S) {
         match integration {
@@ -236,7 +239,7 @@ impl<S: Scalar> Motion<S> {
 }
 
 impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
-    /// The pose after `motion` along its own x axis: [Tran2012] Eq. (9), or its exact form, by `integration`.
+    /// Moves the pose by `motion`, with the given integration rule: [Tran2012] Eq. (9) or its exact form.
     #[must_use]
     #[inline(always)]
     pub fn integrate(self, motion: Motion<S>, integration: Integration) -> Self {
@@ -253,7 +256,7 @@ mod tests {
     use super::{Integration, Motion};
 
     #[test]
-    fn the_motion_between_poses_leads_from_one_to_the_other() {
+    fn motion_between_poses_inverts_integrate() {
         let from: Pose<Map, Body, f64> = Pose::new(1.0, -2.0, Angle::from_degrees(170.0));
         for motion in [(0.3, 0.5), (-0.2, -3.0), (0.4, 0.0), (0.0, 1.0)] {
             let motion = Motion { length: motion.0, turn: motion.1 };

@@ -1,7 +1,7 @@
 //! Small matrices and covariances.
 //!
-//! A [`Covariance`] stays symmetric and positive semi-definite by construction, in `f32` too. Measurements are applied row
-//! by row as scalar [`Observation`]s, so that no matrix is inverted.
+//! A [`Covariance`] is symmetric and positive semi-definite by construction, in `f32` too. Each row of a measurement is
+//! applied as a scalar [`Observation`], so that no matrix is inverted.
 
 mod covariance;
 mod matrix;

@@ -1,4 +1,4 @@
-//! Laws that poses, angles and motions obey whatever the numbers.
+//! Algebraic properties of poses, angles and motions.
 
 use core::f64::consts::PI;
 
@@ -25,7 +25,7 @@ proptest! {
         let angle = Angle::from_radians(radians);
         prop_assert!(angle.radians() > -PI && angle.radians() <= PI);
         let (sin, cos) = angle.sin_cos();
-        // Six digits of the argument's seven before the point are lost to its own rounding.
+        // The rounding of an argument of 10⁶ limits the accuracy of its sine to 10⁻¹⁰.
         prop_assert!((sin - radians.sin()).abs() < 1e-9 && (cos - radians.cos()).abs() < 1e-9);
     }
 
@@ -69,7 +69,7 @@ proptest! {
     }
 }
 
-/// The midpoint rule errs by the third order of the turn, the arc not at all: [Tran2012] Eq. (9).
+/// The error of the midpoint rule is of third order in Δθ per step; the arc is exact. [Tran2012] Eq. (9).
 #[test]
 fn midpoint_rule_is_second_order() {
     let start: MapFromBody = Pose::identity();
@@ -77,25 +77,25 @@ fn midpoint_rule_is_second_order() {
         let motion = Motion { length: turn, turn };
         let exact = Point::new(turn.sin(), 1.0 - turn.cos());
         let arc = start.integrate(motion, Integration::Arc).origin();
-        assert!(arc.distance(exact) < 1e-15, "a circle of radius 1 closes");
+        assert!(arc.distance(exact) < 1e-15, "a circle of radius 1 does not close");
         start.integrate(motion, Integration::Midpoint).origin().distance(exact)
     };
     let ratio = error(0.2) / error(0.1);
     assert!((ratio - 8.0).abs() < 0.1, "halving the turn divides the error by {ratio}");
 }
 
-/// Figures of the paper's robot: 0.3 m/s on both wheels for 0.1 s is 3 cm straight on, Eq. (7), (8).
+/// Values of the paper's robot: 0.3 m/s on both wheels for 0.1 s give 3 cm straight ahead, Eq. (7), (8).
 #[test]
 fn wheel_increments_match_the_paper() {
     let drive = DiffDrive::new(0.05, 0.6);
     let straight = drive.motion_from_travel(drive.wheel_travel_from_angle(WheelPair::new(0.6, 0.6)));
     assert!((straight.length - 0.03).abs() < 1e-15 && straight.turn.abs() < 1e-15);
-    // One wheel slowed to 0.05 m/s turns the robot by (0.03 − 0.005)/0.6 rad.
+    // With 0.05 m/s on one wheel, the robot turns by (0.03 − 0.005)/0.6 rad.
     let turning = drive.motion_from_travel(drive.wheel_travel_from_angle(WheelPair::new(0.6, 0.1)));
     assert!((turning.turn - 0.025 / 0.6).abs() < 1e-15);
 }
 
-/// A robot that drives straight with a larger right wheel turns that wheel more slowly, and Eq. (7), (8) undo it.
+/// On a straight path the larger wheel turns more slowly; Eq. (7), (8) invert the conversion.
 #[test]
 fn unequal_radii_give_unequal_wheel_angles() {
     let drive = DiffDrive { radius: WheelPair::new(0.06, 0.05), wheel_separation: 0.6 };
@@ -111,7 +111,7 @@ fn unequal_radii_give_unequal_wheel_angles() {
 fn sinc_is_continued_through_zero() {
     assert!((Scalar::sinc(0.0) - 1.0).abs() < 1e-16 && (Scalar::sinc(1e-300) - 1.0).abs() < 1e-16);
     for x in [1e-9, -1e-7, 1e-6, 1e-5, -1e-4, 1e-3, 1e-2] {
-        // Its series; the next term is x⁶/5040.
+        // Taylor series; the next term is x⁶/5040.
         let series = 1.0 - x * x / 6.0 + x * x * x * x / 120.0;
         assert!((Scalar::sinc(x) - series).abs() < 1e-15, "at {x}");
         assert!((f64::from(Scalar::sinc(x as f32)) - series).abs() < 1.5e-7, "at {x} in f32");
@@ -126,7 +126,7 @@ fn wrapping_maps_minus_pi_to_pi() {
     assert!((Angle::from_vector(-1.0, -0.0).radians() - PI).abs() < 1e-15);
 }
 
-/// A made-up angle could not be refused: what is not a number must stay so, for the filter to see it.
+/// NaN stays NaN, so that the filter can reject it.
 #[test]
 fn wrapping_a_non_finite_angle_is_nan() {
     for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -42,7 +42,7 @@ fn ekf<S: Float>() -> Ekf<S> {
     Ekf { drive, delta: S::from_f64(0.0025), integration: Integration::Arc }
 }
 
-/// Ranges over 180°, each off by a fixed pattern of at most 3σ that looks like noise.
+/// Computes ranges over 180° with a fixed, noise-like error of at most 3σ.
 fn ranges(pose: MapPose, walls: &[Wall<f64>]) -> Vec<f64> {
     let origin = pose * laser().body_from_laser;
     let mut noise = 12345_u32;
@@ -86,7 +86,7 @@ fn finds_the_pose_in_a_room() {
     let after = corrected(belief, &result);
     assert!(after.error(truth).iter().all(|e| e.abs() < 0.008), "{:?}", after.error(truth));
     assert!(after.nees(truth) < 11.3, "{}", after.nees(truth));
-    // As sharp as 91 beams of 3 cm over three walls can be, and no sharper.
+    // The standard deviation matches 91 beams of 3 cm on three walls.
     assert!((0.003..0.015).contains(&after.covariance.std(0)), "{}", after.covariance.std(0));
     assert!(result.stats.beams == 91 && result.stats.hits > 85, "{result:?}");
 }
@@ -165,7 +165,7 @@ fn too_few_explained_beams_yield_no_pose() {
     for void in [f64::INFINITY, f64::NAN] {
         assert!(matched(belief, &[void; BEAMS], &room()).fix.is_none());
     }
-    // Three beams of four end on people.
+    // Three of four beams end on people.
     let people: Vec<f64> = seen
         .iter()
         .enumerate()

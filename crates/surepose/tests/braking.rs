@@ -1,11 +1,11 @@
-//! The law slows down as the wheels can: they follow it to the goal, however fast they may run.
+//! Braking before the goal stays within the wheel acceleration limit at every speed limit.
 
 use surepose::control::{BrakingProfile, Controller, ControllerState, Direction, Gains, Limits, Tolerance};
 use surepose::geometry::{Angle, Body, Goal, Map, Pose};
 use surepose::kinematics::{DiffDrive, Integration};
 
 const DRIVE: DiffDrive<f64> = DiffDrive::new(0.05, 0.6);
-/// What braking takes of the wheels' acceleration.
+/// Fraction of the wheel acceleration limit used for braking.
 const SHARE: f64 = 0.7;
 
 fn controller(speed: f64, acceleration: f64, period: f64) -> Controller<f64> {
@@ -14,9 +14,9 @@ fn controller(speed: f64, acceleration: f64, period: f64) -> Controller<f64> {
     Controller::fitted(DRIVE, limits, period, Direction::Auto, tolerance)
 }
 
-/// Parks from `start`: the time that it takes \[s], and how long the wheels could not follow the law as they slowed down \[s].
+/// Parks from `start`; returns the time to the goal \[s] and the time in which the limits exceed the desired speed \[s].
 ///
-/// Infinite where it does not arrive.
+/// The time to the goal is infinite if the robot does not arrive.
 fn park(controller: &Controller<f64>, start: [f64; 3]) -> (f64, f64) {
     let goal: Pose<Map, Goal, f64> = Pose::new(0.0, 0.0, Angle::zero());
     let mut pose: Pose<Map, Body, f64> = Pose::new(start[0], start[1], Angle::from_radians(start[2]));
@@ -49,25 +49,25 @@ fn braking_is_never_harder_than_the_wheels_can() {
                 let (way, step) = (0.005 * f64::from(k), 1e-6);
                 let deceleration = speed(way) * (speed(way + step) - speed(way - step)) / (2.0 * step);
                 assert!(deceleration < allowed, "{acceleration} m/s², {gain}/s, {way} m: {deceleration}");
-                // The way of braking evenly, and the exponential end.
+                // Distance at constant deceleration, and the exponential end.
                 let solved = speed(way).powi(2) / (2.0 * allowed) + speed(way) / gain;
                 assert!((solved / way - 1.0).abs() < 1e-9, "{way} m: {solved}");
             }
             assert!(
                 (braking.linear_gain_factor(gain, 0.0) - 1.0).abs() < 1e-12,
-                "at the goal the gain is whole"
+                "the gain is reduced at the goal"
             );
             let (turn, way) = (braking.angular_gain_factor(gain, -1.0), 0.5 * DRIVE.wheel_separation);
             assert!(
                 (turn - braking.linear_gain_factor(gain, way)).abs() < 1e-12,
-                "a turn is a way of the rims"
+                "the braking of a turn differs from that of its rim travel"
             );
         }
     }
 }
 
 #[test]
-fn what_the_wheels_follow_is_not_slowed_down() {
+fn gains_within_the_limits_are_not_reduced() {
     let gains = |k: f64| Gains { k_v: k, k_alpha: k, h: 0.3, k_theta: k };
     let limits = Limits::symmetric(0.3, 0.5);
     assert!(
@@ -76,7 +76,7 @@ fn what_the_wheels_follow_is_not_slowed_down() {
     );
 }
 
-/// Straight ahead nothing but the distance asks for anything.
+/// Straight ahead, only the distance to the goal determines the command.
 #[test]
 fn the_wheels_follow_to_the_goal() {
     for (speed, acceleration) in [(0.3, 0.5), (1.0, 0.5), (3.0, 0.5), (1.0, 0.1), (0.3, 5.0)] {
@@ -85,9 +85,9 @@ fn the_wheels_follow_to_the_goal() {
     }
 }
 
-/// A robot that may drive faster, or accelerate harder, is not later: but for what a tick and a hysteresis decide.
+/// Higher limits of speed or acceleration do not delay the arrival by more than a tick and the hysteresis.
 #[test]
-fn a_better_robot_is_not_later() {
+fn higher_limits_do_not_delay_the_arrival() {
     const SLACK: f64 = 1.06;
     let starts = [[-2.0, -2.0, 0.0], [-4.0, 0.0, 0.0], [-1.0, 0.5, 2.0], [0.0, 1.0, -0.5], [3.0, -1.0, 1.0]];
     for (start, period) in starts.iter().flat_map(|start| [(*start, 0.02), (*start, 0.1)]) {

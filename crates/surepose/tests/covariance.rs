@@ -1,4 +1,4 @@
-//! The factored covariance is the matrix of the textbook, and stays a covariance.
+//! The factored covariance equals the textbook formulas and stays valid.
 
 use proptest::prelude::*;
 use surepose::linalg::{Covariance, InvalidCovariance, Matrix};
@@ -14,7 +14,7 @@ fn square(e: [f64; 9]) -> M3 {
     Matrix([[e[0], e[1], e[2]], [e[3], e[4], e[5]], [e[6], e[7], e[8]]])
 }
 
-/// G Gᵀ: a covariance whatever G.
+/// Returns G Gᵀ, which is a covariance for every G.
 fn gram(g: &M3) -> M3 {
     g * &g.transpose()
 }
@@ -32,7 +32,7 @@ proptest! {
         prop_assert!(largest_difference(&factored.matrix(), &p) < 1e-12);
     }
 
-    /// [Tran2012] Eq. (12), multiplied out.
+    /// Compares with [Tran2012] Eq. (12) as matrix products.
     #[test]
     fn propagation_matches_the_textbook_formula(e in entries(), a in entries(), w in entries(), q in 0.0..3.0, r in 0.0..3.0) {
         let p = gram(&square(e));
@@ -48,7 +48,7 @@ proptest! {
         prop_assert!(largest_difference(&found.matrix(), &expected) < 1e-11);
     }
 
-    /// [Tran2012] Eq. (16), (18): K = P hᵀ/s, P − K s Kᵀ.
+    /// Compares with [Tran2012] Eq. (16), (18): K = P hᵀ/s, P − K s Kᵀ.
     #[test]
     fn observation_matches_the_textbook_formula(e in entries(), row in prop::array::uniform3(-2.0..2.0_f64), r in 0.01..3.0) {
         let p = gram(&square(e));
@@ -67,7 +67,7 @@ proptest! {
         prop_assert!(largest_difference(&seen.covariance.matrix(), &expected) < 1e-11);
     }
 
-    /// With P e' = e the squared length of e is eᵀe'.
+    /// With P e' = e, the squared Mahalanobis distance of e is eᵀe'.
     #[test]
     fn mahalanobis_inverts_the_matrix(e in entries(), x in prop::array::uniform3(-2.0..2.0_f64)) {
         let mut p = gram(&square(e));
@@ -81,8 +81,7 @@ proptest! {
     }
 }
 
-/// A million updates of every badly scaled kind leave a covariance, in single precision too.
-/// A million steps of driving and measuring, in this format.
+/// Applies a million badly scaled propagations and observations; checks validity after each.
 fn endured<S: Float>() -> Covariance<S, 3> {
     let num = S::from_f64;
     let mut p = Covariance::from_std([num(1.0), num(1e-4), num(0.5)]);
@@ -106,7 +105,7 @@ fn endured<S: Float>() -> Covariance<S, 3> {
     p
 }
 
-/// And the one that f64 has, entry by entry.
+/// The result in `f32` is valid and equals that in `f64` up to rounding.
 #[test]
 fn covariance_stays_valid_for_a_million_steps_in_f32() {
     let (single, double) = (endured::<f32>(), endured::<f64>());

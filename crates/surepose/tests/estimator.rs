@@ -1,4 +1,9 @@
-//! Late, stale, invalid and outlying measurements: each is classified, counted and kept out of the state.
+//! Late, stale, invalid and outlying measurements: classification, counts and effect on the belief.
+
+mod common;
+mod estimator {
+    mod consistency;
+}
 
 use proptest::prelude::*;
 use surepose::estimation::{
@@ -56,7 +61,7 @@ fn late_measurements_match_timely_ones() {
     let mut late = timely;
     let mut pending = measured.iter().peekable();
     for tick in 1..=6_i64 {
-        // The timely filter receives each stretch as soon as a measurement falls into it.
+        // The timely filter receives odometry up to each measurement at the stamp of the measurement.
         let mut from = (tick - 1) * 50;
         let whole = timely.ekf().wheel_odometry(rims);
         while let Some((time, value)) = pending.next_if(|(time, _)| *time <= tick * 50) {
@@ -86,8 +91,8 @@ fn belief_at_returns_past_beliefs() {
     }
     let halfway = estimator.belief_at(at(125)).unwrap();
     assert!((halfway.pose.x - 0.05).abs() < 1e-12);
-    assert!(estimator.belief_at(at(250)).is_none(), "the future is not known");
-    assert!(estimator.belief_at(at(-10)).is_none(), "nor is what was before the start");
+    assert!(estimator.belief_at(at(250)).is_none(), "a belief in the future");
+    assert!(estimator.belief_at(at(-10)).is_none(), "a belief before the start");
 }
 
 #[test]
@@ -118,7 +123,7 @@ fn stale_and_future_measurements_are_rejected() {
     ));
 }
 
-/// One stamp an hour ahead, or a clock that is set back for good: the robot has rolled as far as it has, and time goes on from there.
+/// Neither one stamp an hour ahead nor a clock that is set back loses travel; time continues at the new stamps.
 #[test]
 fn clock_jumps_lose_no_travel() {
     for jumps in [[3_600_000, 0], [-5_000, -5_000], [-80, 0]] {
@@ -140,7 +145,7 @@ fn clock_jumps_lose_no_travel() {
     }
 }
 
-/// However many late outliers come, the history reaches as far back as it did.
+/// Late outliers do not shorten the history.
 #[test]
 fn rejected_outlier_leaves_the_belief_unchanged() {
     let mut estimator = estimator::<f64>();
@@ -156,7 +161,7 @@ fn rejected_outlier_leaves_the_belief_unchanged() {
     assert!((1..64).all(|tick| estimator.belief_at(at(tick * 10)) == before.belief_at(at(tick * 10))));
 }
 
-/// Entries beyond the capacity push out the oldest; measurements older than those are stale, not lost in the state.
+/// A full history drops its oldest entry; measurements from before the history are rejected as stale.
 #[test]
 fn full_history_drops_only_its_oldest_entry() {
     let mut estimator = estimator::<f64>();
@@ -174,7 +179,7 @@ fn full_history_drops_only_its_oldest_entry() {
     assert!((estimator.belief().pose.x - 0.064).abs() < 1e-9);
 }
 
-/// However late a measurement is, in a full history too: the robot has rolled as far as it has.
+/// Late measurements lose no travel, even in a full history.
 #[test]
 fn late_measurements_lose_no_travel() {
     for half_ticks_late in 0..160_i64 {
@@ -195,7 +200,7 @@ fn late_measurements_lose_no_travel() {
     }
 }
 
-/// Who knows where the robot was a while ago knows where it is: it has rolled on from there.
+/// A reset to a past pose replays the odometry since then.
 #[test]
 fn reset_at_replays_odometry() {
     let known = Belief::new(Pose::new(3.0, -1.0, Angle::from_degrees(90.0)), [0.01, 0.02, 0.003]);
@@ -207,10 +212,10 @@ fn reset_at_replays_odometry() {
         let outcome = rolled.update(Stamped::new(at(tick * 50 - 20), heading));
         assert!(matches!(outcome, MeasurementOutcome::Accepted { .. }));
     }
-    // The last odometry comes in two parts of one time.
+    // The last odometry arrives in two parts with the same stamp.
     rolled.predict(at(1000), rims).unwrap();
 
-    // 12 of 50 ms are left of the stretch in which the robot was seen; what was measured since is forgotten.
+    // 12 of 50 ms remain of the odometry interval of the reset; later measurements are dropped.
     let whole = rolled.ekf().wheel_odometry(rims);
     let mut expected = known;
     for part in [0.24, 0.6, 0.4, 0.6, 0.4, 1.0] {
@@ -220,16 +225,20 @@ fn reset_at_replays_odometry() {
     resumed.reset_at(at(888), known);
     assert_eq!(resumed.stamp(), at(1000));
     assert!(same(&resumed.belief(), &expected), "{:?}\n{expected:?}", resumed.belief());
-    assert!(resumed.belief_at(at(880)).is_none(), "and what was before is as well");
+    assert!(resumed.belief_at(at(880)).is_none(), "a belief before the reset");
 
     for outside in [at(-1), at(1001), Stamp::from_seconds(1e9)] {
         let mut resumed = rolled;
         resumed.reset_at(outside, known);
-        assert_eq!((resumed.stamp(), resumed.belief()), (at(1000), known), "as of now");
+        assert_eq!(
+            (resumed.stamp(), resumed.belief()),
+            (at(1000), known),
+            "a reset outside of the history applies at the current stamp"
+        );
     }
 }
 
-/// Two odometries of one time: a robot that was seen before them has rolled on by both.
+/// Two odometry inputs with one stamp both count after a reset to an earlier stamp.
 #[test]
 fn zero_duration_odometry_is_kept() {
     let mut estimator = estimator::<f64>();
@@ -283,7 +292,7 @@ fn any_measurement<S: Float>() -> impl Strategy<Value = Measurement<S>> {
     })
 }
 
-/// Whatever arrives, and by whatever clock, the belief stays finite with a valid covariance, and every refusal changes nothing.
+/// Any input at any stamp leaves a finite belief with a valid covariance; a rejected measurement changes nothing.
 fn beliefs_stay_valid<S: Float>(
     inputs: Vec<(Measurement<S>, f64, f64, i64, i64)>,
 ) -> Result<(), TestCaseError> {
@@ -307,7 +316,7 @@ fn beliefs_stay_valid<S: Float>(
     Ok(())
 }
 
-/// What comes, how far the rims rolled, how late it is, and how the clock goes on \[ms].
+/// Measurement, rim travel, delay and clock step \[ms].
 fn any_inputs<S: Float>() -> impl Strategy<Value = Vec<(Measurement<S>, f64, f64, i64, i64)>> {
     let step = prop_oneof![8 => Just(50_i64), 1 => -3000_i64..3000];
     prop::collection::vec((any_measurement(), any_number(), any_number(), -200_i64..50, step), 1..40)
@@ -325,7 +334,7 @@ proptest! {
     }
 }
 
-/// A landmark on the robot says everything about its bearing: an innovation that overflows agrees with anything.
+/// A landmark at zero range has an unbounded Jacobian; an overflow must not pass the gate.
 #[test]
 fn landmark_at_zero_range_leaves_the_belief_finite() {
     fn tried<S: Float>(apart: f64) {

@@ -1,4 +1,4 @@
-//! Every example succeeds: its exit code is the result of the test.
+//! Runs every example; its exit code is the result of the test.
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! A robot that is lost: who is found was there for as long as is asked.
+//! Global localization: a hypothesis is accepted only after the required age.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
@@ -18,8 +18,8 @@ fn at(ticks: i64) -> Stamp {
     Stamp::from_nanoseconds(ticks * 100_000_000)
 }
 
-/// A room that looks the same when it is turned by half a turn, and a compass that changes its mind: the other pose is no older
-/// for taking the first one's place.
+/// In a room with half-turn symmetry, a change of the compass selects the other hypothesis. This one starts with age 0, although
+/// it takes the slot of the first.
 #[test]
 fn hypothesis_does_not_inherit_the_age_of_its_slot() {
     let corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0)].map(|(x, y)| Point::new(x, y));
@@ -31,7 +31,7 @@ fn hypothesis_does_not_inherit_the_age_of_its_slot() {
         range_min: 0.05,
         range_max: 20.0,
     };
-    // From (1, 1.2), facing along x.
+    // At (1, 1.2), heading 0.
     let step = TAU / BEAMS as f64;
     let range = |k: usize| {
         let (sin, cos) = (step * k as f64 - PI).sin_cos();

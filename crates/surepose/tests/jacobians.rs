@@ -1,4 +1,4 @@
-//! Every Jacobian against central differences of the function it claims to be the derivative of.
+//! Compares every Jacobian with central differences.
 
 use proptest::prelude::*;
 use surepose::estimation::{
@@ -11,7 +11,7 @@ use surepose::linalg::Matrix;
 
 type MapFromBody = Pose<Map, Body, f64>;
 const STEP: f64 = 1e-5;
-/// Central differences err by STEP² times the third derivative, here below 100, and rounding over STEP.
+/// The error of central differences is STEP² times the third derivative, here below 100, plus rounding divided by STEP.
 const TOLERANCE: f64 = 1e-7;
 
 fn shifted(pose: MapFromBody, component: usize, by: f64) -> MapFromBody {
@@ -28,7 +28,7 @@ fn ekf(integration: Integration) -> Ekf<f64> {
     Ekf { drive: DiffDrive::new(0.05, 0.6), delta: 0.0025, integration }
 }
 
-/// The covariance after one prediction, with Jacobians by central differences of the pose.
+/// Computes the covariance after one prediction with Jacobians from central differences of the pose.
 fn expected_covariance(ekf: &Ekf<f64>, belief: Belief<f64>, travel: WheelOdometry<f64>) -> Matrix<f64, 3, 3> {
     let moved = |pose: MapFromBody, rims: WheelPair<f64>| {
         pose.integrate(ekf.drive.motion_from_travel(rims), ekf.integration)
@@ -51,7 +51,7 @@ fn expected_covariance(ekf: &Ekf<f64>, belief: Belief<f64>, travel: WheelOdometr
     sum
 }
 
-/// How far a Jacobian is from the central difference of −ν: ν = z − h, so ∂ν/∂x = −H.
+/// Returns the largest deviation of a Jacobian from the central difference of −ν: ν = z − h, so ∂ν/∂x = −H.
 fn jacobian_error<const M: usize>(
     belief: Belief<f64>,
     f: impl Fn(&Belief<f64>) -> Innovation<f64, M>,
@@ -70,7 +70,7 @@ fn jacobian_error<const M: usize>(
 }
 
 proptest! {
-    /// [Tran2012] Eq. (12)–(14), the errata's W included.
+    /// Compares with [Tran2012] Eq. (12)–(14), with the corrected W.
     #[test]
     fn prediction_covariance_is_that_of_the_motion_model(
         heading in -3.0..3.0, right in -0.4..0.4, left in -0.4..0.4, midpoint in any::<bool>(),
@@ -128,7 +128,7 @@ proptest! {
         prop_assert!(jacobian_error(belief, |b| pose.innovation(b)) < TOLERANCE);
     }
 
-    /// A wall says the same whichever way its seen normal points, and nothing new where it is expected.
+    /// The direction of the observed normal does not matter, and the innovation at the predicted line is zero.
     #[test]
     fn a_wall_has_two_normals(x in -3.0..3.0, y in -3.0..3.0, heading in -3.1..3.1, direction in -3.0..3.0) {
         let pose: MapFromBody = Pose::new(x, y, Angle::from_radians(heading));
@@ -144,7 +144,7 @@ proptest! {
         }
     }
 
-    /// Rows made independent carry the joint information: νᵀS⁻¹ν is that of the correlated pair.
+    /// Decorrelated rows have the joint information: νᵀS⁻¹ν equals that of the correlated pair.
     #[test]
     fn a_correlated_pair_keeps_its_information(u in -1.0..1.0, v in -1.0..1.0, share in -0.9..0.9) {
         let (first, second) = (0.04, 0.09);

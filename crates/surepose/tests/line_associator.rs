@@ -1,4 +1,4 @@
-//! Which wall is each line? Guessing is none, and no wall is two lines.
+//! Association of lines with walls: ambiguous lines get no wall, and no wall gets two lines.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
@@ -12,7 +12,7 @@ fn ekf() -> Ekf<f64> {
     Ekf { drive: DiffDrive::new(0.05, 0.6), delta: 0.0025, integration: Integration::Arc }
 }
 
-/// A line 10 m ahead, from `extent.0` to `extent.1` beside the foot.
+/// Creates a line 10 m ahead, from `extent.0` to `extent.1` beside the foot of its normal.
 fn seen(extent: (f64, f64), beams: u16) -> ExtractedLine<f64> {
     let line: Line<Laser, f64> = Line::new(10.0, Angle::zero());
     ExtractedLine {
@@ -26,8 +26,8 @@ fn seen(extent: (f64, f64), beams: u16) -> ExtractedLine<f64> {
     }
 }
 
-/// A long wall among short ones, more than are held for one line at a time, of which a line may be any, and another is sure to
-/// be the long one: that is not given away again when the first is asked about anew.
+/// One line fits more walls than its candidate list holds; another line fits only the long wall. The long wall is assigned once,
+/// also when the first line is tested again.
 #[test]
 fn each_wall_is_assigned_once_even_with_many_candidates() {
     let wall = |x: f64, from: f64, to: f64| Wall::between(Point::new(x, from), Point::new(x, to)).unwrap();

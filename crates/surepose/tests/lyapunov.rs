@@ -1,4 +1,4 @@
-//! V̇ of both laws: [Tran2012] Eq. (2), (19)–(29), checked against differences along the real motion.
+//! V̇ of both laws, [Tran2012] Eq. (2), (19)–(29), against differences along the exact motion.
 
 use proptest::prelude::*;
 use surepose::control::{GlobalLaw, LocalLaw, NavigationNoise, NavigationVariables};
@@ -16,7 +16,7 @@ fn start() -> impl Strategy<Value = Pose<Map, Body, f64>> {
     (-3.0..3.0, -3.0..3.0, -3.1..3.1).prop_map(|(x, y, t)| Pose::new(x, y, Angle::from_radians(t)))
 }
 
-/// dV/dt of `value` along the arc of `twist`, by central differences.
+/// Computes dV/dt of `value` along the arc of `twist` by central differences.
 fn rate(
     pose: Pose<Map, Body, f64>,
     twist: Twist<f64>,
@@ -32,13 +32,13 @@ fn rate(
     (at(step) - at(-step)) / (2.0 * step)
 }
 
-/// Away from the branches of α, φ and θ_e, and from the goal itself, where V has no derivative.
+/// Excludes the discontinuities of α, φ and θ_e, and the goal, where V has no derivative.
 fn smooth(n: &NavigationVariables<f64>) -> bool {
     n.rho > 0.1 && [n.alpha, n.phi, n.heading_error()].iter().all(|a| a.radians().abs() < 3.1)
 }
 
 proptest! {
-    /// Eq. (2): the rates of the navigation variables are their derivatives.
+    /// Eq. (2): the rates equal the time derivatives of the navigation variables.
     #[test]
     fn navigation_rates(pose in start(), v in -1.0..1.0, omega in -2.0..2.0) {
         let (twist, n) = (Twist::new(v, omega), NavigationVariables::from_poses(pose, goal()));
@@ -61,7 +61,7 @@ proptest! {
         prop_assert!((rate(pose, twist, |n| GLOBAL.lyapunov(n)) - claimed).abs() < 1e-5 * (1.0 + claimed.abs()));
     }
 
-    /// (26)–(29) with the signs of the errata: V̇_l = −k_v ρ² cos²α − k_θ θ_e².
+    /// (26)–(29) with corrected signs: V̇_l = −k_v ρ² cos²α − k_θ θ_e².
     #[test]
     fn the_local_law_descends(pose in start()) {
         let n = NavigationVariables::from_poses(pose, goal());
@@ -73,7 +73,7 @@ proptest! {
         prop_assert!((rate(pose, twist, |n| LOCAL.lyapunov(n)) - claimed).abs() < 1e-5 * (1.0 + claimed.abs()));
     }
 
-    /// Any positive factor on the twist keeps the sign of both V̇: what the limits rely on.
+    /// A positive factor on the twist keeps the sign of both V̇, as the limits require.
     #[test]
     fn scaling_scales_the_descent(pose in start(), factor in 0.01..5.0) {
         let n = NavigationVariables::from_poses(pose, goal());
@@ -84,7 +84,7 @@ proptest! {
         prop_assert!((LOCAL.lyapunov_rate(&n, local.scaled(factor)) - whole * factor).abs() < 1e-9 * (1.0 + whole.abs() * factor));
     }
 
-    /// (3): φ − α is the heading error, whatever the pose.
+    /// (3): φ − α is the heading error for every pose.
     #[test]
     fn heading_error_is_phi_minus_alpha(pose in start()) {
         let n = NavigationVariables::from_poses(pose, goal());
@@ -92,7 +92,7 @@ proptest! {
         prop_assert!(difference.radians().abs() < 1e-12);
     }
 
-    /// (4) with the mended ε_φ: ε_α = ε_φ − ε_θ.
+    /// (4) with the corrected ε_φ: ε_α = ε_φ − ε_θ.
     #[test]
     fn noise_of_alpha_is_that_of_phi_less_that_of_theta(pose in start(), ex in -0.1..0.1, ey in -0.1..0.1, et in -0.3..0.3) {
         let estimate = Pose::new(pose.x + ex, pose.y + ey, pose.heading.rotated_by(et));
@@ -103,7 +103,7 @@ proptest! {
     }
 }
 
-/// As printed, Eq. (28) drives away: V̇_l = +k_v ρ² cos²α − k_θ θ_e².
+/// Eq. (28) as printed diverges: V̇_l = +k_v ρ² cos²α − k_θ θ_e².
 #[test]
 fn the_printed_local_law_leaves_the_goal() {
     let printed = LOCAL.as_printed();
@@ -114,7 +114,7 @@ fn the_printed_local_law_leaves_the_goal() {
         pose = pose.integrate(twist.integrate_for(0.01), Integration::Arc);
     }
     let after = NavigationVariables::from_poses(pose, goal()).rho;
-    // ρ̇ = k_v ρ along the axis: e³ ≈ 20 times as far after 2 s.
+    // ρ̇ = k_v ρ along the axis: the distance grows by e³ ≈ 20 in 2 s.
     assert!((after / before - 3f64.exp()).abs() < 0.5, "from {before} m to {after} m");
 }
 

@@ -1,4 +1,4 @@
-//! The whole tick: whatever arrives and whenever, the wheels do what they can and the belief is that of its time.
+//! The complete step: commands within the limits and a valid belief for every input and stamp.
 
 use proptest::prelude::*;
 use surepose::control::{
@@ -47,7 +47,7 @@ fn localizer() -> Localizer<f64, 64, 61> {
     )
 }
 
-/// The same with supervision and relocalization.
+/// Localizer with supervision and relocalization.
 fn supervised() -> Localizer<f64, 64, 61> {
     let monitor = MonitorConfig {
         supervisor: SupervisorConfig::default(),
@@ -80,7 +80,7 @@ fn at(ticks: i64) -> Stamp {
 const FIRST: f64 = -1.5;
 const STEP: f64 = 0.05;
 
-/// How far the room's walls are from `pose`, without noise.
+/// Computes the ranges to the walls of the room from `pose`, without noise.
 fn ranges(pose: Pose<Map, Body, f64>) -> Vec<f64> {
     let range = |i: usize| {
         let (sin, cos) = pose.heading.rotated_by(FIRST + STEP * i as f64).sin_cos();
@@ -95,7 +95,7 @@ fn scan(ranges: &[f64]) -> SensorReading<'_, f64> {
     SensorReading::Scan(Scan::new(Angle::from_radians(FIRST), STEP, ranges))
 }
 
-/// Both rims roll by this \[m] in a period.
+/// Creates an input with equal rim travel \[m] of both wheels in one period.
 fn odometry(rim: f64) -> Odometry<f64> {
     Odometry::WithVariance(WheelOdometry {
         travel: WheelPair::new(rim, rim),
@@ -111,7 +111,7 @@ const NO_COMMAND: WheelOdometry<f64> = WheelOdometry {
 #[test]
 fn late_scan_is_processed_at_its_stamp() {
     let walls = room();
-    // The robot starts 2 cm beside where it believes, and drives ahead at 2 cm a tick.
+    // The robot starts 2 cm beside its estimate and drives 2 cm per tick.
     let seen = ranges(Pose::new(1.02 + 0.02, 0.98, Angle::zero()));
     let ends = [1, 4].map(|arrival| {
         let mut localizer = localizer();
@@ -161,7 +161,7 @@ fn rejected_odometry_is_replaced_by_the_command() {
     let mut navigator = Navigator::new(config, localizer());
     let goal: Pose<Map, Goal, f64> = Pose::new(3.0, 1.0, Angle::zero());
     navigator.set_goal(&MapView::empty(), goal).unwrap();
-    // The third step comes a period late.
+    // The third step is one period late.
     for now in [1, 2, 4] {
         let input = SensorInput { stamp: at(now), odometry: odometry(f64::NAN), readings: &[] };
         navigator.step(&MapView::empty(), &input);
@@ -178,7 +178,7 @@ fn any_number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A configuration refuses such constants; firmware that has none of that gets a robot that stands.
+/// The configuration rejects such constants. Without a configuration, as in firmware, the robot stays at rest.
 #[test]
 fn invalid_constants_stop_the_wheels() {
     let usual = controller();
@@ -205,7 +205,7 @@ fn invalid_constants_stop_the_wheels() {
     }
 }
 
-/// In no time nothing changes, and a zone of rest of no size is none.
+/// A period of 0 changes nothing, and a deadband of size 0 has no effect.
 #[test]
 fn zero_period_and_zero_deadband_are_identities() {
     let going = Twist::new(0.1, -0.2);

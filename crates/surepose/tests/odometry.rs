@@ -1,4 +1,4 @@
-//! Odometry's own noise: what the filter makes of wheels that are measured badly.
+//! Effect of noisy wheel odometry on the filter.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -14,18 +14,19 @@ use surepose::time::{Stamp, Stamped};
 
 const DELTA: f64 = 0.04;
 const PERIOD: f64 = 0.05;
-/// How far each rim rolls in a period \[m].
+/// Rim travel per period \[m].
 const RIM: f64 = 0.3 * PERIOD;
 const TICKS: i64 = 400;
-/// How well the start is known \[m], \[rad].
+/// Standard deviations of the start pose \[m], \[rad].
 const START: [f64; 3] = [0.01, 0.01, 0.002];
 
 fn at(tick: i64) -> Stamp {
     Stamp::from_seconds(PERIOD * tick as f64)
 }
 
-/// Robots that drive 6 m straight ahead with 20 % of noise on their wheels and a good compass, and take the variance of a stretch
-/// from `travel`: how far beyond the truth they believe to be in the mean, the standard error of that \[m], and the mean NEES.
+/// Simulates robots that drive 6 m straight ahead with 20 % wheel noise and an accurate compass; `travel` gives the variance.
+///
+/// Returns the mean error along the path \[m], its standard error \[m] and the mean NEES.
 fn believed(
     travel: impl Fn(&DelayedEkf<f64>, Stamp, WheelPair<f64>) -> WheelOdometry<f64>,
 ) -> (f64, f64, f64) {
@@ -64,18 +65,18 @@ fn noisy_odometry_with_heading_updates_is_unbiased() {
     let (papers, papers_error, papers_nees) =
         believed(|estimator, _, rims| estimator.ekf().wheel_odometry(rims));
     assert!(mean.abs() < 0.03 && std_error < 0.003, "{mean} ± {std_error} m");
-    // 0.3 of NEES are what is left of the bias; χ² with 900 degrees of freedom is within 0.28 of 3.
+    // The remaining bias adds 0.3 to the NEES; the mean of 300 runs is within 0.28 of 3.
     assert!((2.7..3.6).contains(&nees), "{nees}");
-    // Two tests in one: the sizes above mean nothing if (15) had them too.
+    // With the variance of Eq. (15), the same runs are biased: the bounds above are sharp.
     assert!(papers < -0.15 && papers_error < 0.003 && papers_nees > 20.0, "{papers} m, {papers_nees}");
 }
 
-/// However the stamps jitter, and after a silence: what the variances of a way add up to is what (15) makes of it.
+/// With jitter of the stamps and after a gap, the sum of the variances along a path equals that of Eq. (15).
 #[test]
 fn stamp_jitter_and_gaps_keep_the_odometry_variance() {
     let ekf = Ekf { drive: DiffDrive::new(0.05, 0.6), delta: DELTA, integration: Integration::Arc };
     let known = Belief::new(Pose::identity(), START);
-    // From one stamp to the next \[ms], while the rims roll 15 mm each time, or as far as the time says.
+    // Intervals between stamps \[ms]; the rim travel is 15 mm each, or proportional to the interval.
     let (even, burst, silent) =
         ([50; 12], [50, 50, 50, 99, 1, 50, 50, 100, 0, 50, 50, 50], [50, 50, 50, 5000, 50, 50]);
     for (steps, in_time) in [(&even[..], true), (&burst[..], false), (&silent[..], true)] {
@@ -95,7 +96,7 @@ fn stamp_jitter_and_gaps_keep_the_odometry_variance() {
     }
 }
 
-/// Of a way along x, from `x` \[m] on at `speed` \[m/s], the part by which `f32` is off.
+/// Returns the relative error of `f32` on a path along x, from `x` \[m] at `speed` \[m/s].
 fn rounded_away(x: f64, speed: f64, period: f64) -> f64 {
     let ekf = Ekf { drive: DiffDrive::new(0.05_f32, 0.6), delta: 0.0025, integration: Integration::Arc };
     let mut belief = Belief::new(Pose::new(x as f32, 0.0, Angle::zero()), [0.01; 3]);
@@ -108,7 +109,7 @@ fn rounded_away(x: f64, speed: f64, period: f64) -> f64 {
     (1.0 - way / (speed * period * f64::from(ticks))).abs()
 }
 
-/// What the crate's page says of `f32`.
+/// Verifies the figures for `f32` in the documentation of the crate.
 #[test]
 fn f32_dead_reckoning_keeps_the_travel_of_each_period() {
     for x in [0.0, 3.0, 10.0, -40.0, 99.0] {

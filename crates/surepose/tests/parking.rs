@@ -1,4 +1,4 @@
-//! The closed loop comes to rest at the goal.
+//! The closed loop brings the robot to rest at the goal.
 
 use surepose::control::{Controller, ControllerState, Direction, Limits, Tolerance};
 use surepose::geometry::{Angle, Body, Goal, Map, Pose};

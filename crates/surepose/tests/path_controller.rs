@@ -1,4 +1,4 @@
-//! On a path: nowhere is no reason to forget where the target is, and a thousand rounds are like the first.
+//! Path controller: an invalid pose keeps the target, and accuracy does not degrade over a thousand laps.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
@@ -24,7 +24,7 @@ fn controller<S: Float>() -> PathController<S, 8> {
     }
 }
 
-/// Pose after `laps` with ideal wheels, and the largest distance from the target after the first lap \[m].
+/// Follows the path for `laps` with ideal wheels; returns the largest distance from the target after the first lap \[m].
 fn max_path_error<S: Float>(laps: f64) -> f64 {
     let controller = controller::<S>();
     let start = controller.path.at(S::from_f64(0.0)).map_from_target;
@@ -44,7 +44,7 @@ fn max_path_error<S: Float>(laps: f64) -> f64 {
     most
 }
 
-/// 9 km. A way that were counted over all rounds would have 1 mm for its last digit in f32, and steps of 20.
+/// 9 km: a distance counted over all laps would have a resolution of 1 mm in `f32`, at steps of 20 mm.
 #[test]
 fn thousand_laps_match_the_first_in_f32() {
     let (first, all, exactly) =

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 /// Each crate with its folder and the crates that it may depend on, all of which stand above it.
-const CRATES: [(&str, &str, &[&str]); 13] = [
+const CRATES: [(&str, &str, &[&str]); 14] = [
+    ("surepose-testdata", "crates/surepose-testdata", &[]),
     ("surepose", "crates/surepose", &[]),
     ("surepose-config", "crates/surepose-config", &["surepose"]),
     ("surepose-io", "crates/surepose-io", &["surepose"]),

@@ -14,7 +14,6 @@ const SHORT: &[(&str, &str)] = &[
     ("/build.rs", "Cargo runs a build script from its own file"),
     ("/src/main.rs", "Cargo builds a program from its own file"),
     ("/tests/common/mod.rs", "Cargo takes every other file of `tests` for a test program"),
-    ("xtask/src/run.rs", "shared by the chores; in main.rs it would close a circle of imports"),
     (
         "/firmware_loop/main.rs",
         "the host's entry to the loop that firmware/ includes from the file beside it",

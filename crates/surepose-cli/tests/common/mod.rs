@@ -90,15 +90,3 @@ pub(crate) fn rover(lines: u32, step_us: u32) -> Vec<u8> {
     }
     text.into_bytes()
 }
-
-/// Returns the directory of the real recordings; `None` if it is absent.
-pub(crate) fn recordings() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("SUREPOSE_DATA").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        Some(folder)
-    } else {
-        eprintln!("skipped: no recordings in {}; set SUREPOSE_DATA", folder.display());
-        None
-    }
-}

@@ -1,6 +1,6 @@
-//! The frames of reference, as types: a pose in one cannot be used as a pose in another.
+//! Frames of reference as types: a pose in one frame cannot be used as a pose in another.
 
-/// A right-handed plane frame: x forward or east, y left or north, angles counter-clockwise.
+/// Right-handed frame of the plane: x forward or east, y left or north, angles counter-clockwise.
 pub trait Frame: Copy + 'static {}
 
 macro_rules! frames {
@@ -13,14 +13,14 @@ macro_rules! frames {
 }
 
 frames! {
-    /// The fixed world in which walls, landmarks and goals are given.
+    /// Map: fixed frame of walls, landmarks and goals.
     Map,
-    /// The robot: origin midway between the drive wheels, x forward.
+    /// Robot: origin midway between the drive wheels, x forward.
     Body,
-    /// The pose to come to rest at: origin there, x along the commanded heading.
+    /// Goal: origin at the goal position, x along the goal heading.
     Goal,
-    /// The point of a path to be at now: origin there, x along the path.
+    /// Current target point of a path: origin at the point, x along the path.
     Target,
-    /// The laser range finder: origin at its mirror, x along its zero bearing.
+    /// Laser range finder: origin at its mirror, x along beam angle 0.
     Laser,
 }

@@ -1,4 +1,4 @@
-//! Straight lines in normal form: what a laser sees of a wall.
+//! Straight lines in normal form, such as a wall in a scan.
 
 use core::marker::PhantomData;
 
@@ -8,31 +8,31 @@ use super::angle::Angle;
 use super::frame::Frame;
 use super::pose::{Point, Pose};
 
-/// The line x·cos ψ + y·sin ψ = r in frame `In`.
+/// Line x·cos ψ + y·sin ψ = r in frame `In`.
 ///
-/// (r, ψ) and (−r, ψ + π) are the same line; which of the two a line holds says on which side its normal points.
+/// (r, ψ) and (−r, ψ + π) describe the same line with opposite normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line<In, S> {
     /// Signed distance r from the origin along the normal \[m].
     pub distance: S,
     /// Direction ψ of the normal.
     pub direction: Angle<S>,
-    /// cos ψ, sin ψ: kept, because a map's walls are asked for them at every scan.
+    /// (cos ψ, sin ψ), stored because every scan uses the normals of the map's walls.
     normal: (S, S),
     frame: PhantomData<In>,
 }
 
 impl<In: Frame, S: Scalar> Line<In, S> {
-    /// The line at `distance` \[m] along `direction`.
+    /// Creates the line at `distance` \[m] from the origin along the normal `direction`.
     #[inline(always)]
     pub fn new(distance: S, direction: Angle<S>) -> Self {
         let (sin, cos) = direction.sin_cos();
         Self { distance, direction, normal: (cos, sin), frame: PhantomData }
     }
 
-    /// The line through two points, its normal to the right of the way from `start` to `end`.
+    /// Creates the line through two points; its normal points to the right of the direction from `start` to `end`.
     ///
-    /// Where the points coincide the direction is that of a null vector, 0.
+    /// If the points coincide, the direction of the normal is 0.
     #[inline(always)]
     pub fn through(start: Point<In, S>, end: Point<In, S>) -> Self {
         let direction = Angle::from_vector(end.y - start.y, start.x - end.x);
@@ -41,13 +41,13 @@ impl<In: Frame, S: Scalar> Line<In, S> {
         Self { distance, direction, normal: (cos, sin), frame: PhantomData }
     }
 
-    /// The unit normal (cos ψ, sin ψ).
+    /// Returns the unit normal (cos ψ, sin ψ).
     #[inline(always)]
     pub fn normal(&self) -> (S, S) {
         self.normal
     }
 
-    /// How far `point` lies before the line: r − p·n \[m], positive on the origin's side where r > 0.
+    /// Computes the signed distance of `point`: r − p·n \[m]. For r > 0 it is positive on the side of the origin.
     #[inline(always)]
     pub fn distance_from(&self, point: Point<In, S>) -> S {
         let (nx, ny) = self.normal;

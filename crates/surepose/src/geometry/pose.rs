@@ -1,4 +1,4 @@
-//! Poses and points of the plane, typed by the frames they join.
+//! Poses and points of the plane, typed by their frames.
 
 use core::marker::PhantomData;
 use core::ops::Mul;
@@ -8,9 +8,9 @@ use crate::scalar::Scalar;
 use super::angle::Angle;
 use super::frame::Frame;
 
-/// Where frame `From` lies in frame `To`: a value named `to_from_from`, `map_from_body` for example.
+/// Pose of frame `From` in frame `To`. Values are named `to_from_from`, for example `map_from_body`.
 ///
-/// Composition only joins frames that meet:
+/// Two poses compose if the inner frames are the same:
 ///
 /// ```
 /// use surepose::geometry::{Angle, Body, Goal, Map, Pose};
@@ -24,10 +24,10 @@ use super::frame::Frame;
 /// use surepose::geometry::{Angle, Body, Goal, Map, Pose};
 /// let map_from_body: Pose<Map, Body, f64> = Pose::new(1.0, 2.0, Angle::zero());
 /// let map_from_goal: Pose<Map, Goal, f64> = Pose::new(1.0, 3.0, Angle::zero());
-/// let _ = map_from_body * map_from_goal; // Body does not meet Map
+/// let _ = map_from_body * map_from_goal; // Body is not Map
 /// ```
 ///
-/// The types do not protect against two different maps, or against metres that were millimetres.
+/// The types do not detect a mix of two different maps, or millimeters in place of meters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose<To, From, S> {
     /// x of the origin of `From` in `To` \[m].
@@ -40,19 +40,19 @@ pub struct Pose<To, From, S> {
 }
 
 impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
-    /// The pose at (`x`, `y`) \[m] with `heading`.
+    /// Creates the pose at (`x`, `y`) \[m] with `heading`.
     #[inline(always)]
     pub fn new(x: S, y: S, heading: Angle<S>) -> Self {
         Self { x, y, heading, frames: PhantomData }
     }
 
-    /// The frames coincide.
+    /// Returns the pose of a frame that coincides with `To`.
     #[inline(always)]
     pub fn identity() -> Self {
         Self::new(S::from_f64(0.0), S::from_f64(0.0), Angle::zero())
     }
 
-    /// `yes` where `mask` is true, else `no`.
+    /// Returns `yes` where `mask` is true, else `no`.
     #[must_use]
     #[inline(always)]
     pub fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
@@ -60,7 +60,7 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
         Self::new(S::select(mask, yes.x, no.x), S::select(mask, yes.y, no.y), Angle::from_radians(heading))
     }
 
-    /// The same relation, seen from the other side: `from_from_to`.
+    /// Returns the inverse pose, `from_from_to`.
     #[must_use]
     #[inline(always)]
     pub fn inverse(self) -> Pose<From, To, S> {
@@ -68,7 +68,7 @@ impl<To: Frame, From: Frame, S: Scalar> Pose<To, From, S> {
         Pose::new(-(cos * self.x + sin * self.y), sin * self.x - cos * self.y, -self.heading)
     }
 
-    /// The origin of `From`, as a point of `To`.
+    /// Returns the origin of `From` as a point in `To`.
     #[inline(always)]
     pub fn origin(self) -> Point<To, S> {
         Point::new(self.x, self.y)
@@ -84,7 +84,7 @@ impl<A: Frame, B: Frame, C: Frame, S: Scalar> Mul<Pose<B, C, S>> for Pose<A, B, 
     }
 }
 
-/// A point in frame `In` \[m].
+/// Point in frame `In` \[m].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point<In, S> {
     /// First coordinate \[m].
@@ -95,26 +95,26 @@ pub struct Point<In, S> {
 }
 
 impl<In: Frame, S: Scalar> Point<In, S> {
-    /// The point (`x`, `y`) \[m].
+    /// Creates the point (`x`, `y`) \[m].
     #[inline(always)]
     pub fn new(x: S, y: S) -> Self {
         Self { x, y, frame: PhantomData }
     }
 
-    /// Distance to `other` \[m].
+    /// Computes the distance to `other` \[m].
     #[inline(always)]
     pub fn distance(self, other: Self) -> S {
         ((self.x - other.x).squared() + (self.y - other.y).squared()).sqrt()
     }
 
-    /// Distance \[m] and direction from here to `other`; the direction is 0 where they coincide.
+    /// Computes distance \[m] and direction to `other`; the direction is 0 if the points coincide.
     #[inline(always)]
     pub fn polar_to(self, other: Self) -> (S, Angle<S>) {
         let (distance, direction) = (other.y - self.y).polar(other.x - self.x);
         (distance, Angle::from_radians_unchecked(direction))
     }
 
-    /// Direction from here to `other`; 0 where they coincide.
+    /// Computes the direction to `other`; 0 if the points coincide.
     #[inline(always)]
     pub fn direction_to(self, other: Self) -> Angle<S> {
         Angle::from_vector(other.x - self.x, other.y - self.y)

@@ -1,15 +1,15 @@
-//! Covariances that cannot lose their sign: stored as the factors U D Uᵀ.
+//! Covariances that stay positive semi-definite, stored as the factors U D Uᵀ.
 //!
-//! U is unit upper triangular and D diagonal, so the matrix is symmetric by construction and positive
-//! semi-definite as long as no entry of D turns negative. Both updates below only ever *shrink* an entry of D by a
-//! factor in (0, 1] or rebuild it as a sum of squares: rounding cannot change its sign, in `f32` either, and after
-//! any number of steps. [Bierman1977] Ch. V; [Thornton1976].
+//! U is unit upper triangular and D is diagonal. The matrix is therefore symmetric, and positive semi-definite while no
+//! entry of D is negative. The observation multiplies entries of D by factors in (0, 1]. The propagation computes them as
+//! sums of squares. So rounding cannot change their sign, in `f32` or after any number of steps. [Bierman1977] Ch. V;
+//! [Thornton1976].
 
 use crate::scalar::{Float, Scalar};
 
 use super::matrix::Matrix;
 
-/// A symmetric positive semi-definite `N` × `N` matrix, as its factors U D Uᵀ.
+/// Symmetric positive semi-definite `N` × `N` matrix, stored as its factors U D Uᵀ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 ///
 /// ```
@@ -23,56 +23,56 @@ use super::matrix::Matrix;
 /// assert!(observation.covariance.is_valid());
 /// ```
 pub struct Covariance<S, const N: usize> {
-    /// The strict upper triangle of U; the rest of the square is not read.
+    /// Strict upper triangle of U; the other entries are not used.
     upper: [[S; N]; N],
-    /// The diagonal of D.
+    /// Diagonal of D.
     diagonal: [S; N],
 }
 
-/// The matrix is not symmetric positive semi-definite, or not finite.
+/// Rejected matrix: not finite or not positive semi-definite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InvalidCovariance;
 
 impl core::fmt::Display for InvalidCovariance {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the matrix is not a covariance: it must be finite, symmetric and positive semi-definite")
+        f.write_str("invalid covariance: expected a finite, symmetric, positive semi-definite matrix")
     }
 }
 
 impl core::error::Error for InvalidCovariance {}
 
-/// What one scalar observation does: [Tran2012] Eq. (16) and (18) for a single row of H.
+/// Result of one scalar observation: [Tran2012] Eq. (16) and (18) for one row of H.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation<S, const N: usize> {
-    /// The column K of the Kalman gain.
+    /// Column K of the Kalman gain.
     pub gain: [S; N],
-    /// The innovation variance H P Hᵀ + R.
+    /// Innovation variance H P Hᵀ + R.
     pub variance: S,
-    /// The covariance after the observation.
+    /// Covariance after the observation.
     pub covariance: Covariance<S, N>,
 }
 
 impl<S: Scalar, const N: usize> Covariance<S, N> {
-    /// Independent errors with these variances, none of them negative.
+    /// Creates the covariance of independent errors with the given variances; a negative variance counts as 0.
     #[inline(always)]
     pub fn from_variances(variances: [S; N]) -> Self {
         Self { upper: [[S::from_f64(0.0); N]; N], diagonal: variances.map(|v| v.max(S::from_f64(0.0))) }
     }
 
-    /// Independent errors with these standard deviations.
+    /// Creates the covariance of independent errors with the given standard deviations.
     #[inline(always)]
     pub fn from_std(std: [S; N]) -> Self {
         Self::from_variances(std.map(S::squared))
     }
 
-    /// The matrix times `factor`, which is not negative.
+    /// Multiplies the matrix by `factor` ≥ 0.
     #[must_use]
     #[inline(always)]
     pub fn scaled(self, factor: S) -> Self {
         Self { diagonal: self.diagonal.map(|d| d * factor), ..self }
     }
 
-    /// The entry in `row` and `column` of the matrix itself.
+    /// Returns the entry of the matrix in `row` and `column`.
     #[inline(always)]
     pub fn entry(&self, row: usize, column: usize) -> S {
         let mut sum = S::from_f64(0.0);
@@ -82,7 +82,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         sum
     }
 
-    /// The matrix itself.
+    /// Returns the full matrix.
     pub fn matrix(&self) -> Matrix<S, N, N> {
         let mut result = Matrix::zeros();
         for row in 0..N {
@@ -93,31 +93,32 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         result
     }
 
-    /// The standard deviation of component `i`.
+    /// Returns the standard deviation of component `i`.
     #[inline(always)]
     pub fn std(&self, i: usize) -> S {
         self.entry(i, i).sqrt()
     }
 
-    /// The strict upper triangle of U, the rest of whose square means nothing, and the diagonal of D: for keeping many
-    /// covariances side by side.
+    /// Returns the factors: the strict upper triangle of U and the diagonal of D.
+    ///
+    /// The other entries of the first array have no meaning. The factors serve to store many covariances in one array.
     #[inline(always)]
     pub fn factors(&self) -> ([[S; N]; N], [S; N]) {
         (self.upper, self.diagonal)
     }
 
-    /// The covariance of `upper` and `diagonal` that [`Covariance::factors`] gave.
+    /// Creates a covariance from the result of [`Covariance::factors`].
     ///
-    /// Nothing checks that no entry of `diagonal` is negative.
+    /// The sign of the entries of `diagonal` is not checked.
     #[inline(always)]
     pub fn from_factors(upper: [[S; N]; N], diagonal: [S; N]) -> Self {
         Self { upper, diagonal }
     }
 
-    /// eᵀ P⁻¹ e, the squared Mahalanobis length of `error`; directions without variance do not count.
+    /// Computes eᵀ P⁻¹ e, the squared Mahalanobis distance of `error`, without directions of zero variance.
     #[inline(always)]
     pub fn mahalanobis_squared(&self, error: [S; N]) -> S {
-        // With e = U y, the length is Σ yᵢ²/dᵢ; U is solved from the last row up.
+        // With e = U y, the result is Σ yᵢ²/dᵢ. Back substitution solves for y.
         let mut y = error;
         let mut sum = S::from_f64(0.0);
         for j in (0..N).rev() {
@@ -129,7 +130,9 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         sum
     }
 
-    /// A P Aᵀ + W diag(`noise`) Wᵀ, [Tran2012] Eq. (12), by weighted Gram–Schmidt: [Thornton1976].
+    /// Computes A P Aᵀ + W diag(`noise`) Wᵀ, [Tran2012] Eq. (12).
+    ///
+    /// The method is weighted Gram–Schmidt orthogonalization [Thornton1976].
     #[must_use]
     #[inline(always)]
     pub fn propagated<const M: usize>(
@@ -138,7 +141,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         w: &Matrix<S, N, M>,
         noise: [S; M],
     ) -> Self {
-        // The rows of [A U, W] are made orthogonal under the weights (D, noise).
+        // The rows of [A U, W] are orthogonalized with the weights (D, noise).
         let mut au = a.0;
         for row in &mut au {
             for column in (0..N).rev() {
@@ -150,7 +153,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         const { assert!(N <= 3, "a pose has three components") };
         let zeros = Self { upper: [[S::from_f64(0.0); N]; N], diagonal: [S::from_f64(0.0); N] };
         let mut rows = Rows { au, w: w.0, weights: self.diagonal, noise, result: zeros };
-        // Written out: a loop that is left inside another keeps the compiler from making vectors of the outer one.
+        // Unrolled by hand: a nested loop would prevent the compiler from vectorizing the outer one.
         if N > 2 {
             rows.make_orthogonal(2);
         }
@@ -163,10 +166,11 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         rows.result
     }
 
-    /// Observes `row`·x with noise `variance` > 0: [Tran2012] Eq. (16), (18), in the factored form of [Bierman1977].
+    /// Applies an observation of `row`·x with noise `variance` > 0: [Tran2012] Eq. (16), (18).
     ///
     /// # Departure
-    /// (18) as printed loses symmetry and sign to rounding; this form cannot.
+    /// With rounding, Eq. (18) as printed loses symmetry and positive semi-definiteness. The factored form of [Bierman1977]
+    /// keeps both.
     #[inline(always)]
     pub fn observed(&self, row: [S; N], variance: S) -> Observation<S, N> {
         let mut result = *self;
@@ -196,7 +200,7 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         Observation { gain, variance: total, covariance: result }
     }
 
-    /// `yes` where `mask` is true, else `no`.
+    /// Returns `yes` where `mask` is true, else `no`.
     #[must_use]
     #[inline(always)]
     pub fn select(mask: S::Mask, yes: &Self, no: &Self) -> Self {
@@ -217,10 +221,10 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
 }
 
 impl<S: Float, const N: usize> Covariance<S, N> {
-    /// The factors of `matrix`, of which only the upper triangle is read.
+    /// Factors `matrix`; only its upper triangle is used.
     ///
     /// # Errors
-    /// [`InvalidCovariance`] where it is not finite or has a negative eigenvalue beyond rounding.
+    /// [`InvalidCovariance`] if it is not finite or has a negative eigenvalue beyond rounding.
     pub fn from_matrix(matrix: &Matrix<S, N, N>) -> Result<Self, InvalidCovariance> {
         let mut rest = matrix.0;
         let mut result = Self::from_variances([S::from_f64(0.0); N]);
@@ -247,7 +251,7 @@ impl<S: Float, const N: usize> Covariance<S, N> {
         Ok(result)
     }
 
-    /// Every factor is finite and no entry of D is negative.
+    /// Returns whether every factor is finite and no entry of D is negative.
     pub fn is_valid(&self) -> bool {
         (0..N).all(|i| {
             self.diagonal[i].is_finite()
@@ -257,7 +261,7 @@ impl<S: Float, const N: usize> Covariance<S, N> {
     }
 }
 
-/// The rows of [A U, W] on their way to being orthogonal under the weights (D, noise), and the factors found so far.
+/// State of the orthogonalization of the rows of [A U, W] with the weights (D, noise).
 struct Rows<S, const N: usize, const M: usize> {
     au: [[S; N]; N],
     w: [[S; M]; N],
@@ -267,7 +271,7 @@ struct Rows<S, const N: usize, const M: usize> {
 }
 
 impl<S: Scalar, const N: usize, const M: usize> Rows<S, N, M> {
-    /// Takes the part along row `j` out of the rows above it: the rows below were taken before.
+    /// Subtracts the projection on row `j` from the rows above it. The rows below were processed before.
     #[inline(always)]
     fn make_orthogonal(&mut self, j: usize) {
         let Self { au, w, weights, noise, result } = self;

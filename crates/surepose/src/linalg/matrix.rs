@@ -1,24 +1,24 @@
-//! Fixed-size matrices: just what Jacobians and covariances need.
+//! Matrices of fixed size, for Jacobians and covariances.
 
 use core::ops::{Index, IndexMut, Mul};
 
 use crate::scalar::Scalar;
 
-/// `R` rows by `C` columns.
+/// Matrix with `R` rows and `C` columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix<S, const R: usize, const C: usize>(
-    /// The rows.
+    /// Rows of the matrix.
     pub [[S; C]; R],
 );
 
 impl<S: Scalar, const R: usize, const C: usize> Matrix<S, R, C> {
-    /// All zeros.
+    /// Creates a matrix of zeros.
     #[inline]
     pub fn zeros() -> Self {
         Self([[S::from_f64(0.0); C]; R])
     }
 
-    /// Rows and columns exchanged.
+    /// Returns the transpose.
     #[must_use]
     #[inline]
     pub fn transpose(&self) -> Matrix<S, C, R> {
@@ -33,7 +33,7 @@ impl<S: Scalar, const R: usize, const C: usize> Matrix<S, R, C> {
 }
 
 impl<S: Scalar, const N: usize> Matrix<S, N, N> {
-    /// `diagonal` on the diagonal, zeros elsewhere.
+    /// Creates a diagonal matrix.
     #[inline]
     pub fn from_diagonal(diagonal: [S; N]) -> Self {
         let mut result = Self::zeros();

@@ -1,13 +1,13 @@
-//! Numbers that carry their derivatives along.
+//! Dual numbers: forward-mode automatic differentiation.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Scalar;
 
-/// A value and its derivatives by `N` parameters, over any scalar.
+/// Value and its derivatives with respect to `N` parameters.
 ///
-/// Over floats it gives Jacobians to rounding; over intervals it encloses them, for the certificate. Where a
-/// function has a corner the derivative is that of the side taken. A comparison looks at the value alone.
+/// With floats as scalars, the derivatives are exact up to rounding. With intervals they are enclosed, for the certificate.
+/// At a corner of a function, the derivative is one-sided. Comparisons use the value only.
 ///
 /// ```
 /// use surepose::scalar::{Dual, Scalar};
@@ -17,33 +17,33 @@ use super::Scalar;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<S, const N: usize> {
-    /// The value.
+    /// Value.
     pub value: S,
-    /// Its derivative by each parameter.
+    /// Derivative of the value with respect to each parameter.
     pub slope: [S; N],
 }
 
 impl<S: Scalar, const N: usize> Dual<S, N> {
-    /// A value that depends on no parameter.
+    /// Creates a constant: all derivatives are 0.
     #[inline]
     pub fn constant(value: S) -> Self {
         Self { value, slope: [S::from_f64(0.0); N] }
     }
 
-    /// The parameter of that `index` itself; an index out of range gives a constant.
+    /// Creates the parameter `index` with the given value; an index out of range gives a constant.
     #[inline]
     pub fn parameter(value: S, index: usize) -> Self {
         let slope = core::array::from_fn(|i| S::from_f64(if i == index { 1.0 } else { 0.0 }));
         Self { value, slope }
     }
 
-    /// A function's `value` here, by the chain rule from its derivative `rate` here.
+    /// Applies the chain rule for a function with this `value` and the derivative `rate`.
     #[inline]
     fn chain(self, value: S, rate: S) -> Self {
         Self { value, slope: self.slope.map(|s| s * rate) }
     }
 
-    /// A function of two, from its derivatives by each.
+    /// Applies the chain rule for a function of two arguments, with its two partial derivatives.
     #[inline]
     fn chain_two(self, other: Self, value: S, by_self: S, by_other: S) -> Self {
         let slope = core::array::from_fn(|i| self.slope[i] * by_self + other.slope[i] * by_other);
@@ -132,7 +132,7 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
     }
     #[inline]
     fn sqrt(self) -> Self {
-        // At 0 the root has no derivative; 0 is what keeps the rest of the sum finite.
+        // At 0 the root has no derivative; 0 keeps sums finite.
         let root = self.value.sqrt();
         self.chain(root, S::from_f64(0.5).div_or_zero(root))
     }
@@ -169,7 +169,7 @@ mod tests {
 
     type Two = Dual<f64, 2>;
 
-    /// Compares the carried derivatives of `f` with central differences.
+    /// Compares the derivatives of `f` with central differences.
     fn check(f: impl Fn(Two, Two) -> Two, x: f64, y: f64) -> Result<(), TestCaseError> {
         const STEP: f64 = 1e-6;
         let at = |x: f64, y: f64| f(Two::parameter(x, 0), Two::parameter(y, 1));

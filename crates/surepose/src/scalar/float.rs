@@ -1,14 +1,14 @@
-//! `f32` and `f64` as scalars, on `libm`: the same bits on every target.
+//! `f32` and `f64` as scalars. Functions come from `libm`, so that results are bit-identical on every target.
 
 use super::Scalar;
 
-/// A scalar that is one ordered number: what gates, histories and the edge of the system need.
+/// Scalar with an order: a single number, for gates, histories and interfaces.
 pub trait Float: Scalar<Mask = bool> + PartialOrd + Default {
-    /// Neither NaN nor infinite.
+    /// Returns whether the value is neither NaN nor infinite.
     fn is_finite(self) -> bool;
-    /// The value as `f64`, for reports.
+    /// Converts the value to `f64`, for reports.
     fn to_f64(self) -> f64;
-    /// The distance from 1 to the next larger number.
+    /// Distance from 1 to the next larger number.
     const EPSILON: Self;
 }
 
@@ -44,8 +44,8 @@ macro_rules! float {
             }
             #[inline]
             fn round(self) -> Self {
-                // Adding 1.5·2^(digits − 1) leaves no room for a fraction: IEEE 754 rounds it away, in two operations
-                // where `libm::rint` takes forty. Beyond 2^(digits − 2) every number this coarse is whole anyway.
+                // At the magnitude of 1.5·2^(digits − 1), floats have no fraction, so the addition rounds it away. These
+                // two operations replace the forty of `libm::rint`. Larger values than 2^(digits − 2) are not rounded.
                 (self + $shift) - $shift
             }
             #[inline]
@@ -59,7 +59,7 @@ macro_rules! float {
             #[inline]
             fn atan2(self, x: Self) -> Self {
                 let angle = libm::$atan2(self, x);
-                // −0 is on the side of −π: the same direction as π. NaN stays NaN.
+                // atan2(−0, x < 0) is −π, the same direction as π. NaN stays NaN.
                 if angle > -core::$float::consts::PI { angle } else { libm::$fabs(angle) }
             }
         }

@@ -1,6 +1,6 @@
-//! What the tests of estimation share.
+//! Random numbers for the tests of estimation.
 
-/// SplitMix64 and the sum of twelve uniforms: enough of a normal for a mean.
+/// SplitMix64; a normal number is the sum of twelve uniform ones, which is sufficient for means.
 pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {

@@ -1,29 +1,15 @@
 //! Consistency of the filter: the mean NEES matches its χ² distribution.
 
-mod common;
-
-use common::Noise;
-use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, RangeBearingMeasurement};
+use surepose::estimation::{Measurement, RangeBearingMeasurement};
 use surepose::geometry::{Angle, Point, Pose};
-use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::kinematics::{Integration, WheelPair};
 use surepose::scalar::Float;
-use surepose::time::{Stamp, Stamped};
+use surepose::time::Stamped;
 
-fn estimator<S: Float>() -> DelayedEkf<S, 64> {
-    let ekf = Ekf {
-        drive: DiffDrive::new(S::from_f64(0.05), S::from_f64(0.6)),
-        delta: S::from_f64(0.0025),
-        integration: Integration::Arc,
-    };
-    let belief = Belief::new(Pose::identity(), [S::from_f64(0.05), S::from_f64(0.05), S::from_f64(0.02)]);
-    DelayedEkf::new(ekf, Gate::new(0.999), 1.0, Stamp::default(), belief)
-}
+use crate::common::Noise;
+use crate::{at, estimator};
 
-fn at(milliseconds: i64) -> Stamp {
-    Stamp::from_nanoseconds(milliseconds * 1_000_000)
-}
-
-/// A simulated filter's mistakes have the size it claims: mean NEES within the 95 % χ² band of 3, in both precisions.
+/// The mean NEES of simulated filters lies within the 95 % band of χ² with 3 degrees of freedom, in both precisions.
 fn consistent<S: Float>() {
     let runs = 400;
     let mut sum = 0.0;

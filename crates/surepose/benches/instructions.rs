@@ -1,6 +1,6 @@
-//! One piece of work, many times: for counting instructions under callgrind, see `cargo xtask instructions`.
+//! Repeats one operation for instruction counts under callgrind; see `cargo xtask instructions`.
 //!
-//! `instructions NAME COUNT` does the work NAME (`law`, `predict`, `compass`, `wall`, `cycle`, `step`) COUNT times.
+//! `instructions NAME COUNT` runs operation NAME (`law`, `predict`, `compass`, `wall`, `cycle`, `step`) COUNT times.
 
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -15,6 +15,10 @@ use surepose::kinematics::{DiffDrive, Integration, WheelPair};
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let (name, count) = (arguments.next(), arguments.next().and_then(|n| n.parse().ok()));
+    if name.as_deref() == Some("--bench") {
+        println!("run `cargo xtask instructions`, which counts instructions");
+        return ExitCode::SUCCESS;
+    }
     let (Some(name), Some(count)) = (name, count) else {
         eprintln!("usage: instructions law|predict|compass|wall|cycle|step COUNT");
         return ExitCode::from(2);
@@ -28,7 +32,7 @@ fn main() -> ExitCode {
         "cycle" => cycle,
         "step" => step,
         other => {
-            eprintln!("there is no work called {other}");
+            eprintln!("unknown operation {other}");
             return ExitCode::from(2);
         }
     };
