@@ -163,6 +163,14 @@ parameters! {
     /// Delay between a compass measurement and its arrival.
     COMPASS_LATENCY = "compass" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
 
+    /// Standard deviation of one reading of the gyroscope's yaw rate.
+    GYROSCOPE_STD = "gyroscope" "std_deg_s", DegreePerSecond, positive(100.0, 0.3, SIGMA);
+    /// Standard deviation of the gyroscope's bias at the start. The filter estimates the bias.
+    GYROSCOPE_BIAS_STD = "gyroscope" "bias_std_deg_s", DegreePerSecond, positive(100.0, 1.0, SIGMA);
+    /// Random walk of the gyroscope's bias: the standard deviation of its change in one second.
+    GYROSCOPE_BIAS_WALK = "gyroscope" "bias_walk_deg_s", DegreePerSecond,
+        in_range(0.0, 10.0, 0.01, "a standard deviation is not negative, and a bias that walks faster is noise");
+
     /// Standard deviation of a laser range.
     LASER_RANGE_STD = "laser" "range_std_m", Meter, positive(10.0, 0.03, SIGMA);
     /// Standard deviation of the direction of a laser beam.
