@@ -204,7 +204,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let (mut count, mut sum) = (0.0, S::from_f64(0.0));
         for reading in input.readings {
             let SensorReading::YawRate(rate) = reading.value else { continue };
-            if !(rate.abs() < S::from_f64(MAX_YAW_RATE)) {
+            let is_plausible = rate.abs() < S::from_f64(MAX_YAW_RATE);
+            if !is_plausible {
                 self.estimator.reject(RejectReason::NotFinite);
             } else if reading.stamp > input.stamp {
                 self.estimator.reject(RejectReason::Future);
