@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use surepose::param::Parameter;
+use surepose::param::{Kind, Parameter};
 
 /// One parameter's value.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +41,17 @@ pub enum ValueSource {
     },
     /// An option.
     CommandLine,
+}
+
+impl Value {
+    /// Returns the default of a parameter; 0 for a derived one.
+    pub fn default_of(parameter: &Parameter) -> Self {
+        match parameter.kind {
+            Kind::Number { default, .. } => Self::Number(default.unwrap_or(0.0)),
+            Kind::Integer { default, .. } => Self::Number(default.into()),
+            Kind::Choice { options } => Self::Choice(options.first().copied().unwrap_or("")),
+        }
+    }
 }
 
 impl fmt::Display for Value {

@@ -3,13 +3,15 @@
 use crate::control::Direction;
 use crate::kinematics::Integration;
 
-use super::{ArenaName, BrakingMode, Choice, Kind, LawName, Parameter, Range, Unit};
+use super::{ArenaName, BrakingMode, Choice, Kind, LawName, Range};
 
-const fn in_range(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
+/// Kind of a number in \[`low`, `high`].
+pub const fn in_range(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
     Kind::Number { default: Some(default), range: Range { low, low_inclusive: true, high, reason } }
 }
 
-const fn positive(high: f64, default: f64, reason: &'static str) -> Kind {
+/// Kind of a number in (0, `high`].
+pub const fn positive(high: f64, default: f64, reason: &'static str) -> Kind {
     Kind::Number { default: Some(default), range: Range { low: 0.0, low_inclusive: false, high, reason } }
 }
 
@@ -18,29 +20,33 @@ const fn derived(high: f64, reason: &'static str) -> Kind {
     Kind::Number { default: None, range: Range { low: 0.0, low_inclusive: false, high, reason } }
 }
 
-const fn integer(low: f64, high: f64, default: u32, reason: &'static str) -> Kind {
+/// Kind of an integer in \[`low`, `high`].
+pub const fn integer(low: f64, high: f64, default: u32, reason: &'static str) -> Kind {
     Kind::Integer { default, range: Range { low, low_inclusive: true, high, reason } }
 }
 
-const fn one_of<C: Choice>() -> Kind {
+/// Kind of a name; the first is the default.
+pub const fn one_of<C: Choice>() -> Kind {
     Kind::Choice { options: C::NAMES }
 }
 
+/// Declares parameters and lists them in `ALL`, in the style of [`param`](crate::param).
+#[macro_export]
 macro_rules! parameters {
     ($($(#[doc = $meaning:literal])+ $name:ident = $section:literal $key:literal, $unit:ident, $kind:expr;)*) => {
         $(
             $(#[doc = $meaning])+
-            pub const $name: Parameter = Parameter {
+            pub const $name: $crate::param::Parameter = $crate::param::Parameter {
                 section: $section,
                 key: $key,
-                unit: Unit::$unit,
+                unit: $crate::param::Unit::$unit,
                 kind: $kind,
                 meaning: concat!($($meaning),+),
             };
         )*
 
         /// All parameters, grouped by section.
-        pub const ALL: &[Parameter] = &[$($name),*];
+        pub const ALL: &[$crate::param::Parameter] = &[$($name),*];
     };
 }
 
