@@ -299,7 +299,7 @@ fn invalid_world_exits_with_2_and_proposes_a_key() {
         (&["--world", "robot.track_m=wide"], "`track_m`: expected a number"),
         (&["--world", "motor.breakaway_speed_m_s=-1"], "negative value"),
         (&["--world", "robot.track_m=0.5", "--world", "robot.track_m=0.7"], "two values (got 0.5 and 0.7)"),
-        (&["--world", "gyro.bias_deg_s=1"], "without effect"),
+        (&["--world", "gyroscope.bias_deg_s=1"], "without effect"),
         (&["--world", "scenario.start_x_m=-3"], "outside the arena"),
     ] {
         let run = surepose(&[&["run", "--json"], options].concat());

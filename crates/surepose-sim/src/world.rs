@@ -9,7 +9,7 @@ use surepose::time::{Stamp, Stamped};
 use crate::arena::Arena;
 use crate::compass::CompassModel;
 use crate::fault::{Disturbance, Fault, FaultKind, Sensor, disturbance, held_wheels};
-use crate::gyroscope::{Gyroscope, GyroscopeModel};
+use crate::gyroscope::{GyroscopeModel, GyroscopeState};
 use crate::laser::{LaserModel, SimulatedScan};
 use crate::motor::{MotorModel, Wheel};
 use crate::plant::{Plant, PlantModel};
@@ -107,7 +107,7 @@ pub struct World {
     /// Turn since the beginning of the step \[rad].
     turned: f64,
     slip: Stream,
-    gyroscope: Gyroscope,
+    gyroscope: GyroscopeState,
     compass: Stream,
     laser: Stream,
     headings: UnderWay<Angle<f64>>,
@@ -133,7 +133,7 @@ impl World {
             contact: ContactPoints::default(),
             turned: 0.0,
             slip: seed.stream("slip"),
-            gyroscope: Gyroscope::new(seed.stream("gyroscope")),
+            gyroscope: GyroscopeState::new(seed.stream("gyroscope")),
             compass: seed.stream("compass"),
             laser: seed.stream("laser"),
             headings: Vec::new(),

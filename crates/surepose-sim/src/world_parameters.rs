@@ -89,7 +89,6 @@ impl_choice!(CompassFault { None = "none", NotANumber = "nan", Silent = "silent"
 
 const FOREVER: &str = "a duration is positive, and no run is longer than an hour";
 const FROM: &str = "a fault begins during the run, and no run is longer than an hour";
-const STD: &str = "a standard deviation is not negative";
 
 surepose::parameters! {
     /// Response of the motors: `pid` for motors with lag, friction and ripple under a speed controller, `ideal` for wheels
@@ -111,14 +110,10 @@ surepose::parameters! {
         positive(1000.0, 1000.0, "at 0 the robot cannot move");
 
     /// Whether the robot has a gyroscope that measures the yaw rate.
-    GYROSCOPE = "gyro" "installed", One, one_of::<Installed>();
-    /// Standard deviation of the white noise of the mean yaw rate over one second.
-    GYROSCOPE_NOISE = "gyro" "noise_deg_s", DegreePerSecond, in_range(0.0, 100.0, 0.01, STD);
-    /// Bias of the yaw rate at the start.
-    GYROSCOPE_BIAS = "gyro" "bias_deg_s", DegreePerSecond,
+    GYROSCOPE = "gyroscope" "installed", One, one_of::<Installed>();
+    /// Mean of the gyroscope's bias at the start.
+    GYROSCOPE_BIAS = "gyroscope" "bias_deg_s", DegreePerSecond,
         in_range(-100.0, 100.0, 0.0, "a bias beyond 100 °/s is a broken sensor");
-    /// Standard deviation of the random change of the bias in one second.
-    GYROSCOPE_BIAS_WALK = "gyro" "bias_walk_deg_s", DegreePerSecond, in_range(0.0, 100.0, 0.002, STD);
 
     /// Wheels that do not turn, whatever their motors do.
     HELD_WHEELS = "fault" "held_wheels", One, one_of::<HeldWheels>();
@@ -156,6 +151,9 @@ const TRUE_VALUES: &[&Parameter] = &[
     &param::COMPASS_STD,
     &param::COMPASS_OFFSET,
     &param::COMPASS_LATENCY,
+    &param::GYROSCOPE_STD,
+    &param::GYROSCOPE_BIAS_STD,
+    &param::GYROSCOPE_BIAS_WALK,
     &param::LASER_RANGE_STD,
     &param::LASER_BEARING_STD,
     &param::LASER_X,
@@ -171,9 +169,10 @@ const TRUE_VALUES: &[&Parameter] = &[
 
 /// Parameters that have no effect unless another one has an option other than its first.
 pub(crate) const DEPENDENT: &[(&Parameter, &Parameter)] = &[
-    (&GYROSCOPE_NOISE, &GYROSCOPE),
     (&GYROSCOPE_BIAS, &GYROSCOPE),
-    (&GYROSCOPE_BIAS_WALK, &GYROSCOPE),
+    (&param::GYROSCOPE_STD, &GYROSCOPE),
+    (&param::GYROSCOPE_BIAS_STD, &GYROSCOPE),
+    (&param::GYROSCOPE_BIAS_WALK, &GYROSCOPE),
     (&HELD_FROM, &HELD_WHEELS),
     (&LASER_FAULT_FROM, &LASER_FAULT),
     (&LASER_FAULT_DURATION, &LASER_FAULT),

@@ -86,12 +86,14 @@ impl WorldSettings {
         }
     }
 
-    /// Returns the gyroscope; `None` if the robot has none.
-    pub(crate) fn gyroscope(&self) -> Option<GyroscopeModel> {
+    /// Returns the gyroscope with the true noise; `None` if the robot has none.
+    pub(crate) fn gyroscope(&self, truth: &Config) -> Option<GyroscopeModel> {
+        let noise = truth.gyroscope();
         (self.choice::<Installed>(&table::GYROSCOPE) == Installed::Yes).then(|| GyroscopeModel {
-            noise: self.number(&table::GYROSCOPE_NOISE),
+            std: noise.std,
             bias: self.number(&table::GYROSCOPE_BIAS),
-            bias_walk: self.number(&table::GYROSCOPE_BIAS_WALK),
+            bias_std: noise.bias_std,
+            bias_walk: noise.bias_walk,
         })
     }
 

@@ -210,7 +210,7 @@ impl Scenario {
             },
             slip: Slip { delta: truth.ekf().delta },
             traction: given.traction(),
-            gyroscope: given.gyroscope(),
+            gyroscope: given.gyroscope(&truth),
             compass: self.sensors.compass.then(|| (compass_model, timing(compass.latency))),
             laser: self.sensors.laser.then(|| (laser_model, timing(laser.latency))),
             faults: self.faults.iter().cloned().chain(given.faults()).collect(),

@@ -236,7 +236,7 @@ fn faulty_scans_have_valid_stamps_and_useless_ranges() {
 /// Without noise the gyroscope reads the mean yaw rate; adding it changes no other sensor.
 #[test]
 fn gyroscope_reads_the_yaw_rate_alone() {
-    let exact = GyroscopeModel { noise: 0.0, bias: 0.01, bias_walk: 0.0 };
+    let exact = GyroscopeModel { bias: 0.01, ..GyroscopeModel::default() };
     let (mut with, mut without) =
         (world(WorldModel { gyroscope: Some(exact), ..paper() }, 1), world(paper(), 1));
     let mut before = with.pose();
