@@ -1,5 +1,5 @@
 //! Project tasks: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`, `cargo xtask
-//! microcontroller`, `cargo xtask ros2`, `cargo xtask bits`.
+//! microcontroller`, `cargo xtask ros2`, `cargo xtask long`, `cargo xtask bits`.
 
 mod bits;
 mod instructions;
@@ -17,6 +17,7 @@ cargo xtask tidy            check the consistency of documents and code
 cargo xtask instructions    check instruction counts against their budgets (needs valgrind on x86-64)
 cargo xtask microcontroller check that an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
 cargo xtask ros2            test the node against rclpy of ROS 2 (needs python3.11 and the network)
+cargo xtask long            run the long measurements: every cell of the actuator bench with 150 trials
 cargo xtask bits            compare the results of two versions of the program: `record` and `compare`";
 
 fn main() -> ExitCode {
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
         Some("instructions") => instructions::check(&root),
         Some("microcontroller") => microcontroller::check(&root),
         Some("ros2") => ros2::check(&root),
+        Some("long") => long(&root),
         Some("bits") => bits::run(&root, &arguments[1..]),
         _ => Err(USAGE.to_owned()),
     };
@@ -38,6 +40,11 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs the measurements that take too long for the gate, which has a reduced version of each.
+fn long(root: &Path) -> Result<(), String> {
+    run::cargo(root, &["run", "--release", "-p", "surepose-experiments", "--example", "actuators"], &[])
 }
 
 /// Runs every check; the first that fails ends the gate.

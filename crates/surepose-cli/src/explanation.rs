@@ -1,8 +1,8 @@
 //! Explains a parameter: name, meaning, unit, default, bounds and their reason.
 
-use serde_json::{Value as Json, json};
+use serde_json::{Map, Value as Json, json};
 use surepose::param::{Kind, Parameter};
-use surepose_config::{Setting, Value};
+use surepose_config::{ParameterSet, Setting, Value};
 
 /// Returns `section.key`.
 pub(crate) fn name(parameter: &Parameter) -> String {
@@ -15,6 +15,25 @@ pub(crate) fn json_of(value: &Value) -> Json {
         Value::Number(number) => json!(number),
         Value::Choice(choice) => json!(choice),
     }
+}
+
+/// Returns settings as a JSON object, name to value.
+pub(crate) fn settings_as_json(settings: &[Setting]) -> Json {
+    let entry = |setting: &Setting| (name(setting.parameter), json_of(&setting.value));
+    Json::Object(settings.iter().map(entry).collect())
+}
+
+/// Explains every parameter of a simulated world, as JSON or as text.
+pub(crate) fn world_help(parameters: &ParameterSet, json: bool) -> String {
+    if json {
+        let all: Map<_, _> = parameters.iter().map(|p| (name(p), as_json(p))).collect();
+        return format!("{}\n", Json::Object(all));
+    }
+    let all = parameters.iter().map(as_text).collect::<String>();
+    format!(
+        "Properties of the world, for --world SECTION.KEY=VALUE. Those that the configuration has, too, default to \
+         the robot's configuration.\n\n{all}"
+    )
 }
 
 /// Returns the value of a setting with its unit.

@@ -101,11 +101,11 @@ pub(crate) fn worded(json: &Map<String, Value>, words: &[(&str, &str)]) -> Vec<[
         let found = words.iter().find(|(it, _)| it == key);
         found.map_or_else(|| key.clone(), |(_, words)| (*words).to_owned())
     };
-    json.iter().map(|(key, value)| [name(key), shown(value)]).collect()
+    json.iter().map(|(key, value)| [name(key), shown_value(value)]).collect()
 }
 
 /// Formats a value: numbers with four significant digits, counts by name.
-fn shown(value: &Value) -> String {
+pub(crate) fn shown_value(value: &Value) -> String {
     match value {
         Value::Number(number) if !number.is_u64() => {
             let number = number.as_f64().unwrap_or(f64::NAN);

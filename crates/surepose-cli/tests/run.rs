@@ -295,7 +295,7 @@ fn world_differs_from_the_configuration() {
 fn invalid_world_exits_with_2_and_proposes_a_key() {
     for (options, named) in [
         (&["--world", "robot.trak_m=0.6"][..], "did you mean `track_m`?"),
-        (&["--world", "law.k_v=3"], "`law.k_v`: not a property of the world"),
+        (&["--world", "law.k_v=3"], "`law.k_v`: not a property of the simulated world"),
         (&["--world", "robot.track_m=wide"], "`track_m`: expected a number"),
         (&["--world", "motor.breakaway_speed_m_s=-1"], "negative value"),
         (&["--world", "robot.track_m=0.5", "--world", "robot.track_m=0.7"], "two values (got 0.5 and 0.7)"),

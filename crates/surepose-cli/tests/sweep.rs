@@ -244,3 +244,40 @@ fn sweep_without_success_is_reported() {
     assert!(run.stderr.contains("success") && run.stderr.contains("0.000 %"), "{}", run.stderr);
     assert!(!run.stderr.contains("reversals"), "{}", run.stderr);
 }
+
+/// A base with a dead band: unknown, the goals are aborted; known, the robot parks.
+#[test]
+fn trials_on_a_base_with_its_own_properties() {
+    let runs = ["sweep", "--runs", "20", "--period", "0.1", "--json"];
+    let unknown = surepose(&[&runs[..], &["--world", "robot.min_wheel_speed_m_s=0.02"]].concat());
+    let json = unknown.json();
+    assert_eq!(
+        (unknown.code, &json["success_rate"], &json["aborted"]["stalled"]),
+        (1, &0.0.into(), &20.into()),
+        "{json}"
+    );
+    assert_eq!(json["world"]["robot.min_wheel_speed_m_s"], 0.02, "{json}");
+    let known = surepose(&[&runs[..], &["--set", "robot.min_wheel_speed_m_s=0.02"]].concat());
+    assert_eq!((known.code, &known.json()["success_rate"]), (0, &1.0.into()), "{}", known.stderr);
+    assert!(!known.stderr.contains("Ignored"), "{}", known.stderr);
+    let usual = surepose(&runs).json();
+    assert!(usual["aborted"].is_null() && usual["world"].is_null(), "{usual}");
+}
+
+#[test]
+fn base_of_the_trials_has_no_sensors() {
+    for (options, named) in [
+        (&["--world", "laser.x_m=0.1"][..], "`laser.x_m`: not a property"),
+        (&["--world", "robot.track=0.5"], "the key is `track_m`"),
+        (&["--world", "robot.track_m=0.5", "--loop", "ekf"], "--loop ekf: not available"),
+        (&["--world", "robot.track_m=0.5", "--precision", "f32"], "--precision f32"),
+    ] {
+        let run = surepose(&[&["sweep", "--runs", "5", "--json"], options].concat());
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{options:?}: {}", run.stderr);
+        assert!(run.stderr.contains(named), "{options:?}: {}", run.stderr);
+    }
+    let help = surepose(&["sweep", "--world", "help"]);
+    assert!(
+        help.code == 0 && help.stdout.contains("robot.command_delay_s") && !help.stdout.contains("laser.")
+    );
+}

@@ -88,6 +88,11 @@ impl ParameterSet {
         Self { parameters: parameters.into_iter().collect(), listing }
     }
 
+    /// The command that lists the parameters, for messages.
+    pub fn listing(&self) -> &'static str {
+        self.listing
+    }
+
     /// Every parameter of the robot.
     pub fn robot() -> Self {
         Self::new(ALL, "surepose config show")

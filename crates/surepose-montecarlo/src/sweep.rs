@@ -11,6 +11,9 @@
 //! it. A compass (0.1°) and two walls at x = 5 m and y = 5 m, each measured to 5 mm and 0.25°, correct it in
 //! every period. The report then includes the consistency of the filter.
 //!
+//! In a [`PlantSweep`] the robot has the shipped controller with its actuator stage, on a base with dead bands,
+//! delay, lag and limits of its own.
+//!
 //! Every trial draws from its own stream of the seed: results do not depend on the number of threads.
 
 mod any_held;
@@ -22,6 +25,11 @@ mod estimating_tests;
 mod filter;
 mod lane_scheduler;
 mod phases;
+mod plant_robot;
+mod plant_spec;
+mod plant_sweep;
+#[cfg(test)]
+mod plant_tests;
 mod report;
 mod spec;
 #[cfg(test)]
@@ -36,6 +44,8 @@ use surepose_sim::CancelToken;
 
 pub use bench::{DRIVE, HEADING_TOLERANCE, POSITION_TOLERANCE, Start, SweepNoise, fitted_law, limits};
 pub use filter::{Filter, PoseSource};
+pub use plant_spec::PlantSweep;
+pub use plant_sweep::PlantReport;
 pub use report::{Quantiles, SweepReport};
 pub use spec::{Precision, Starts, Sweep};
 pub use trial::Trial;
@@ -83,12 +93,16 @@ impl Sweep {
 
     /// Returns the results of `work` on each thread.
     fn on_threads<T: Send>(&self, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        std::thread::scope(|scope| {
-            let work = &work;
-            let threads: Vec<_> =
-                (0..self.threads.max(1)).map(|thread| scope.spawn(move || work(thread))).collect();
-            let joined = threads.into_iter().map(std::thread::ScopedJoinHandle::join);
-            joined.map(|part| part.unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
-        })
+        on_threads(self.threads, work)
     }
+}
+
+/// Returns the results of `work` on each of several threads, at least one.
+fn on_threads<T: Send>(threads: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    std::thread::scope(|scope| {
+        let work = &work;
+        let threads: Vec<_> = (0..threads.max(1)).map(|thread| scope.spawn(move || work(thread))).collect();
+        let joined = threads.into_iter().map(std::thread::ScopedJoinHandle::join);
+        joined.map(|part| part.unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
+    })
 }

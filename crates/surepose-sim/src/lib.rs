@@ -30,6 +30,6 @@ pub use laser::{Clutter, LaserModel, SimulatedScan};
 pub use motor::MotorModel;
 pub use plant::{Plant, PlantModel, WheelResponse};
 pub use random::{Seed, Stream};
-pub use slip::{Slip, Traction};
+pub use slip::{ContactPoints, Slip, Traction};
 pub use world::{SensorOutput, Timing, World, WorldModel};
 pub use world_settings::WorldSettings;

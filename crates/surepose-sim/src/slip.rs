@@ -49,11 +49,11 @@ impl Default for Traction {
 
 /// Speeds of the contact points over the floor \[m/s].
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ContactPoints(WheelPair<f64>);
+pub struct ContactPoints(WheelPair<f64>);
 
 impl ContactPoints {
     /// True travel \[m] of the contact points for the wheel travel \[m] of `time` \[s].
-    pub(crate) fn travel(&mut self, model: &Traction, wheels: WheelPair<f64>, time: f64) -> WheelPair<f64> {
+    pub fn travel(&mut self, model: &Traction, wheels: WheelPair<f64>, time: f64) -> WheelPair<f64> {
         if *model == Traction::default() {
             return wheels;
         }

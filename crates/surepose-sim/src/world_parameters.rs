@@ -184,3 +184,12 @@ pub(crate) const DEPENDENT: &[(&Parameter, &Parameter)] = &[
 pub fn world_parameters() -> ParameterSet {
     ParameterSet::new(TRUE_VALUES.iter().copied().chain(ALL), "surepose run --world help")
 }
+
+/// Returns the parameters of the base alone: wheels, drive, limits and grip.
+pub fn base_parameters() -> ParameterSet {
+    let describes_base = |p: &&Parameter| match p.section {
+        "robot" | "slip" => true,
+        _ => *p == &BREAKAWAY_SPEED,
+    };
+    ParameterSet::new(world_parameters().iter().filter(describes_base), "surepose sweep --world help")
+}

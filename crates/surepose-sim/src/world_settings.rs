@@ -27,18 +27,24 @@ impl WorldSettings {
     /// An unknown key, a key that describes no world, a value outside its range, two values for one key, or a value
     /// without effect.
     pub fn from_options<'a>(options: impl IntoIterator<Item = &'a str>) -> Result<Self, ConfigError> {
-        let (known, mut result) = (world_parameters(), Self::default());
+        Self::from_options_in(&world_parameters(), options)
+    }
+
+    /// Like [`WorldSettings::from_options`], for the parameters in `known`, a part of [`world_parameters`].
+    ///
+    /// # Errors
+    /// As [`WorldSettings::from_options`].
+    pub fn from_options_in<'a>(
+        known: &ParameterSet,
+        options: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Self, ConfigError> {
+        let mut result = Self::default();
         for option in options {
             let name = option.split('=').next().unwrap_or_default().trim();
-            if let (None, Some(told)) = (known.find_by_name(name), ParameterSet::robot().find_by_name(name)) {
-                let (section, key) = (told.section, told.key);
-                let what = format!("`{section}.{key}`: not a property of the world");
-                let help = format!(
-                    "use `--set {section}.{key}=…` for the robot; `surepose run --world help` lists the properties of the world"
-                );
-                return Err(ConfigError::of_option(OPTION, what, &help));
+            if known.find_by_name(name).is_none() {
+                reject_other_parameter(known, name)?;
             }
-            result.add(option_setting(OPTION, option, &known)?)?;
+            result.add(option_setting(OPTION, option, known)?)?;
         }
         result.check()?;
         Ok(result)
@@ -179,6 +185,19 @@ impl WorldSettings {
         }
         Ok(())
     }
+}
+
+/// Rejects the name of a parameter that is not in `known`, but of the robot or of a whole world.
+fn reject_other_parameter(known: &ParameterSet, name: &str) -> Result<(), ConfigError> {
+    let robot = ParameterSet::robot().find_by_name(name);
+    let Some(found) = robot.or_else(|| world_parameters().find_by_name(name)) else { return Ok(()) };
+    let what = format!("`{}.{}`: not a property of the simulated world", found.section, found.key);
+    let listing = format!("`{}` lists these properties", known.listing());
+    let help = match robot {
+        Some(_) => format!("use `--set {}.{}=…` for the robot; {listing}", found.section, found.key),
+        None => listing,
+    };
+    Err(ConfigError::of_option(OPTION, what, &help))
 }
 
 fn name(parameter: &Parameter) -> String {

@@ -44,6 +44,7 @@ const CRATES: [(&str, &str, &[&str]); 14] = [
             "surepose-io",
             "surepose-sim",
             "surepose-mapping",
+            "surepose-montecarlo",
             "surepose-figures",
         ],
     ),

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::{Map, Value as Json};
 use surepose::param::{self, ArenaName, Choice};
-use surepose_config::{Config, Setting, describe_abort};
+use surepose_config::{Config, describe_abort};
 use surepose_figures::{self as picture, Picture};
 use surepose_sim::robot::{InsufficientClearance, Scenario};
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
@@ -14,7 +13,7 @@ use surepose_sim::{WallSegment, WorldSettings};
 
 use crate::error::CliError;
 use crate::exit::Exit;
-use crate::explanation::{self, json_of, name};
+use crate::explanation;
 use crate::output::{Output, object, table, text, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
@@ -80,7 +79,8 @@ impl Default for RunCommand {
 impl RunCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         if self.world.iter().any(|option| option == "help") {
-            return world_help(output);
+            text(&explanation::world_help(&world_parameters(), output.json))?;
+            return Ok(Exit::Done);
         }
         interrupt::listen();
         let scenario = self.scenario()?;
@@ -120,8 +120,7 @@ impl RunCommand {
         let mut json = object(&summary);
         let different = scenario.world_settings.settings();
         if !different.is_empty() {
-            let value = |setting: &Setting| (name(setting.parameter), json_of(&setting.value));
-            json.insert("world".to_owned(), different.iter().map(value).collect::<Map<_, _>>().into());
+            json.insert("world".to_owned(), explanation::settings_as_json(different));
         }
         if let Some(folder) = &folder {
             write(folder, &scenario, &samples)?;
@@ -180,22 +179,6 @@ impl RunCommand {
         scenario.check_clearance().map_err(|problem| no_room(&problem, &scenario))?;
         Ok(scenario)
     }
-}
-
-/// Prints every property of a world.
-fn world_help(output: Output) -> Result<Exit, CliError> {
-    let known = world_parameters();
-    if output.json {
-        let all: Map<_, _> = known.iter().map(|p| (name(p), explanation::as_json(p))).collect();
-        text(&format!("{}\n", Json::Object(all)))?;
-        return Ok(Exit::Done);
-    }
-    let own = known.iter().map(explanation::as_text).collect::<String>();
-    text(&format!(
-        "Properties of the world, for --world SECTION.KEY=VALUE. Those that the configuration has, too, default to \
-         the robot's configuration.\n\n{own}"
-    ))?;
-    Ok(Exit::Done)
 }
 
 /// Warns about a goal so near to a wall that a wheel would touch it; the simulation checks the robot center only.

@@ -4,7 +4,9 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value as Json, json};
 use surepose::param::{self, Choice, LawName};
 use surepose_config::{Config, Setting, ValueSource};
-use surepose_montecarlo::sweep::{Filter, PoseSource, Precision, Starts, Sweep, SweepNoise};
+use surepose_experiments::actuators;
+use surepose_montecarlo::sweep::{Filter, PlantSweep, PoseSource, Precision, Starts, Sweep, SweepNoise};
+use surepose_sim::WorldSettings;
 
 use crate::error::CliError;
 use crate::settings::{LawArgs, whole};
@@ -62,16 +64,10 @@ impl TrialArgs {
     /// Reads the configuration; `noise_unless_given` is the default of `--noise`.
     pub(super) fn read(&self, noise_unless_given: NoiseName) -> Result<Trials<'_>, CliError> {
         let noise = self.noise.unwrap_or(noise_unless_given);
-        // The bench robot has no acceleration limit; the largest valid value has the same effect.
-        let bench = [
-            (&param::POSITION_NOISE, self.loop_.position_noise(noise.sizes())),
-            (&param::WHEEL_RADIUS, 0.05),
-            (&param::WHEEL_SEPARATION, 0.6),
-            (&param::WHEEL_SPEED_LIMIT, 0.3),
-            (&param::WHEEL_ACCELERATION_LIMIT, 1000.0),
-            (&param::PERIOD, 0.02),
-        ];
-        let bench = Config::default().with_preset(BENCH, &bench);
+        let noise_of_loop = self.loop_.position_noise(noise.sizes());
+        let bench = Config::default()
+            .with_preset(BENCH, &actuators::BENCH)
+            .with_preset(BENCH, &[(&param::POSITION_NOISE, noise_of_loop), (&param::PERIOD, 0.02)]);
         let mut config = self.config.over(bench.clone())?;
         if let Some(period) = &self.period {
             config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
@@ -91,10 +87,16 @@ impl Trials<'_> {
         ]
     }
 
-    /// Returns the parameters, as `SECTION.KEY`, that the user changed but the trials ignore.
-    pub(super) fn ignored_parameters(&self) -> Vec<String> {
+    /// Returns the parameters, as `SECTION.KEY`, that the user changed but the trials ignore. `has_base`: the trials run
+    /// on the base of a world.
+    pub(super) fn ignored_parameters(&self, has_base: bool) -> Vec<String> {
         let counts = |setting: &Setting| match setting.parameter.section {
             "law" | "loop" => true,
+            "robot" => has_base && setting.parameter != &param::FOOTPRINT_RADIUS,
+            "goal" => has_base,
+            "safety" => {
+                has_base && [&param::STALL_TIMEOUT, &param::PROGRESS_TIMEOUT].contains(&setting.parameter)
+            }
             "filter" if self.arguments.loop_ == LoopName::Ekf => {
                 [&param::DELTA, &param::GATE_PROBABILITY].contains(&setting.parameter)
             }
@@ -108,6 +110,13 @@ impl Trials<'_> {
             .filter(|(set, bench)| is_set(set) && set.value != bench.value && !counts(set))
             .map(|(set, _)| format!("{}.{}", set.parameter.section, set.parameter.key))
             .collect()
+    }
+
+    /// Returns the sweep that runs these trials on the base of a world that differs from the configuration.
+    pub(super) fn plant_sweep(&self, world: WorldSettings, starts: Starts) -> PlantSweep {
+        let TrialArgs { threads, seed, .. } = self.arguments;
+        let threads = threads.map_or_else(cores, usize::from);
+        actuators::plant_sweep(self.config.clone(), world, self.noise.sizes(), starts, threads, *seed)
     }
 
     /// Returns the sweep that runs these trials.

@@ -67,7 +67,7 @@ impl TuneCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         let trials = self.trials.read(NoiseName::Bench)?;
         let config = &trials.config;
-        if trials.ignored_parameters().iter().any(|name| name.starts_with("robot.")) {
+        if trials.ignored_parameters(false).iter().any(|name| name.starts_with("robot.")) {
             warning("[robot]: used for the certificate only; the trials use the bench robot");
         }
         if let Some(path) = &self.out {
