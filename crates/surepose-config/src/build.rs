@@ -9,6 +9,7 @@ use surepose::control::{
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Gyroscope};
 use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
 use surepose::kinematics::{DiffDrive, WheelPair};
+use surepose::lidar::ScanTiming;
 use surepose::param::{self, BrakingMode, LawName, Parameter};
 use surepose::time::Stamp;
 
@@ -38,10 +39,14 @@ pub struct LaserParameters {
     pub bearing_std: f64,
     /// Pose of the laser on the body.
     pub body_from_laser: Pose<Body, Laser, f64>,
-    /// Latency of a scan \[s].
+    /// Delay between the time of a scan and its stamp \[s].
     pub latency: f64,
-    /// Number of beams.
+    /// How the driver states the times of the beams.
+    pub timing: ScanTiming,
+    /// Number of beams of the simulated laser.
     pub beams: usize,
+    /// Field of view of the simulated laser \[rad].
+    pub field_of_view: f64,
 }
 
 /// Preset names of [`Config::fitted`] for gains that are not set.
@@ -226,8 +231,16 @@ impl Config {
             bearing_std: self.number(&param::LASER_BEARING_STD),
             body_from_laser: Pose::new(self.number(&param::LASER_X), self.number(&param::LASER_Y), heading),
             latency: self.number(&param::LASER_LATENCY),
+            timing: self.scan_timing(),
+            field_of_view: self.number(&param::LASER_FIELD_OF_VIEW),
             beams: self.number(&param::LASER_BEAMS) as usize,
         }
+    }
+
+    /// How the laser's driver states the times of the beams.
+    fn scan_timing(&self) -> ScanTiming {
+        let is_set = self.origin(&param::LASER_SWEEP) != ValueSource::Default;
+        ScanTiming { sweep: is_set.then(|| self.number(&param::LASER_SWEEP)), stamped: self.choice() }
     }
 
     /// Start pose.

@@ -2,6 +2,7 @@
 
 use surepose::control::Direction;
 use surepose::kinematics::Integration;
+use surepose::lidar::StampedBeam;
 use surepose::param::{self, ArenaName, BrakingMode, Choice, LawName, Parameter};
 
 /// The options of one parameter.
@@ -31,6 +32,7 @@ config_choices! {
     BrakingMode = BRAKING,
     Direction = DIRECTION,
     Integration = INTEGRATION,
+    StampedBeam = LASER_STAMP,
     ArenaName = ARENA,
 }
 

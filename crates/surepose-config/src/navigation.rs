@@ -157,6 +157,8 @@ impl Config {
             obstacles: ObstacleConfig {
                 enabled: setup.has_laser && safety_radius > 0.0,
                 scan_timeout: self.number(&param::SCAN_TIMEOUT),
+                blind_timeout: self.number(&param::LASER_BLIND_TIMEOUT),
+                min_valid_beams: self.number(&param::MIN_VALID_BEAMS),
                 ..ObstacleConfig::default()
             },
             search_turn_rate: if setup.has_laser { search_turn_rate } else { 0.0 },

@@ -9,7 +9,7 @@ mod settings;
 
 use measurement_queue::MeasurementQueue;
 use surepose::control::{Controller, NavigationVariables};
-use surepose::estimation::{Belief, MeasurementStats};
+use surepose::estimation::{Belief, Measurement, MeasurementStats};
 use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::Twist;
 use surepose::localization::{Odometry, SensorInput};
@@ -101,11 +101,22 @@ impl NodeDriver {
         Ok(travel.map(|travel| self.step(at, Odometry::WheelTravel(travel))))
     }
 
-    /// Queues a measurement. Without a map, scans are dropped.
+    /// Queues a measurement, at the time that the configured latencies and the timing of the laser give. Without a map, scans
+    /// are dropped.
     pub fn add_measurement(&mut self, message: Stamped<SensorMessage>) {
-        if self.has_map() || message.value.scan().is_none() {
-            self.queue.put(message);
-        }
+        let Stamped { stamp, mut value } = message;
+        let stamp = match &mut value {
+            SensorMessage::Scan(_) if !self.has_map() => return,
+            SensorMessage::Scan(scan) => {
+                let laser = self.settings.config.laser();
+                scan.resolve(stamp.after(-laser.latency), &laser.timing)
+            }
+            SensorMessage::Measurement(Measurement::Heading(_)) => {
+                stamp.after(-self.settings.config.compass().latency)
+            }
+            SensorMessage::Measurement(_) => stamp,
+        };
+        self.queue.put(Stamped::new(stamp, value));
     }
 
     /// Sets the pose at a stamp within the filter's history, or else the current pose.

@@ -182,7 +182,7 @@ impl<Say: FnMut(&str)> Run<Say> {
         if let Some(source) = self.extrinsics.take_source_message() {
             self.say(&source);
         }
-        self.driver.add_measurement(sense::scan(scan, laser_extrinsics).map_err(refused)?);
+        self.driver.add_measurement(sense::scan(scan, laser_extrinsics));
         Ok(())
     }
 

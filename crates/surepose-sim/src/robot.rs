@@ -6,6 +6,7 @@ mod sensors;
 use surepose::estimation::Belief;
 use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::WheelPair;
+use surepose::lidar::ScanTiming;
 use surepose::map::Wall;
 use surepose::navigator::{NoRoomAtGoal, StepReport};
 use surepose::time::Stamp;
@@ -23,6 +24,7 @@ pub use sensors::{scan_view, with_sensor_input};
 pub struct SimulatedRobot {
     world: World,
     compass: CompassParameters,
+    timing: ScanTiming,
     navigator: Box<RobotNavigator>,
     map: OwnedMap,
 }
@@ -38,6 +40,7 @@ impl SimulatedRobot {
         Self {
             world: World::new(scenario.world(), scenario.true_start(), seed),
             compass: scenario.config.compass(),
+            timing: scenario.config.laser().timing,
             navigator: scenario.config.navigator(&setup, Stamp::default(), initial),
             map: OwnedMap::from_walls(walls_from_segments(scenario.arena.walls())),
         }
@@ -54,8 +57,8 @@ impl SimulatedRobot {
     /// Turns the wheels at `wheels` \[rad/s] for `period` \[s], and steps the navigator with what the sensors reported.
     pub fn advance(&mut self, wheels: WheelPair<f64>, period: f64) -> StepReport<f64> {
         let output = self.world.step(wheels, period);
-        let Self { navigator, map, compass, .. } = self;
-        with_sensor_input(&output, compass, |input| navigator.step(&map.view(), input))
+        let Self { navigator, map, compass, timing, .. } = self;
+        with_sensor_input(&output, compass, timing, |input| navigator.step(&map.view(), input))
     }
 
     /// The world, with the truth in it.

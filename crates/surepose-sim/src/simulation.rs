@@ -14,7 +14,7 @@ use surepose::localization::LocalizationMonitor;
 use surepose::navigator::{AbortReason, GoalResult, StepReport};
 use surepose::optimal::fastest;
 use surepose::param;
-use surepose::safety::{BlockReason, SafetyAction};
+use surepose::safety::{BlockReason, Health, SafetyAction};
 
 use crate::ErrorAccumulator;
 use crate::robot::{Scenario, SimulatedRobot};
@@ -106,6 +106,11 @@ impl Simulation {
     /// What the supervisor decided in the last step.
     pub fn action(&self) -> SafetyAction {
         self.robot.navigator().localizer().action()
+    }
+
+    /// How far the estimate can be trusted after the last step.
+    pub fn health(&self) -> Health {
+        self.robot.navigator().localizer().health()
     }
 
     /// Why the goal was aborted; `None` where it was not.

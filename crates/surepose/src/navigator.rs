@@ -9,6 +9,7 @@
 
 mod config;
 mod goal;
+mod laser;
 mod observers;
 mod report;
 mod result;
@@ -24,7 +25,7 @@ use crate::geometry::{Body, Goal, Map, Pose};
 use crate::kinematics::{Twist, WheelPair};
 use crate::localization::{Localizer, LoopObserver, Odometry, SensorInput};
 use crate::map::MapView;
-use crate::safety::{BlockReason, FaultReason, Health, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
+use crate::safety::{FaultReason, Health, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
@@ -221,6 +222,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
             let elapsed = S::from_f64(input.stamp.since(self.localizer.stamp()));
             self.commands.compare(&self.config, input.odometry, elapsed);
         }
+        self.watch_laser(map, &input);
         let mut observers = Observers { obstacles: &mut self.obstacles, observer };
         let belief = self.localizer.update(&input, commanded, map, &mut observers);
         self.obstacles.expire(input.stamp);
@@ -291,8 +293,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
             // The pose is invalid, and the robot at most turns in place.
             return SpeedCap::unlimited();
         }
-        if map.is_known() && self.obstacles.is_timed_out(report.stamp) {
-            return SpeedCap::stop(BlockReason::LaserTimeout);
+        if let Some(reason) = self.laser_fault(map, report.stamp) {
+            return SpeedCap::stop(reason);
         }
         let intent = Intent {
             drive: &controller.drive,

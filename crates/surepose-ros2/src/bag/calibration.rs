@@ -145,8 +145,11 @@ impl Gathering {
     fn see(&mut self, message: LaserScan) -> Result<(), MessageError> {
         let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
         let laser_extrinsics = self.extrinsics.lookup(&message.header.frame_id)?;
-        let stamped = sense::scan(message, laser_extrinsics)?;
+        let stamped = sense::scan(message, laser_extrinsics);
         let Stamped { stamp, value: SensorMessage::Scan(scan) } = stamped else { return Ok(()) };
+        if !scan.angle_min.is_finite() || !scan.angle_increment.is_finite() {
+            return Err(MessageError::NotFinite);
+        }
         let time = stamp.seconds();
         let Recorded { recording, options, .. } = &mut self.recorded;
         if recording.scans.is_empty() {

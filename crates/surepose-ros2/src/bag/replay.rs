@@ -68,8 +68,7 @@ pub fn replay(
                     notify(Notice::LaserMount(line));
                 }
                 laser_extrinsics
-                    .and_then(|laser_extrinsics| sense::scan(scan, laser_extrinsics))
-                    .map(|message| driver.add_measurement(message))
+                    .map(|laser_extrinsics| driver.add_measurement(sense::scan(scan, laser_extrinsics)))
             }
             BagMessage::Imu(imu) if hears_compass => {
                 sense::heading(&imu, &compass).map(|message| driver.add_measurement(message))

@@ -235,7 +235,8 @@ fn base_with_wrong_wheel_parameters_is_calibrated() {
     let robot = Robot { scenario: scenario.clone(), base, hangs: false };
     let mut recorder = recorded_by(&robot, 120.0, "/odom", winding);
     // Scans without a stamp are skipped.
-    let unstamped = SimulatedScan { angle_min: -1.5, angle_increment: 0.05, ranges: vec![1.0; 61] };
+    let unstamped =
+        SimulatedScan { angle_min: -1.5, angle_increment: 0.05, ranges: vec![1.0; 61], time_increment: 0.0 };
     for _ in 0..50 {
         let scan = messages::scan(Stamp::default(), &unstamped);
         recorder.write("/scan", "sensor_msgs/msg/LaserScan", Stamp::from_seconds(1.7e9 + 120.0), &scan);

@@ -247,6 +247,54 @@ fn robot_with_obstacle_check_stops_without_scans() {
 }
 
 #[test]
+fn robot_with_a_blind_laser_stops_and_resumes() {
+    for range in [f64::INFINITY, f64::NAN, 0.0, -1.0] {
+        let mut ride = Ride::new(true, 0.05);
+        ride.driver.set_goal(goal()).unwrap();
+        ride.live(4.0);
+        assert!(ride.cmd_vel.v > 0.2, "the robot moves");
+        ride.range = Some(range);
+        ride.live(1.0);
+        assert!(ride.cmd_vel == Twist::zero(), "{range}: {:?}", ride.cmd_vel);
+        assert_eq!(ride.blocked_by, Some(BlockReason::LaserBlind), "{range}");
+        let mut again = Ride { range: None, ..ride.clone() };
+        again.live(60.0);
+        assert_eq!(again.ended, Some(GoalResult::Reached), "{range}");
+        ride.live(60.0);
+        let aborted = GoalResult::Aborted(AbortReason::Blocked(BlockReason::LaserBlind));
+        assert_eq!(ride.ended, Some(aborted), "{range}");
+    }
+}
+
+/// Stamps that are late or early by a configured latency do not disturb the estimate.
+#[test]
+fn configured_latencies_are_subtracted_from_the_stamps() {
+    let errors = |configured: bool| {
+        let mut ride = Ride::new(true, 0.05);
+        ride.latencies = (-0.2, 0.25);
+        if configured {
+            ride.configure(|settings| {
+                let options = ["compass.latency_s=-0.2", "laser.latency_s=0.25"];
+                let configured = options
+                    .iter()
+                    .fold(settings.config.clone(), |config, option| config.with_option(option).unwrap());
+                settings.config = configured;
+            });
+        }
+        let mut worst = 0.0_f64;
+        for step in 0..200 {
+            ride.cmd_vel = Twist::new(0.0, if step < 100 { 0.8 } else { -0.8 });
+            if let Some(report) = ride.step().filter(|_| step > 40) {
+                worst = worst.max((report.belief.pose.heading - ride.world.pose().heading).radians().abs());
+            }
+        }
+        worst
+    };
+    let (right, wrong) = (errors(true), errors(false));
+    assert!(right < 0.01 && wrong > 0.05, "{right} rad, without the latencies {wrong} rad");
+}
+
+#[test]
 fn scans_are_placed_correctly_during_turns() {
     let mut ride = Ride::new(true, 0.1);
     ride.obstacle = Some(0.8);

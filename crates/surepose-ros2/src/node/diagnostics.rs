@@ -47,6 +47,10 @@ impl State {
                 "stopped: no scan, obstacle check unavailable; --safety-radius 0 disables the check"
                     .to_owned()
             }
+            (_, Some(BlockReason::LaserBlind)) => {
+                "stopped: scans without a valid return, frozen or malformed; obstacle check unavailable"
+                    .to_owned()
+            }
             (_, Some(BlockReason::Wall)) => "stopped: wall of the map on the path".to_owned(),
             (SafetyAction::Slowdown(reason), None) => format!("slowed down: {}", reason.name()),
             (SafetyAction::Proceed, None) => "the estimate is reliable".to_owned(),

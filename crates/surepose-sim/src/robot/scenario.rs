@@ -7,8 +7,8 @@ use surepose_config::{Config, NavigatorSetup, ScanMethod, ValueSource};
 
 use crate::world_parameters::{self as world, MotorKind};
 use crate::{
-    Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, PlantModel, Slip, Timing, WallSegment,
-    WorldModel, WorldSettings,
+    Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, PlantModel, Slip, Sweep, Timing,
+    WallSegment, WorldModel, WorldSettings,
 };
 
 /// Measurement period of compass and laser \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
@@ -193,7 +193,8 @@ impl Scenario {
             range_std: laser.range_std,
             bearing_std: laser.bearing_std,
             clutter: self.clutter,
-            ..LaserModel::half_circle(laser.beams)
+            sweep: Sweep { duration: laser.timing.sweep.unwrap_or(0.0), stamped: laser.timing.stamped },
+            ..LaserModel::facing_forward(laser.beams, laser.field_of_view)
         };
         let timing = |latency| Timing { period: SENSOR_PERIOD, latency };
         let geared = MotorModel::for_max_speed(

@@ -1,5 +1,7 @@
 //! Kalman filter with history: checks and gates measurements, rewinds for late ones, and counts rejections.
 
+mod sweep_motion;
+
 use crate::kinematics::WheelPair;
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
@@ -10,6 +12,8 @@ use super::gyroscope::{FilterState, Gyroscope, GyroscopeBias, GyroscopeTurn};
 use super::history::{Entry, Event, History, OdometryInterval};
 use super::measurement::{Measurement, finite};
 use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
+
+pub use sweep_motion::{SWEEP_KNOTS, SweepMotion};
 
 /// Belief that odometry predicts and measurements correct, including late measurements.
 ///

@@ -2,6 +2,7 @@
 
 use crate::control::Direction;
 use crate::kinematics::Integration;
+use crate::lidar::StampedBeam;
 
 use super::{ArenaName, BrakingMode, Choice, Kind, LawName, Range};
 
@@ -51,7 +52,8 @@ macro_rules! parameters {
 }
 
 const SIGMA: &str = "a standard deviation is positive; 0 would mean a perfect sensor";
-const LATENCY: &str = "a measurement arrives after it was taken, and the history holds at most 10 s";
+const LATENCY: &str = "the history holds at most 10 s, and no stamp is a second early";
+const CAMERA_LATENCY_REASON: &str = "an image arrives after it was taken, and the history holds at most 10 s";
 const GAIN: &str = "the Lyapunov derivative is negative only for positive gains";
 const TIMEOUT_REASON: &str = "a time-out is positive";
 const PLACE: &str = "a coordinate beyond 10 km indicates a wrong unit";
@@ -166,8 +168,9 @@ parameters! {
     COMPASS_STD = "compass" "std_deg", Degree, positive(180.0, 0.1, SIGMA);
     /// Compass reading when the robot faces along the x axis of the map.
     COMPASS_OFFSET = "compass" "offset_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
-    /// Delay between a compass measurement and its arrival.
-    COMPASS_LATENCY = "compass" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
+    /// Delay between a compass measurement and its stamp, which is subtracted; negative for a stamp that is early. Simulated
+    /// measurements arrive with this delay.
+    COMPASS_LATENCY = "compass" "latency_s", Second, in_range(-1.0, 10.0, 0.0, LATENCY);
 
     /// Standard deviation of one reading of the gyroscope's yaw rate.
     GYROSCOPE_STD = "gyroscope" "std_deg_s", DegreePerSecond, positive(100.0, 0.3, SIGMA);
@@ -187,14 +190,24 @@ parameters! {
     LASER_Y = "laser" "y_m", Meter, in_range(-10.0, 10.0, 0.0, "the laser is mounted on the robot");
     /// Yaw of the laser relative to the robot, counter-clockwise: the direction of beam angle 0.
     LASER_HEADING = "laser" "heading_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
-    /// Delay between a scan and its arrival.
-    LASER_LATENCY = "laser" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
-    /// Number of beams of the simulated laser over its 180° field of view.
+    /// Delay between a scan and its stamp, which is subtracted; negative for a stamp that is early. Simulated scans arrive
+    /// with this delay.
+    LASER_LATENCY = "laser" "latency_s", Second, in_range(-1.0, 10.0, 0.0, LATENCY);
+    /// Time from the first beam of a scan to its last. Each beam is moved by odometry to the middle of the sweep. If unset,
+    /// the time increment of each scan message counts; 0 takes all beams at the stamp.
+    LASER_SWEEP = "laser" "sweep_s", Second,
+        in_range(0.0, 1.0, 0.0, "a sweep takes time, and one of more than 1 s is not used");
+    /// Beam that the stamp of a scan belongs to: `first`, as in ROS, `middle` or `last`.
+    LASER_STAMP = "laser" "stamp", One, one_of::<StampedBeam>();
+    /// Field of view of the simulated laser, centered on its x axis.
+    LASER_FIELD_OF_VIEW = "laser" "field_of_view_deg", Degree,
+        positive(360.0, 180.0, "a laser sees something, and at most one turn");
+    /// Number of beams of the simulated laser over its field of view.
     LASER_BEAMS = "laser" "beams", One,
         integer(2.0, 4096.0, 181, "a line needs two beams, and a scan holds at most 4096");
 
     /// Delay between the true time of a landmark observation and its stamp.
-    CAMERA_LATENCY = "camera" "latency_s", Second, in_range(0.0, 10.0, 0.03, LATENCY);
+    CAMERA_LATENCY = "camera" "latency_s", Second, in_range(0.0, 10.0, 0.03, CAMERA_LATENCY_REASON);
     /// Ratio of the measured depth of a landmark to its true depth.
     CAMERA_SCALE = "camera" "scale", One,
         in_range(0.5, 2.0, 1.04, "a scale error by a factor of two means that the camera is not calibrated");
@@ -241,6 +254,11 @@ parameters! {
         in_range(0.0, 5.0, 0.05, "a drive does not respond before its command");
     /// Time without a scan after which the obstacle check counts as unavailable and the robot stops.
     SCAN_TIMEOUT = "safety" "scan_timeout_s", Second, positive(60.0, 1.0, TIMEOUT_REASON);
+    /// Time for which all scans are unusable, or empty where the map has walls, after which the robot stops as `laser_blind`.
+    LASER_BLIND_TIMEOUT = "safety" "laser_blind_timeout_s", Second, positive(60.0, 0.3, TIMEOUT_REASON);
+    /// Smallest fraction of the beams that must be valid, and of the beams at walls of the map that must return.
+    MIN_VALID_BEAMS = "safety" "min_valid_beams", One,
+        in_range(0.0, 1.0, 0.1, "a share lies between 0 and 1");
     /// Time without odometry after which the robot stops.
     ODOMETRY_TIMEOUT = "safety" "odometry_timeout_s", Second, positive(60.0, 0.5, TIMEOUT_REASON);
     /// Time without an accepted measurement of the pose after which the robot slows down.

@@ -45,6 +45,8 @@ pub enum BlockReason {
     Obstacle,
     /// No scan arrived for the time-out, so that the obstacle check is unavailable.
     LaserTimeout,
+    /// The laser sends scans that show nothing, so that the obstacle check is unavailable.
+    LaserBlind,
 }
 
 impl BlockReason {
@@ -54,6 +56,7 @@ impl BlockReason {
             Self::Wall => "wall",
             Self::Obstacle => "obstacle",
             Self::LaserTimeout => "laser_timeout",
+            Self::LaserBlind => "laser_blind",
         }
     }
 }
