@@ -5,6 +5,7 @@
 //! without errors. [`build`](self) does so, in one place for all commands.
 
 mod abort;
+mod actuator_warnings;
 mod build;
 mod choice;
 mod file;

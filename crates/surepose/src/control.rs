@@ -24,6 +24,7 @@ mod path;
 mod path_controller;
 mod path_following;
 mod pid;
+mod stall_onset;
 mod tran2012;
 mod tuning;
 
@@ -46,4 +47,5 @@ pub use path::{InvalidPath, Path, PathPoint, PathSegment};
 pub use path_controller::{PathController, PathProgress};
 pub use path_following::{PathCommand, PathError, PathFollowingLaw};
 pub use pid::{Pid, PidState};
+pub use stall_onset::StallOnset;
 pub use tran2012::Tran2012Law;

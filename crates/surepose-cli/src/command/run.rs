@@ -87,6 +87,9 @@ impl RunCommand {
         for said in certification::warnings(&scenario.config) {
             warning(&said);
         }
+        for said in scenario.config.stall_warnings(&scenario.world_settings.over(&scenario.config)) {
+            warning(&said);
+        }
         if let Some(wall) = scenario.wall_on_straight_path() {
             let WallSegment { start: a, end: b } = wall;
             warning(&format!(
