@@ -124,11 +124,11 @@ impl Config {
         Ok(self)
     }
 
-    /// Returns the value of a number, in SI units and radians; 0 for a choice.
+    /// Returns the value of a number, in SI units and radians; 0 for other kinds.
     pub fn number(&self, parameter: &Parameter) -> f64 {
         match self.value(parameter) {
             Value::Number(number) => number * parameter.unit.to_si(),
-            Value::Choice(_) => 0.0,
+            Value::Choice(_) | Value::Polygon(_) => 0.0,
         }
     }
 
@@ -136,7 +136,7 @@ impl Config {
     pub fn choice<C: ConfigChoice>(&self) -> C {
         let found = match self.value(C::PARAMETER) {
             Value::Choice(name) => C::from_name(name),
-            Value::Number(_) => None,
+            Value::Number(_) | Value::Polygon(_) => None,
         };
         found.unwrap_or(C::DEFAULT)
     }
@@ -163,7 +163,7 @@ impl Config {
         let fits = match parameter.kind {
             Kind::Number { range, .. } => range.contains(value),
             Kind::Integer { range, .. } => range.contains(value) && value.fract() == 0.0,
-            Kind::Choice { .. } => false,
+            Kind::Choice { .. } | Kind::Polygon { .. } => false,
         };
         if fits && let Some(slot) = self.settings.iter_mut().find(|slot| slot.parameter == parameter) {
             slot.value = Value::Number(value);
@@ -183,6 +183,7 @@ fn default(parameter: &Parameter) -> Value {
         Kind::Number { default, .. } => Value::Number(default.unwrap_or(0.0)),
         Kind::Integer { default, .. } => Value::Number(default.into()),
         Kind::Choice { options } => Value::Choice(options.first().copied().unwrap_or("")),
+        Kind::Polygon { .. } => Value::Polygon(Vec::new()),
     }
 }
 

@@ -23,6 +23,8 @@ pub enum Value {
     Number(f64),
     /// One of the parameter's options.
     Choice(&'static str),
+    /// The points (x, y) of a polygon; empty for none.
+    Polygon(Vec<[f64; 2]>),
 }
 
 /// Where a value came from.
@@ -48,6 +50,10 @@ impl fmt::Display for Value {
         match self {
             Self::Number(number) => write!(f, "{number}"),
             Self::Choice(name) => f.write_str(name),
+            Self::Polygon(points) => {
+                let points: Vec<_> = points.iter().map(|[x, y]| format!("[{x}, {y}]")).collect();
+                write!(f, "[{}]", points.join(", "))
+            }
         }
     }
 }

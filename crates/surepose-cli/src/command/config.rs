@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{Kind, Parameter, Range};
+use surepose::safety::MAX_VERTICES;
 use surepose_config::{
     Config, ConfigError, ConfigProblem, Setting, Value, json_schema, parameter, reference_page,
 };
@@ -162,6 +163,7 @@ fn show(output: Output, config: &Config) -> Result<(), CliError> {
             let value = match &setting.value {
                 Value::Number(number) => json!(number),
                 Value::Choice(choice) => json!(choice),
+                Value::Polygon(points) => json!(points),
             };
             let unit = setting.parameter.unit.symbol();
             let entry = json!({ "value": value, "unit": unit, "from": setting.origin.to_string() });
@@ -181,6 +183,11 @@ fn explain(output: Output, wanted: &str) -> Result<Exit, CliError> {
     let (bounds, default, reason) = match p.kind {
         Kind::Number { default, range } => (bounds(p, &range), json!(default), range.reason),
         Kind::Integer { default, range } => (bounds(p, &range), json!(default), range.reason),
+        Kind::Polygon { range } => (
+            format!("3 to {MAX_VERTICES} points, coordinates in {}", bounds(p, &range)),
+            json!([]),
+            range.reason,
+        ),
         Kind::Choice { options } => {
             (options.join(", "), json!(options.first()), "these are the available options")
         }

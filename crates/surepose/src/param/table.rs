@@ -18,6 +18,15 @@ const fn derived(high: f64, reason: &'static str) -> Kind {
     Kind::Number { default: None, range: Range { low: 0.0, low_inclusive: false, high, reason } }
 }
 
+/// A number from 0 whose default is derived from other parameters.
+const fn derived_from_0(high: f64, reason: &'static str) -> Kind {
+    Kind::Number { default: None, range: Range { low: 0.0, low_inclusive: true, high, reason } }
+}
+
+const fn polygon(reach: f64, reason: &'static str) -> Kind {
+    Kind::Polygon { range: Range { low: -reach, low_inclusive: true, high: reach, reason } }
+}
+
 const fn integer(low: f64, high: f64, default: u32, reason: &'static str) -> Kind {
     Kind::Integer { default, range: Range { low, low_inclusive: true, high, reason } }
 }
@@ -84,7 +93,7 @@ parameters! {
         positive(1000.0, 0.5, "at 0 the wheels cannot start");
     /// Maximum rim deceleration of a wheel. If unset, it equals the acceleration.
     WHEEL_DECELERATION_LIMIT = "robot" "wheel_deceleration_limit_m_s2", MeterPerSecondSquared,
-        positive(1000.0, 0.5, "at 0 the wheels cannot stop");
+        derived(1000.0, "at 0 the wheels cannot stop");
     /// Minimum rim speed that a wheel executes; the motor ignores slower commands. They are sent as short pulses at this
     /// speed, so that the distance over time is what the law asks for. 0 for a wheel that executes every speed.
     MIN_WHEEL_SPEED = "robot" "min_wheel_speed_m_s", MeterPerSecond,
@@ -103,9 +112,13 @@ parameters! {
     /// predicts the distance that the wheels still cover.
     MOTOR_TIME_CONSTANT = "robot" "motor_time_constant_s", Second,
         in_range(0.0, 2.0, 0.0, "a time constant is not negative, and a slower base cannot be controlled");
-    /// Radius of the robot's outline around the middle of its axle. 0 checks the middle alone.
+    /// Radius of the robot's outline around the middle of its axle, for walls and obstacles. If unset, it is half the wheel
+    /// separation plus 2 cm, which is a circle around both wheels. 0 checks the middle alone.
     FOOTPRINT_RADIUS = "robot" "footprint_radius_m", Meter,
-        in_range(0.0, 5.0, 0.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
+        derived_from_0(5.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
+    /// Outline of the robot as a polygon of 3 to 8 points [x, y] around the middle of its axle, x forward and y left. It replaces
+    /// the circle of footprint_radius_m; `[]` is no polygon. Example: [[0.4, 0.2], [-0.1, 0.2], [-0.1, -0.2], [0.4, -0.2]].
+    FOOTPRINT = "robot" "footprint_m", Meter, polygon(5.0, "coordinates beyond 5 m indicate a wrong unit");
 
     /// Control law: `surepose`, or `paper` for the law of Tran et al. (2012) without the additions of Surepose.
     LAW_NAME = "law" "name", One, one_of::<LawName>();
