@@ -2,14 +2,14 @@
 
 use surepose::control::Direction;
 use surepose::kinematics::Integration;
-use surepose::param::{self, ArenaName, BrakingMode, Choice, LawName, Parameter};
+use surepose::param::{self, ArenaName, BrakingMode, Choice, LawName, MountingSource, Parameter};
+
+use super::{Config, Value};
 
 /// The options of one parameter.
 pub trait ConfigChoice: Choice {
     /// The parameter, whose options have the names of this enum.
     const PARAMETER: &'static Parameter;
-    /// The option unless the configuration sets another.
-    const DEFAULT: Self = Self::ALL[0];
 }
 
 macro_rules! config_choices {
@@ -20,9 +20,13 @@ macro_rules! config_choices {
             }
         )+
 
-        /// The parameters above, with the names of their enums.
+        /// The parameters above and the mountings, with the names of their enums.
         #[cfg(test)]
-        const PAIRS: &[(&Parameter, &[&str])] = &[$((&param::$parameter, <$type>::NAMES)),+];
+        const PAIRS: &[(&Parameter, &[&str])] = &[
+            (&param::LASER_MOUNTING, MountingSource::NAMES),
+            (&param::COMPASS_MOUNTING, MountingSource::NAMES),
+            $((&param::$parameter, <$type>::NAMES)),+
+        ];
     };
 }
 
@@ -32,6 +36,32 @@ config_choices! {
     Direction = DIRECTION,
     Integration = INTEGRATION,
     ArenaName = ARENA,
+}
+
+impl Config {
+    /// Returns the option in effect.
+    pub fn choice<C: ConfigChoice>(&self) -> C {
+        self.option(C::PARAMETER)
+    }
+
+    /// Returns the source of the pose of the laser.
+    pub fn laser_mounting(&self) -> MountingSource {
+        self.option(&param::LASER_MOUNTING)
+    }
+
+    /// Returns the source of the rotation of the compass.
+    pub fn compass_mounting(&self) -> MountingSource {
+        self.option(&param::COMPASS_MOUNTING)
+    }
+
+    /// Returns the option of `parameter`, whose enum is `C`; its default for a parameter of another enum.
+    fn option<C: Choice>(&self, parameter: &Parameter) -> C {
+        let found = match self.value(parameter) {
+            Value::Choice(name) => C::from_name(name),
+            Value::Number(_) | Value::Polygon(_) => None,
+        };
+        found.unwrap_or(C::ALL[0])
+    }
 }
 
 #[cfg(test)]

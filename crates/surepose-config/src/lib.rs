@@ -132,15 +132,6 @@ impl Config {
         }
     }
 
-    /// Returns the option in effect.
-    pub fn choice<C: ConfigChoice>(&self) -> C {
-        let found = match self.value(C::PARAMETER) {
-            Value::Choice(name) => C::from_name(name),
-            Value::Number(_) | Value::Polygon(_) => None,
-        };
-        found.unwrap_or(C::DEFAULT)
-    }
-
     /// Returns the origin of a value.
     pub fn origin(&self, parameter: &Parameter) -> ValueSource {
         self.setting(parameter).map_or(ValueSource::Default, |setting| setting.origin.clone())

@@ -7,7 +7,7 @@ mod choice;
 mod table;
 
 pub(crate) use choice::impl_choice;
-pub use choice::{ArenaName, BrakingMode, Choice, LawName};
+pub use choice::{ArenaName, BrakingMode, Choice, LawName, MountingSource};
 pub use table::*;
 
 /// A constant that the user may set.

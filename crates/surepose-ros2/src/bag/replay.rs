@@ -63,16 +63,19 @@ pub fn replay(
             }),
             BagMessage::Scan(_) if !has_map => Ok(()),
             BagMessage::Scan(scan) => {
-                let laser_extrinsics = extrinsics.lookup(&scan.header.frame_id);
+                let laser_extrinsics = extrinsics.laser(&scan.header.frame_id);
                 if let Some(line) = extrinsics.take_source_message() {
                     notify(Notice::LaserMount(line));
                 }
-                laser_extrinsics
-                    .and_then(|laser_extrinsics| sense::scan(scan, laser_extrinsics))
-                    .map(|message| driver.add_measurement(message))
+                laser_extrinsics.and_then(|laser_extrinsics| {
+                    let Some(laser_extrinsics) = laser_extrinsics else { return Ok(()) };
+                    sense::scan(scan, laser_extrinsics).map(|message| driver.add_measurement(message))
+                })
             }
             BagMessage::Imu(imu) if hears_compass => {
-                sense::heading(&imu, &compass).map(|message| driver.add_measurement(message))
+                extrinsics.compass(&imu.header.frame_id).map_or(Ok(()), |mounting| {
+                    sense::heading(&imu, &mounting, &compass).map(|message| driver.add_measurement(message))
+                })
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };

@@ -3,7 +3,7 @@
 use crate::control::Direction;
 use crate::kinematics::Integration;
 
-use super::{ArenaName, BrakingMode, Choice, Kind, LawName, Parameter, Range, Unit};
+use super::{ArenaName, BrakingMode, Choice, Kind, LawName, MountingSource, Parameter, Range, Unit};
 
 const fn in_range(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
     Kind::Number { default: Some(default), range: Range { low, low_inclusive: true, high, reason } }
@@ -173,6 +173,9 @@ parameters! {
     COMPASS_STD = "compass" "std_deg", Degree, positive(180.0, 0.1, SIGMA);
     /// Compass reading when the robot faces along the x axis of the map.
     COMPASS_OFFSET = "compass" "offset_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
+    /// Source of the rotation of the compass relative to the robot, for ROS 2: included in offset_deg (`config`), or the transform
+    /// from the frame of the messages to the base frame (`tf_static`). `auto` is `config` unless offset_deg is 0.
+    COMPASS_MOUNTING = "compass" "mounting", One, one_of::<MountingSource>();
     /// Delay between a compass measurement and its arrival.
     COMPASS_LATENCY = "compass" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
 
@@ -186,6 +189,9 @@ parameters! {
     LASER_Y = "laser" "y_m", Meter, in_range(-10.0, 10.0, 0.0, "the laser is mounted on the robot");
     /// Yaw of the laser relative to the robot, counter-clockwise: the direction of beam angle 0.
     LASER_HEADING = "laser" "heading_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
+    /// Source of the pose of the laser, for ROS 2: x_m, y_m and heading_deg (`config`), or the transform from the frame of the scans
+    /// to the base frame (`tf_static`). `auto` is `config` unless all three are 0.
+    LASER_MOUNTING = "laser" "mounting", One, one_of::<MountingSource>();
     /// Delay between a scan and its arrival.
     LASER_LATENCY = "laser" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
     /// Number of beams of the simulated laser over its 180° field of view.
