@@ -7,12 +7,13 @@ use surepose::control::{
     Limits, MinSpeeds, Tolerance, Tran2012Law,
 };
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
-use surepose::geometry::{Angle, Body, Goal, Laser, Map, Point, Pose};
+use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
 use surepose::kinematics::{DiffDrive, WheelPair};
 use surepose::param::{self, BrakingMode, LawName, Parameter};
-use surepose::safety::{Footprint, InvalidFootprint, Polygon};
+use surepose::safety::Footprint;
 use surepose::time::Stamp;
 
+use super::setting::polygon_from;
 use super::{Config, Value, ValueSource};
 
 /// ε_P of the paper's law \[m]. Its local law acts for ρ < ε_P and does not correct the lateral error, so
@@ -263,9 +264,4 @@ impl Config {
         let heading = Angle::from_radians(self.number(&param::GOAL_HEADING));
         Pose::new(self.number(&param::GOAL_X), self.number(&param::GOAL_Y), heading)
     }
-}
-
-/// Converts the points of a polygon \[m].
-pub(super) fn polygon_from(points: &[[f64; 2]]) -> Result<Polygon<f64>, InvalidFootprint> {
-    Polygon::new(&points.iter().map(|[x, y]| Point::new(*x, *y)).collect::<Vec<_>>())
 }

@@ -7,10 +7,9 @@ use surepose::safety::MAX_VERTICES;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::build::polygon_from;
 use super::key::{self, UnknownKey};
 use super::problem::{ConfigError, Problems, line_of};
-use super::setting::{Setting, Value, ValueSource, plain};
+use super::setting::{Setting, Value, ValueSource, plain, polygon_from};
 
 /// Maximum length of a file \[bytes], a hundred times that of a commented configuration with every parameter.
 pub(super) const MAX_BYTES: usize = 1 << 20;

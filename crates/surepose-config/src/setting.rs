@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use surepose::geometry::Point;
 use surepose::param::Parameter;
+use surepose::safety::{InvalidFootprint, Polygon};
 
 /// One parameter's value.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +69,11 @@ impl fmt::Display for ValueSource {
             Self::CommandLine => f.write_str("command line"),
         }
     }
+}
+
+/// Converts the points of a polygon \[m].
+pub(super) fn polygon_from(points: &[[f64; 2]]) -> Result<Polygon<f64>, InvalidFootprint> {
+    Polygon::new(&points.iter().map(|[x, y]| Point::new(*x, *y)).collect::<Vec<_>>())
 }
 
 /// `number` with nine significant digits: 0.05 rather than 0.050000000000000003.

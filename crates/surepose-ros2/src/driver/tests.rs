@@ -92,7 +92,7 @@ fn with_box(settings: &mut NodeDriverSettings) {
     let corners = [[2.6, 2.6], [3.4, 2.6], [3.4, 3.4], [2.6, 3.4], [2.6, 2.6]];
     let walls =
         corners.windows(2).map(|ends| MapWall { name: None, from: ends[0], to: ends[1], covariance: None });
-    settings.map.as_mut().unwrap().walls.extend(walls);
+    settings.map.get_or_insert_default().walls.extend(walls);
 }
 
 /// The goal has room for the robot, but a closed box separates it from the robot. A lost robot checks once it is localized.
