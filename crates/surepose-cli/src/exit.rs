@@ -17,6 +17,8 @@ pub(crate) enum Exit {
     Stopped = 4,
     /// Interrupted by the user; completed results are kept.
     Interrupted = 130,
+    /// Interrupted by SIGTERM or SIGHUP; completed results are kept.
+    Terminated = 143,
 }
 
 impl From<Exit> for ExitCode {

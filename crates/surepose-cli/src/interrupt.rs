@@ -1,6 +1,7 @@
 //! Handles Ctrl-C and SIGTERM.
 //!
-//! A command that keeps partial results is asked to stop; a second Ctrl-C ends it at once. Other commands end at once.
+//! A command that keeps partial results is asked to stop; a second signal ends it at once. Other commands end at once.
+//! The exit code is 130 after Ctrl-C, and 143 after SIGTERM or SIGHUP.
 
 use std::io::Write;
 use std::time::Duration;
@@ -25,10 +26,11 @@ const SAME: Duration = Duration::from_millis(300);
 
 /// Installs the signal handler.
 ///
-/// Until a command calls [`listen`], Ctrl-C ends the program with exit code 130 and, with `--json`, an empty result.
+/// Until a command calls [`listen`], a signal ends the program with the exit code of the signal and, with `--json`, an empty
+/// result.
 pub(crate) fn install(output: Output) {
-    let installed = ctrlc::set_handler(move || {
-        let asks_again = interrupt_flags::ask() > SAME;
+    let installed = on_signal(move |terminates| {
+        let asks_again = interrupt_flags::ask(terminates) > SAME;
         if !listens() {
             warning(NOTHING);
             // The lock is held until exit, so that only one result is printed.
@@ -37,14 +39,40 @@ pub(crate) fn install(output: Output) {
                 // If standard output fails, the exit code still reports the interrupt.
                 drop(out.write_all(empty().as_bytes()));
             }
-            std::process::exit(Exit::Interrupted as i32);
+            std::process::exit(exit_code(Exit::Interrupted) as i32);
         }
         if asks_again {
-            std::process::exit(Exit::Interrupted as i32);
+            std::process::exit(exit_code(Exit::Interrupted) as i32);
         }
     });
     // Where there is no such signal, Ctrl-C ends the program as it always did.
     drop(installed);
+}
+
+/// Returns the exit code: that of the signal for an interrupted command.
+pub(crate) fn exit_code(exit: Exit) -> Exit {
+    match exit {
+        Exit::Interrupted if interrupt_flags::terminated() => Exit::Terminated,
+        other => other,
+    }
+}
+
+/// Calls `handle` on a thread for every signal, with whether it is a termination instead of Ctrl-C.
+#[cfg(unix)]
+fn on_signal(mut handle: impl FnMut(bool) + Send + 'static) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
+        for signal in signals.forever() {
+            handle(signal != SIGINT);
+        }
+    })?;
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn on_signal(mut handle: impl FnMut(bool) + Send + 'static) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || handle(false))
 }
 
 /// Reports an interrupted command without a partial result.

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
+static TERMINATED: AtomicBool = AtomicBool::new(false);
 static ASKED: OnceLock<Instant> = OnceLock::new();
 
 /// Declares that a command polls [`asked`]: from now on the first Ctrl-C does not end the program.
@@ -17,9 +18,22 @@ pub(crate) fn listens() -> bool {
     LISTENS.load(Ordering::Relaxed)
 }
 
-/// Notes a request to stop and returns the time since the first one.
-pub(crate) fn ask() -> Duration {
-    ASKED.get_or_init(Instant::now).elapsed()
+/// Notes a request to stop and returns the time since the first one; the first one decides the exit code.
+pub(crate) fn ask(terminates: bool) -> Duration {
+    let mut is_first = false;
+    let first = ASKED.get_or_init(|| {
+        is_first = true;
+        Instant::now()
+    });
+    if is_first {
+        TERMINATED.store(terminates, Ordering::Relaxed);
+    }
+    first.elapsed()
+}
+
+/// Whether the first request to stop was a termination instead of Ctrl-C.
+pub(crate) fn terminated() -> bool {
+    TERMINATED.load(Ordering::Relaxed)
 }
 
 /// Whether the user asked to stop.

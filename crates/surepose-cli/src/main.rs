@@ -6,6 +6,7 @@ mod certification;
 mod command;
 mod error;
 mod exit;
+mod explanation;
 mod interrupt;
 mod interrupt_flags;
 mod maps;
@@ -28,7 +29,7 @@ use exit::Exit;
     name = "surepose",
     version,
     after_help = "Exit codes: 0 done, 1 completed with a negative outcome, 2 usage or configuration error, 3 input data \
-                  unreadable or malformed, 4 stopped by the supervisor, 130 interrupted.",
+                  unreadable or malformed, 4 stopped by the supervisor, 130 interrupted, 143 terminated.",
     after_long_help = EXAMPLES
 )]
 struct Program {
@@ -64,7 +65,8 @@ Exit codes:
   2    usage or configuration error
   3    input data unreadable or malformed; the message names file and line
   4    stopped by the supervisor
-  130  interrupted; completed results are kept";
+  130  interrupted by Ctrl-C; completed results are kept
+  143  terminated by SIGTERM; completed results are kept";
 
 fn main() -> ExitCode {
     error::style_messages();
@@ -76,13 +78,12 @@ fn main() -> ExitCode {
         }
         Err(problem) => parted(&problem),
     };
-    ended
-        .unwrap_or_else(|failure| {
-            let exit = failure.exit();
-            output::say(&format_args!("{:?}", miette::Report::new(failure)));
-            exit
-        })
-        .into()
+    let exit = ended.unwrap_or_else(|failure| {
+        let exit = failure.exit();
+        output::say(&format_args!("{:?}", miette::Report::new(failure)));
+        exit
+    });
+    interrupt::exit_code(exit).into()
 }
 
 /// Prints a command-line error, or the requested help or version.

@@ -13,6 +13,13 @@ use common::{Run, file, folder, rover, surepose};
 
 /// Runs the program, interrupts it once `when` returns, and returns the time until it ended.
 fn interrupted(arguments: &[&str], when: impl FnOnce()) -> (Run, Duration) {
+    let (run, took) = signaled("-INT", arguments, when);
+    assert_eq!(run.code, 130, "{arguments:?}: {}", run.stderr);
+    (run, took)
+}
+
+/// Runs the program, sends it `signal` once `when` returns, and returns the time until it ended.
+fn signaled(signal: &str, arguments: &[&str], when: impl FnOnce()) -> (Run, Duration) {
     let child = Command::new(env!("CARGO_BIN_EXE_surepose"))
         .args(arguments)
         .stdout(Stdio::piped())
@@ -22,14 +29,13 @@ fn interrupted(arguments: &[&str], when: impl FnOnce()) -> (Run, Duration) {
     when();
     // Two signals, as parent programs send them: to the process and to its group.
     let id = child.id().to_string();
-    let asked = Command::new("kill").args(["-INT", &id, &id]).status().expect("kill is there");
+    let asked = Command::new("kill").args([signal, &id, &id]).status().expect("kill is there");
     assert!(asked.success(), "{arguments:?} has ended before");
     let asked = Instant::now();
     let output = child.wait_with_output().expect("it ends");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     let code = output.status.code().expect("the program ends by itself");
     let run = Run { code, stdout: text(output.stdout), stderr: text(output.stderr) };
-    assert_eq!(run.code, 130, "{arguments:?}: {}", run.stderr);
     (run, asked.elapsed())
 }
 
@@ -56,9 +62,21 @@ fn interrupted_run_keeps_its_results() {
     let set: Vec<&str> = set.into_iter().flat_map(|it| ["--set", it]).collect();
     let arguments = [&["run", "--json", "--out", out.to_str().expect("UTF-8")], &set[..]].concat();
     let json = interrupted(&arguments, after(500)).0.json();
-    assert_eq!((&json["outcome"], &json["interrupted"]), (&"stopped".into(), &true.into()), "{json}");
+    assert_eq!((&json["outcome"], &json["interrupted"]), (&"interrupted".into(), &true.into()), "{json}");
     assert!(std::fs::read_to_string(out.join("summary.json")).expect("written").contains("interrupted"));
     assert!(out.join("time_series.csv").exists() && out.join("lyapunov.png").exists());
+}
+
+/// A termination has its own exit code, with and without partial results.
+#[test]
+fn termination_exits_with_143() {
+    let set = ["goal.position_tolerance_m=0.000000001", "scenario.timeout_s=3600", "loop.period_s=0.002"];
+    let set: Vec<&str> = set.into_iter().flat_map(|it| ["--set", it]).collect();
+    let (run, _) = signaled("-TERM", &[&["run", "--json"], &set[..]].concat(), after(500));
+    assert_eq!((run.code, &run.json()["outcome"]), (143, &"interrupted".into()), "{}", run.stderr);
+    let noise = ["certify", "--json", "--noise-position", "0.02", "--noise-heading", "1.2"];
+    let (run, _) = signaled("-TERM", &noise, after(300));
+    assert_eq!((run.code, run.stdout.as_str()), (143, "{\"interrupted\":true}\n"), "{}", run.stderr);
 }
 
 /// The run is complete, but marked because plots are missing.

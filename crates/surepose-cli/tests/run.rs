@@ -272,3 +272,62 @@ fn fig3_warns_that_it_ignores_the_configuration() {
     let run = surepose(&["reproduce", "fig3", "--out", path, "--json", "--set", "law.k_v=1"]);
     assert!(run.code == 0 && run.stderr.contains("the configuration is ignored"), "{}", run.stderr);
 }
+
+/// The true track differs from the configured one: the run changes, and the configuration does not.
+#[test]
+fn world_differs_from_the_configuration() {
+    let (told, world) = (folder("run-told"), folder("run-world"));
+    let run = |out: &Path, different: &[&str]| {
+        let usual = ["run", "--seed", "2", "--json", "--out", out.to_str().expect("UTF-8")];
+        surepose(&[&usual[..], different].concat())
+    };
+    let (usual, different) = (run(&told, &[]), run(&world, &["--world", "robot.track_m=0.57"]));
+    assert_eq!(different.json()["world"]["robot.track_m"], 0.57, "{}", different.stdout);
+    assert!(usual.json()["world"].is_null() && usual.json()["nees_mean"] != different.json()["nees_mean"]);
+    let config = |out: &Path| std::fs::read_to_string(out.join("config.toml")).expect("written");
+    assert_eq!(config(&told), config(&world));
+    // A value as told changes nothing.
+    let same = surepose(&["run", "--seed", "2", "--json", "--world", "robot.track_m=0.6"]).json();
+    assert_eq!(same["nees_mean"], usual.json()["nees_mean"]);
+}
+
+#[test]
+fn invalid_world_exits_with_2_and_proposes_a_key() {
+    for (options, named) in [
+        (&["--world", "robot.trak_m=0.6"][..], "did you mean `track_m`?"),
+        (&["--world", "law.k_v=3"], "`law.k_v`: not a property of the world"),
+        (&["--world", "robot.track_m=wide"], "`track_m`: expected a number"),
+        (&["--world", "motor.breakaway_speed_m_s=-1"], "negative value"),
+        (&["--world", "robot.track_m=0.5", "--world", "robot.track_m=0.7"], "two values (got 0.5 and 0.7)"),
+        (&["--world", "gyroscope.bias_deg_s=1"], "without effect"),
+        (&["--world", "scenario.start_x_m=-3"], "outside the arena"),
+    ] {
+        let run = surepose(&[&["run", "--json"], options].concat());
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{options:?}: {}", run.stderr);
+        assert!(run.stderr.contains(named), "{options:?}: {}", run.stderr);
+    }
+}
+
+/// The help lists every key, and `config explain` explains those that only a world has.
+#[test]
+fn world_help_lists_every_key() {
+    let help = surepose(&["run", "--world", "help"]);
+    assert_eq!(help.code, 0, "{}", help.stderr);
+    let json = surepose(&["run", "--world", "help", "--json"]).json();
+    assert!(json["motor.model"]["meaning"].is_string() && json["law.k_v"].is_null(), "{json}");
+    for key in json.as_object().expect("an object").keys() {
+        assert!(help.stdout.contains(&format!("\n{key}\n")), "{key} in {}", help.stdout);
+        assert_eq!(surepose(&["config", "explain", key]).code, 0, "{key}");
+    }
+}
+
+/// Wheels that are held stop the robot; a reason is named, and rejections are counted by reason.
+#[test]
+fn held_wheels_stop_the_robot() {
+    let held = ["--world", "fault.held_wheels=both", "--world", "fault.held_from_s=3"];
+    let run = surepose(&[&["run", "--json"], &held[..]].concat());
+    let json = run.json();
+    assert!(run.code != 0 && json["outcome"] != "reached", "{json}");
+    assert_eq!(json["final_speed_m_s"], 0.0, "{json}");
+    assert!(json["rejected"]["outlier"].is_u64() && json["rejected"]["stale"].is_u64(), "{json}");
+}

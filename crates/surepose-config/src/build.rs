@@ -6,7 +6,7 @@ use surepose::control::{
     ActuatorLimits, ActuatorModel, BrakingProfile, Controller, Deadband, Direction, Gains, HybridLaw, Law,
     Limits, MinSpeeds, Tolerance, Tran2012Law,
 };
-use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate};
+use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Gyroscope};
 use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
 use surepose::kinematics::{DiffDrive, WheelPair};
 use surepose::param::{self, BrakingMode, LawName, Parameter};
@@ -229,7 +229,17 @@ impl Config {
 
     /// Delayed-state filter, starting at `stamp` with `belief`.
     pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> DelayedEkf<f64, N> {
-        DelayedEkf::new(self.ekf(), self.gate(), self.number(&param::HISTORY), stamp, belief)
+        let history = self.number(&param::HISTORY);
+        DelayedEkf::new(self.ekf(), self.gate(), history, stamp, belief).with_gyroscope(self.gyroscope())
+    }
+
+    /// Noise of the gyroscope.
+    pub fn gyroscope(&self) -> Gyroscope<f64> {
+        Gyroscope {
+            std: self.number(&param::GYROSCOPE_STD),
+            bias_std: self.number(&param::GYROSCOPE_BIAS_STD),
+            bias_walk: self.number(&param::GYROSCOPE_BIAS_WALK),
+        }
     }
 
     /// Returns the parameters of the compass.

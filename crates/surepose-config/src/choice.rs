@@ -4,7 +4,7 @@ use surepose::control::Direction;
 use surepose::kinematics::Integration;
 use surepose::param::{self, ArenaName, BrakingMode, Choice, LawName, MountingSource, Parameter};
 
-use super::{Config, Value};
+use super::Config;
 
 /// The options of one parameter.
 pub trait ConfigChoice: Choice {
@@ -41,26 +41,17 @@ config_choices! {
 impl Config {
     /// Returns the option in effect.
     pub fn choice<C: ConfigChoice>(&self) -> C {
-        self.option(C::PARAMETER)
+        self.value(C::PARAMETER).option()
     }
 
     /// Returns the source of the pose of the laser.
     pub fn laser_mounting(&self) -> MountingSource {
-        self.option(&param::LASER_MOUNTING)
+        self.value(&param::LASER_MOUNTING).option()
     }
 
     /// Returns the source of the rotation of the compass.
     pub fn compass_mounting(&self) -> MountingSource {
-        self.option(&param::COMPASS_MOUNTING)
-    }
-
-    /// Returns the option of `parameter`, whose enum is `C`; its default for a parameter of another enum.
-    fn option<C: Choice>(&self, parameter: &Parameter) -> C {
-        let found = match self.value(parameter) {
-            Value::Choice(name) => C::from_name(name),
-            Value::Number(_) | Value::Polygon(_) => None,
-        };
-        found.unwrap_or(C::ALL[0])
+        self.value(&param::COMPASS_MOUNTING).option()
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use surepose::param::{self, Kind, Parameter, Range};
+use surepose::param::{Kind, Parameter, Range};
 use surepose::safety::MAX_VERTICES;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::key::{self, UnknownKey};
+use super::key::{self, ParameterSet, UnknownKey};
 use super::problem::{ConfigError, Problems, line_of};
 use super::setting::{Setting, Value, ValueSource, plain, polygon_from};
 
@@ -22,11 +22,11 @@ pub(super) fn read(path: &Path) -> Result<Vec<Setting>, ConfigError> {
         let help = "give the path of a TOML file; `surepose config show` prints one with every parameter";
         ConfigError::unreadable(path, None, format!("cannot be read: {error}"), help)
     })?;
-    parse(path, &bytes)
+    parse(path, &bytes, &ParameterSet::robot())
 }
 
-/// Parses the settings of a TOML text.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigError> {
+/// Parses the settings of a TOML text, all of parameters in `set`.
+pub(super) fn parse(path: &Path, bytes: &[u8], set: &ParameterSet) -> Result<Vec<Setting>, ConfigError> {
     if bytes.len() > MAX_BYTES {
         let what = format!("file too long (expected at most {MAX_BYTES} bytes)");
         return Err(ConfigError::unreadable(path, None, what, "check that this is a configuration file"));
@@ -54,7 +54,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigErr
         problems.add(span, format!("invalid TOML: {}", error.message().trim_end()), "here", Some(help));
     }
 
-    let mut reader = Reader { path, text, broken, problems, settings: Vec::new() };
+    let mut reader = Reader { set, path, text, broken, problems, settings: Vec::new() };
     for (name, value) in table.get_ref() {
         reader.section(name.get_ref(), name.span(), value);
     }
@@ -63,6 +63,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Setting>, ConfigErr
 }
 
 struct Reader<'t> {
+    set: &'t ParameterSet,
     path: &'t Path,
     text: &'t str,
     /// Offsets of invalid TOML.
@@ -74,16 +75,16 @@ struct Reader<'t> {
 impl Reader<'_> {
     fn section(&mut self, name: &str, span: Span, value: &Spanned<DeValue<'_>>) {
         let Some(table) = value.get_ref().as_table() else {
-            let help = match key::sections_of(name).as_slice() {
-                [] => format!("put it under one of the sections {}", key::sections()),
+            let help = match self.set.sections_of(name).as_slice() {
+                [] => format!("put it under one of the sections {}", self.set.sections()),
                 found => format!("`{name}` belongs to [{}]", found.join("] or [")),
             };
             return self.problems.add(span, format!("`{name}`: outside of any section"), "here", Some(help));
         };
-        if !param::is_section(name) {
-            let help = match key::nearest(name, param::ALL.iter().map(|p| p.section)) {
+        if self.set.section(name).next().is_none() {
+            let help = match key::nearest(name, self.set.iter().map(|p| p.section)) {
                 Some(near) => format!("did you mean [{near}]?"),
-                None => format!("the sections are {}", key::sections()),
+                None => format!("the sections are {}", self.set.sections()),
             };
             return self.problems.add(
                 span,
@@ -93,7 +94,7 @@ impl Reader<'_> {
             );
         }
         for (key, value) in table {
-            match param::find(name, key.get_ref()) {
+            match self.set.find(name, key.get_ref()) {
                 Some(parameter) => self.value(parameter, value),
                 None => self.unknown(name, key.get_ref(), key.span(), value.get_ref()),
             }
@@ -101,7 +102,7 @@ impl Reader<'_> {
     }
 
     fn unknown(&mut self, section: &str, key: &str, span: Span, value: &DeValue<'_>) {
-        let (label, help) = match UnknownKey::from_key(section, key) {
+        let (label, help) = match UnknownKey::from_key(self.set, section, key) {
             UnknownKey::OtherUnit { parameter, factor } => {
                 let mut help = format!("the key is `{}`", parameter.key);
                 if let Some(number) = number(value) {
@@ -119,7 +120,7 @@ impl Reader<'_> {
             }
             UnknownKey::Typo(near) => ("no such key", format!("did you mean `{near}`?")),
             UnknownKey::Unknown => {
-                ("no such key", format!("the keys of [{section}] are {}", key::keys(section)))
+                ("no such key", format!("the keys of [{section}] are {}", self.set.keys(section)))
             }
         };
         self.problems.add(span, format!("unknown key `{key}` in [{section}]"), label, Some(help));

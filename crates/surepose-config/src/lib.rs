@@ -25,7 +25,7 @@ use surepose::param::{self, Kind, Parameter};
 pub use abort::describe_abort;
 pub use build::{CompassParameters, LaserParameters};
 pub use choice::ConfigChoice;
-pub use key::parameter;
+pub use key::{ParameterSet, parameter};
 pub use navigation::{
     HISTORY, MAX_BEAMS, NavigatorSetup, RobotLocalizer, RobotNavigator, ScanMethod, beam_model,
 };
@@ -46,8 +46,11 @@ pub struct Config {
 impl Default for Config {
     /// Creates a configuration with the defaults of the parameter table.
     fn default() -> Self {
-        let setting =
-            |parameter| Setting { parameter, value: default(parameter), origin: ValueSource::Default };
+        let setting = |parameter| Setting {
+            parameter,
+            value: Value::default_of(parameter),
+            origin: ValueSource::Default,
+        };
         let mut config = Self { settings: param::ALL.iter().map(setting).collect() };
         for (parameter, value) in config.derived_values() {
             config.put_number(parameter, value, ValueSource::Default);
@@ -73,7 +76,7 @@ impl Config {
     /// # Errors
     /// As [`Config::with_file`].
     pub fn with_text(mut self, path: &Path, text: &[u8]) -> Result<Self, ConfigError> {
-        for setting in file::parse(path, text)? {
+        for setting in file::parse(path, text, &ParameterSet::robot())? {
             self.put(setting);
         }
         Ok(self)
@@ -111,25 +114,20 @@ impl Config {
     /// # Errors
     /// As [`Config::with_option`].
     pub fn with_option_of(mut self, option: &str, text: &str) -> Result<Self, ConfigError> {
-        let name = Path::new(option);
-        let malformed = || {
-            let what = format!("invalid option (got '{}', expected SECTION.KEY=VALUE)", text.escape_debug());
-            let help = "example: `--set law.k_v=3`; `surepose config show` lists the names";
-            ConfigError::unreadable(name, None, what, help)
-        };
-        let toml = option_as_toml(text).ok_or_else(malformed)?;
-        let settings = file::parse(name, toml.as_bytes()).map_err(ConfigError::without_lines)?;
-        let [setting] = settings.as_slice() else { return Err(malformed()) };
-        self.put(Setting { origin: ValueSource::CommandLine, ..setting.clone() });
+        self.put(option_setting(option, text, &ParameterSet::robot())?);
         Ok(self)
+    }
+
+    /// Overrides one value with `setting`; a setting of a parameter outside the table is ignored.
+    #[must_use]
+    pub fn with_setting(mut self, setting: Setting) -> Self {
+        self.put(setting);
+        self
     }
 
     /// Returns the value of a number, in SI units and radians; 0 for other kinds.
     pub fn number(&self, parameter: &Parameter) -> f64 {
-        match self.value(parameter) {
-            Value::Number(number) => number * parameter.unit.to_si(),
-            Value::Choice(_) | Value::Polygon(_) => 0.0,
-        }
+        self.value(parameter).number_of(parameter)
     }
 
     /// Returns the origin of a value.
@@ -143,7 +141,7 @@ impl Config {
     }
 
     fn value(&self, parameter: &Parameter) -> Value {
-        self.setting(parameter).map_or_else(|| default(parameter), |setting| setting.value.clone())
+        self.setting(parameter).map_or_else(|| Value::default_of(parameter), |setting| setting.value.clone())
     }
 
     fn setting(&self, parameter: &Parameter) -> Option<&Setting> {
@@ -169,25 +167,36 @@ impl Config {
     }
 }
 
-fn default(parameter: &Parameter) -> Value {
-    match parameter.kind {
-        Kind::Number { default, .. } => Value::Number(default.unwrap_or(0.0)),
-        Kind::Integer { default, .. } => Value::Number(default.into()),
-        Kind::Choice { options } => Value::Choice(options.first().copied().unwrap_or("")),
-        Kind::Polygon { .. } => Value::Polygon(Vec::new()),
-    }
+/// Parses `section.key=value` from the command-line option `option`, for a parameter in `set`.
+///
+/// # Errors
+/// The problem of the text, as for a line of a file.
+pub fn option_setting(option: &str, text: &str, set: &ParameterSet) -> Result<Setting, ConfigError> {
+    let malformed = || {
+        let what = format!("invalid option (got '{}', expected SECTION.KEY=VALUE)", text.escape_debug());
+        let example = set.iter().find(|p| matches!(p.kind, Kind::Number { .. }));
+        let example = example.map_or_else(String::new, |p| {
+            format!("example: `{option} {}.{}={}`; ", p.section, p.key, Value::default_of(p))
+        });
+        ConfigError::of_option(option, what, &format!("{example}`{}` lists the names", set.listing))
+    };
+    let toml = option_as_toml(text, set).ok_or_else(malformed)?;
+    let settings =
+        file::parse(Path::new(option), toml.as_bytes(), set).map_err(ConfigError::without_lines)?;
+    let [setting] = settings.as_slice() else { return Err(malformed()) };
+    Ok(Setting { origin: ValueSource::CommandLine, ..setting.clone() })
 }
 
 /// Converts `law.name=paper` to a line of TOML, so that options and files share one parser.
 ///
 /// Names need no quotes, and numbers no digit before the decimal point. Returns `None` for malformed text.
-fn option_as_toml(text: &str) -> Option<String> {
+fn option_as_toml(text: &str, set: &ParameterSet) -> Option<String> {
     let (name, value) = text.split_once('=')?;
     let (name, value) = (name.trim(), value.trim());
     if name.is_empty() || value.is_empty() {
         return None;
     }
-    let name = match param::find_by_name(name) {
+    let name = match set.find_by_name(name) {
         Some(found) => format!("{}.{}", found.section, found.key),
         None => name.to_owned(),
     };

@@ -72,6 +72,11 @@ impl ConfigError {
 }
 
 impl ConfigError {
+    /// Creates an error of a command-line option.
+    pub fn of_option(option: &str, what: String, help: &str) -> Self {
+        Self::unreadable(Path::new(option), None, what, help)
+    }
+
     /// Removes the line numbers, for a command-line option.
     pub(super) fn without_lines(mut self) -> Self {
         self.problems.iter_mut().for_each(|problem| problem.line = None);

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use surepose::geometry::Point;
-use surepose::param::Parameter;
+use surepose::param::{Choice, Kind, Parameter};
 use surepose::safety::{InvalidFootprint, Polygon};
 
 /// One parameter's value.
@@ -45,6 +45,35 @@ pub enum ValueSource {
     },
     /// An option.
     CommandLine,
+}
+
+impl Value {
+    /// Returns the number of a parameter in SI units and radians; 0 for other kinds.
+    pub fn number_of(&self, parameter: &Parameter) -> f64 {
+        match self {
+            Self::Number(number) => number * parameter.unit.to_si(),
+            Self::Choice(_) | Self::Polygon(_) => 0.0,
+        }
+    }
+
+    /// Returns the option of a parameter whose enum is `C`; the default option for another value.
+    pub fn option<C: Choice>(&self) -> C {
+        let found = match self {
+            Self::Choice(name) => C::from_name(name),
+            Self::Number(_) | Self::Polygon(_) => None,
+        };
+        found.unwrap_or(C::ALL[0])
+    }
+
+    /// Returns the default of a parameter; 0 for a derived one.
+    pub fn default_of(parameter: &Parameter) -> Self {
+        match parameter.kind {
+            Kind::Number { default, .. } => Self::Number(default.unwrap_or(0.0)),
+            Kind::Integer { default, .. } => Self::Number(default.into()),
+            Kind::Choice { options } => Self::Choice(options.first().copied().unwrap_or("")),
+            Kind::Polygon { .. } => Self::Polygon(Vec::new()),
+        }
+    }
 }
 
 impl fmt::Display for Value {

@@ -4,11 +4,14 @@ use core::f64::consts::TAU;
 
 use surepose::control::{Pid, PidState};
 
+use crate::plant::WheelResponse;
 use crate::random::Stream;
 
 /// Parameters of a motor with its encoder and controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorModel {
+    /// Whether a wheel follows its setpoint exactly; then only the encoder's resolution is used.
+    pub ideal: bool,
     /// Wheel rate without load at full supply \[rad/s].
     pub full_rate: f64,
     /// Time constant of the first-order lag \[s].
@@ -34,6 +37,7 @@ impl Default for MotorModel {
     /// [Tran2012] Sec. 5.2 gives only the ±5 %; lag, friction, and ripple are typical of geared motors.
     fn default() -> Self {
         Self {
+            ideal: false,
             full_rate: 10.0,
             lag: 0.08,
             friction: 0.3,
@@ -99,8 +103,15 @@ impl Wheel {
         (self.angle * (model.ticks_per_turn / TAU)).floor() * (TAU / model.ticks_per_turn)
     }
 
-    /// Controls the wheel to the rate `desired` \[rad/s] for `period` \[s]; returns the true turn \[rad].
-    pub(crate) fn turn(&mut self, model: &MotorModel, desired: f64, period: f64) -> f64 {
+    /// Controls the wheel to the setpoint for `period` \[s]; returns the true turn \[rad].
+    pub(crate) fn turn(&mut self, model: &MotorModel, setpoint: WheelResponse, period: f64) -> f64 {
+        if model.ideal {
+            self.rate = setpoint.end;
+            let turned = setpoint.mean * period;
+            self.angle += turned;
+            return turned;
+        }
+        let desired = setpoint.mean;
         let counted = self.counted(model);
         let measured = (counted - self.counted_before) / period;
         self.counted_before = counted;
@@ -113,6 +124,11 @@ impl Wheel {
         let turned = self.coast(model, model.full_rate * duty * ripple, period);
         self.angle += turned;
         turned
+    }
+
+    /// Stops the wheel, as a stalled motor or an obstacle does.
+    pub(crate) fn hold(&mut self) {
+        self.rate = 0.0;
     }
 
     /// Integrates the rate toward `drive`, its steady state without friction \[rad/s]; returns the turn
@@ -145,16 +161,20 @@ mod tests {
 
     use crate::random::Seed;
 
-    use super::{MotorModel, Wheel};
+    use super::{MotorModel, Wheel, WheelResponse};
 
     const PERIOD: f64 = 0.01;
+
+    fn at(rate: f64) -> WheelResponse {
+        WheelResponse { mean: rate, end: rate }
+    }
 
     /// Largest relative speed deviation from `desired`, over windows of 50 ms after 1 s of settling.
     fn ripple(model: &MotorModel, desired: f64) -> f64 {
         let mut wheel = Wheel::at_rest(Seed(4).stream("right wheel"));
         let mut worst = 0.0_f64;
         for window in 0..1200 {
-            let turned: f64 = (0..5).map(|_| wheel.turn(model, desired, PERIOD)).sum();
+            let turned: f64 = (0..5).map(|_| wheel.turn(model, at(desired), PERIOD)).sum();
             if window >= 20 {
                 worst = worst.max((turned / (5.0 * PERIOD * desired) - 1.0).abs());
             }
@@ -190,14 +210,14 @@ mod tests {
         let model = MotorModel::default();
         let mut wheel = Wheel::at_rest(Seed(4).stream("left wheel"));
         for _ in 0..100 {
-            wheel.turn(&model, -4.0, PERIOD);
+            wheel.turn(&model, at(-4.0), PERIOD);
         }
         assert!((wheel.rate() / -4.0 - 1.0).abs() < 0.1, "{}", wheel.rate());
         for _ in 0..100 {
-            wheel.turn(&model, 0.0, PERIOD);
+            wheel.turn(&model, at(0.0), PERIOD);
         }
         for _ in 0..100 {
-            assert_eq!(wheel.turn(&model, 0.0, PERIOD).to_bits(), 0.0_f64.to_bits());
+            assert_eq!(wheel.turn(&model, at(0.0), PERIOD).to_bits(), 0.0_f64.to_bits());
         }
     }
 
@@ -206,7 +226,7 @@ mod tests {
         let model = MotorModel { gain_std: 0.0, cogging: 0.0, ..MotorModel::default() };
         let mut wheel = Wheel::at_rest(Seed(4).stream("left wheel"));
         for _ in 0..500 {
-            wheel.turn(&model, 50.0, PERIOD);
+            wheel.turn(&model, at(50.0), PERIOD);
         }
         assert!((wheel.rate() - (model.full_rate - model.friction)).abs() < 1e-9, "{}", wheel.rate());
     }

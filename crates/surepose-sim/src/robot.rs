@@ -39,7 +39,7 @@ impl SimulatedRobot {
         let initial = Belief::new(perturbed(start, scenario.start_std, seed), scenario.start_std);
         let setup = scenario.navigator_setup();
         Self {
-            world: World::new(scenario.world(), start, seed),
+            world: World::new(scenario.world(), scenario.true_start(), seed),
             compass: scenario.config.compass(),
             navigator: scenario.config.navigator(&setup, Stamp::default(), initial),
             map: OwnedMap::from_walls(walls_from_segments(scenario.arena.walls())),

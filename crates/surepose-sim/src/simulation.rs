@@ -20,7 +20,7 @@ use crate::ErrorAccumulator;
 use crate::robot::{Scenario, SimulatedRobot};
 
 pub use sample::{ControlMode, Sample};
-pub use summary::{SimulationOutcome, SimulationSummary};
+pub use summary::{RejectedCounts, SimulationOutcome, SimulationSummary};
 
 /// Drives `scenario` to its end.
 pub fn simulate(scenario: &Scenario, seed: u64) -> (Vec<Sample>, SimulationSummary) {
@@ -133,7 +133,7 @@ impl Simulation {
         if self.closest_wall < 0.0 { Some("wall") } else { self.aborted.map(AbortReason::name) }
     }
 
-    /// The figures up to now; a drive that has not ended counts as stopped.
+    /// The figures up to now; a drive that has not ended counts as interrupted.
     pub fn summary(&self) -> SimulationSummary {
         let world = self.robot.world();
         let error = NavigationVariables::from_poses(world.pose(), self.goal);
@@ -141,7 +141,7 @@ impl Simulation {
         let localizer = self.robot.navigator().localizer();
         let stats = localizer.measurement_stats();
         SimulationSummary {
-            outcome: self.outcome.unwrap_or(SimulationOutcome::Stopped),
+            outcome: self.outcome.unwrap_or(SimulationOutcome::Interrupted),
             stop_reason: self.stop_reason(),
             reason: self.stop_reason(),
             time_s: world.now().seconds(),
@@ -159,7 +159,7 @@ impl Simulation {
             wheel_acceleration_max_m_s2: self.max_rim_acceleration,
             accepted: stats.accepted,
             walls: localizer.monitor().map_or(0, LocalizationMonitor::scan_updates),
-            rejected: stats.rejected_total(),
+            rejected: RejectedCounts::from_stats(stats),
             seed: self.seed,
         }
     }

@@ -8,11 +8,13 @@ use surepose::time::{Stamp, Stamped};
 
 use crate::arena::Arena;
 use crate::compass::CompassModel;
-use crate::fault::{Disturbance, Fault, FaultKind, Sensor, disturbance};
+use crate::fault::{Disturbance, Fault, FaultKind, Sensor, disturbance, held_wheels};
+use crate::gyroscope::{GyroscopeModel, GyroscopeState};
 use crate::laser::{LaserModel, SimulatedScan};
 use crate::motor::{MotorModel, Wheel};
+use crate::plant::{Plant, PlantModel};
 use crate::random::{Seed, Stream};
-use crate::slip::Slip;
+use crate::slip::{ContactPoints, Slip, Traction};
 
 /// Largest period of the wheel controllers and of the simulation \[ns].
 const MAX_SUBSTEP: i64 = 10_000_000;
@@ -33,10 +35,16 @@ pub struct WorldModel {
     pub arena: Arena,
     /// Wheel separation and wheel radii.
     pub drive: DiffDrive<f64>,
+    /// Base between command and motors.
+    pub plant: PlantModel,
     /// Motors with encoders and speed controllers.
     pub motor: MotorModel,
-    /// Wheel slip.
+    /// White noise between encoders and true travel.
     pub slip: Slip,
+    /// Grip of the wheels on the floor.
+    pub traction: Traction,
+    /// Gyroscope. `None`: no gyroscope.
+    pub gyroscope: Option<GyroscopeModel>,
     /// Compass. `None`: no compass.
     pub compass: Option<(CompassModel, Timing)>,
     /// Laser. `None`: no laser.
@@ -55,8 +63,11 @@ impl WorldModel {
         Self {
             arena,
             drive: DiffDrive::new(0.05, 0.60),
+            plant: PlantModel::default(),
             motor: MotorModel::default(),
             slip: Slip { delta: 0.0025 },
+            traction: Traction::default(),
+            gyroscope: None,
             compass: Some((CompassModel::default(), Timing { period: 0.1, latency: 0.01 })),
             laser: Some((LaserModel::half_circle(181), Timing { period: 0.1, latency: 0.04 })),
             faults: Vec::new(),
@@ -71,6 +82,8 @@ pub struct SensorOutput {
     pub stamp: Stamp,
     /// Wheel travel since the previous step, measured by the encoders \[m].
     pub rims: WheelPair<f64>,
+    /// Mean yaw rate since the previous step, measured by the gyroscope \[rad/s]. `None`: no gyroscope.
+    pub yaw_rate: Option<f64>,
     /// Compass headings that arrived during the step.
     pub headings: Vec<Stamped<Angle<f64>>>,
     /// Scans that arrived during the step.
@@ -87,13 +100,20 @@ pub struct World {
     now: Stamp,
     pose: Pose<Map, Body, f64>,
     twist: Twist<f64>,
+    plant: Plant,
     wheels: WheelPair<Wheel>,
     counted: WheelPair<f64>,
+    contact: ContactPoints,
+    /// Turn since the beginning of the step \[rad].
+    turned: f64,
     slip: Stream,
+    gyroscope: GyroscopeState,
     compass: Stream,
     laser: Stream,
     headings: UnderWay<Angle<f64>>,
     scans: UnderWay<SimulatedScan>,
+    /// Last scan before a fault of the laser, or the first one.
+    scan_before: Option<SimulatedScan>,
 }
 
 impl World {
@@ -104,16 +124,21 @@ impl World {
             now: Stamp::default(),
             pose: start,
             twist: Twist::zero(),
+            plant: Plant::default(),
             wheels: WheelPair {
                 right: Wheel::at_rest(seed.stream("right wheel")),
                 left: Wheel::at_rest(seed.stream("left wheel")),
             },
             counted: WheelPair::new(0.0, 0.0),
+            contact: ContactPoints::default(),
+            turned: 0.0,
             slip: seed.stream("slip"),
+            gyroscope: GyroscopeState::new(seed.stream("gyroscope")),
             compass: seed.stream("compass"),
             laser: seed.stream("laser"),
             headings: Vec::new(),
             scans: Vec::new(),
+            scan_before: None,
         }
     }
 
@@ -149,33 +174,44 @@ impl World {
     /// odometry period, with one slip factor per wheel.
     pub fn step(&mut self, desired: WheelPair<f64>, period: f64) -> SensorOutput {
         let slip = self.model.slip.factors(&mut self.slip);
+        self.plant.send(&self.model.plant, self.now, desired);
+        self.turned = 0.0;
         let (start, period) = (self.now.nanoseconds(), nanoseconds(period));
         let substeps = (period + MAX_SUBSTEP - 1) / MAX_SUBSTEP;
         for substep in 1..=substeps {
             let (before, now) = (self.now, Stamp::from_nanoseconds(start + period * substep / substeps));
             self.push(before..now);
-            self.roll(desired, slip, now);
+            self.roll(slip, now);
             self.measure(before);
         }
         SensorOutput {
             stamp: self.now,
             rims: self.rims(),
+            yaw_rate: self.yaw_rate(period as f64 / 1e9),
             headings: arrived(&mut self.headings, self.now),
             scans: arrived(&mut self.scans, self.now),
         }
     }
 
     /// Simulates the motion until `end`.
-    fn roll(&mut self, desired: WheelPair<f64>, slip: WheelPair<f64>, end: Stamp) {
-        let motor = &self.model.motor;
+    fn roll(&mut self, slip: WheelPair<f64>, end: Stamp) {
+        let WorldModel { drive, motor, plant, traction, faults, .. } = &self.model;
         let time = (end.nanoseconds() - self.now.nanoseconds()) as f64 / 1e9;
-        let right = self.wheels.right.turn(motor, desired.right, time) * slip.right;
-        let left = self.wheels.left.turn(motor, desired.left, time) * slip.left;
-        let motion = self
-            .model
-            .drive
-            .motion_from_travel(self.model.drive.wheel_travel_from_angle(WheelPair::new(right, left)));
+        let setpoints = self.plant.advance(plant, drive, self.now, time);
+        let held = held_wheels(faults, self.now);
+        let turn = |wheel: &mut Wheel, setpoint, held| {
+            if held {
+                wheel.hold();
+                return 0.0;
+            }
+            wheel.turn(motor, setpoint, time)
+        };
+        let right = turn(&mut self.wheels.right, setpoints.right, held.0) * slip.right;
+        let left = turn(&mut self.wheels.left, setpoints.left, held.1) * slip.left;
+        let travel = drive.wheel_travel_from_angle(WheelPair::new(right, left));
+        let motion = drive.motion_from_travel(self.contact.travel(traction, travel, time));
         self.pose = self.pose.integrate(motion, Integration::Arc);
+        self.turned += motion.turn;
         self.twist = Twist::new(motion.length / time, motion.turn / time);
         self.now = end;
     }
@@ -194,6 +230,12 @@ impl World {
             let mut scan = laser.scan(self.model.arena.walls(), self.pose, &mut self.laser);
             for range in &mut scan.ranges {
                 *range += disturbance.offset;
+            }
+            if disturbance.scan.is_none() || self.scan_before.is_none() {
+                self.scan_before = Some(scan.clone());
+            }
+            if let (Some(fault), Some(before)) = (disturbance.scan, &self.scan_before) {
+                fault.apply(&mut scan, before);
             }
             send(&mut self.scans, scan, self.now, timing, &disturbance);
         }
@@ -216,6 +258,12 @@ impl World {
         let disturbance = disturbance(&self.model.faults, Sensor::Encoders, self.now);
         let factor = if disturbance.dropout { 0.0 } else { 1.0 + disturbance.offset };
         self.model.drive.wheel_travel_from_angle(turned).scaled(factor)
+    }
+
+    /// Mean yaw rate \[rad/s] over the step of `period` \[s], measured by the gyroscope.
+    fn yaw_rate(&mut self, period: f64) -> Option<f64> {
+        let model = self.model.gyroscope.as_ref()?;
+        Some(self.gyroscope.read(model, self.turned, period))
     }
 
     /// Applies the displacements that begin in this time interval.

@@ -3,6 +3,7 @@
 mod delayed_ekf;
 mod ekf;
 mod gate;
+mod gyroscope;
 mod history;
 mod measurement;
 mod outcome;
@@ -10,6 +11,7 @@ mod outcome;
 pub use delayed_ekf::DelayedEkf;
 pub use ekf::{Belief, Correction, Ekf, WheelOdometry};
 pub use gate::Gate;
+pub use gyroscope::{Gyroscope, GyroscopeBias, GyroscopeTurn};
 pub use measurement::{
     HeadingMeasurement, Innovation, LineMeasurement, Measurement, PoseMeasurement, PositionMeasurement,
     RangeBearingMeasurement,

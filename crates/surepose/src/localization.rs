@@ -11,6 +11,7 @@ mod local_search;
 mod localizer;
 mod monitor;
 mod observer;
+mod slip_monitor;
 
 pub use global_localizer::{
     AcceptanceCriteria, GlobalLocalizer, GlobalStatus, Hypothesis, MAX_LINE_PAIRS, MAX_ODOMETRY_INCREMENTS,

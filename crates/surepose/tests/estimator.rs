@@ -3,6 +3,7 @@
 mod common;
 mod estimator {
     mod consistency;
+    mod gyroscope;
 }
 
 use proptest::prelude::*;

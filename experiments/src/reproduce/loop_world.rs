@@ -166,6 +166,7 @@ impl Iterator for Run<'_> {
             truth: self.truth,
             sensed: surepose_sim::SensorOutput {
                 stamp,
+                yaw_rate: None,
                 rims: Slip { delta: world.robot.ekf().delta }.apply(travel, &mut self.slip),
                 headings: vec![Stamped::new(
                     stamp,

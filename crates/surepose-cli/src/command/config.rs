@@ -4,16 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use serde_json::{Map, Value as Json, json};
-use surepose::param::{Kind, Parameter, Range};
-use surepose::safety::MAX_VERTICES;
-use surepose_config::{
-    Config, ConfigError, ConfigProblem, Setting, Value, json_schema, parameter, reference_page,
-};
+use surepose_config::{Config, ConfigError, ConfigProblem, Setting, json_schema, parameter, reference_page};
 use surepose_sim::robot::Scenario;
+use surepose_sim::world_parameters::world_parameters;
 
 use crate::certification;
 use crate::error::CliError;
 use crate::exit::Exit;
+use crate::explanation::{self, json_of, name, shown};
 use crate::output::{Output, say, table, text, warning};
 use crate::settings::{ConfigArgs, toml_of};
 
@@ -160,11 +158,7 @@ fn check(output: Output, config: &Config) -> Result<(), CliError> {
 fn show(output: Output, config: &Config) -> Result<(), CliError> {
     if output.json {
         let entry = |setting: &Setting| {
-            let value = match &setting.value {
-                Value::Number(number) => json!(number),
-                Value::Choice(choice) => json!(choice),
-                Value::Polygon(points) => json!(points),
-            };
+            let value = json_of(&setting.value);
             let unit = setting.parameter.unit.symbol();
             let entry = json!({ "value": value, "unit": unit, "from": setting.origin.to_string() });
             (name(setting.parameter), entry)
@@ -176,52 +170,15 @@ fn show(output: Output, config: &Config) -> Result<(), CliError> {
 }
 
 fn explain(output: Output, wanted: &str) -> Result<Exit, CliError> {
-    let p = parameter(wanted).map_err(|help| CliError::Usage {
+    let of_the_world = |help| world_parameters().find_by_name(wanted).ok_or(help);
+    let p = parameter(wanted).or_else(of_the_world).map_err(|help| CliError::Usage {
         what: format!("parameter: unknown or ambiguous name (got '{wanted}')"),
         help,
     })?;
-    let (bounds, default, reason) = match p.kind {
-        Kind::Number { default, range } => (bounds(p, &range), json!(default), range.reason),
-        Kind::Integer { default, range } => (bounds(p, &range), json!(default), range.reason),
-        Kind::Polygon { range } => (
-            format!("3 to {MAX_VERTICES} points, coordinates in {}", bounds(p, &range)),
-            json!([]),
-            range.reason,
-        ),
-        Kind::Choice { options } => {
-            (options.join(", "), json!(options.first()), "these are the available options")
-        }
-    };
-    let meaning = p.meaning.trim();
     if output.json {
-        let all = json!({
-            "name": name(p), "unit": p.unit.symbol(), "default": default, "range": bounds, "reason": reason,
-            "meaning": meaning,
-        });
-        text(&format!("{all}\n"))?;
+        text(&format!("{}\n", explanation::as_json(p)))?;
     } else {
-        let default = match &default {
-            Json::String(option) => option.clone(),
-            Json::Null => "derived".to_owned(),
-            number => format!("{number} {}", p.unit.symbol()).trim_end().to_owned(),
-        };
-        text(&format!(
-            "{}\n  {meaning}\n  default: {default}\n  allowed: {bounds}\n  reason: {reason}\n",
-            name(p)
-        ))?;
+        text(&explanation::as_text(p))?;
     }
     Ok(Exit::Done)
-}
-
-fn name(parameter: &Parameter) -> String {
-    format!("{}.{}", parameter.section, parameter.key)
-}
-
-fn shown(setting: &Setting) -> String {
-    let unit = setting.parameter.unit.symbol();
-    if unit.is_empty() { setting.value.to_string() } else { format!("{} {unit}", setting.value) }
-}
-
-fn bounds(parameter: &Parameter, range: &Range) -> String {
-    format!("{range} {}", parameter.unit.symbol()).trim_end().to_owned()
 }

@@ -33,8 +33,8 @@ use crate::{interrupt, progress};
   surepose replay mcap rosbag2/drive_0.mcap --map building.toml --compass --remap truth:=/mocap/pose
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
 
-Exit codes: 0 done; 1 the robot was not localized, the recording has no odometry step, no measurement was accepted, or \
-the estimate is inconsistent or less accurate than dead reckoning; 2 usage or configuration error; 3 recording or map \
+Exit codes: 0 done; 1 the estimate is inconsistent, or nothing could be evaluated: the robot was not localized, the \
+recording has no odometry step, or no measurement was accepted; 2 usage or configuration error; 3 recording or map \
 unreadable or malformed; 130 interrupted (carmen, ticks and wean: the part replayed until then is evaluated).")]
 pub(crate) struct ReplayCommand {
     /// The format of the recording
@@ -125,13 +125,9 @@ impl ReplayCommand {
         if let Some(why) = skipped(&report) {
             warning(&why);
         }
-        let failing = failing(&report);
-        if let Some(why) = failing {
-            warning(why);
-        }
-        // Several remaining hypotheses count as a failed localization.
-        let placed = report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some());
-        Ok(if placed && failing.is_none() { Exit::Done } else { Exit::Negative })
+        let Some(why) = failing(&report) else { return Ok(Exit::Done) };
+        warning(why);
+        Ok(Exit::Negative)
     }
 
     /// Replays a Wean Hall log, with global localization if no start pose is given, and draws the result.
@@ -221,25 +217,23 @@ fn watched<T: Send>(
     progress::attended(&bar, part, || cancel.cancel(), || replay(&cancel))
 }
 
-/// Returns why the estimate is useless; `None` if it is useful.
+/// Returns why the estimate is inconsistent or cannot be evaluated; `None` if it is neither. Its errors are no reason.
 fn failing(report: &ReplayReport) -> Option<&'static str> {
-    // Tolerance \[m]: an estimate without corrections equals dead reckoning up to rounding.
-    const SAME: f64 = 1e-6;
     // NEES threshold: the χ² quantile with 3 degrees of freedom for one estimate in 10⁶ is 31.
     const SURE_OF_ITSELF: f64 = 100.0;
     if report.steps == 0 {
-        return Some("recording: no step of odometry, nothing was estimated");
+        return Some("nothing could be evaluated: the recording has no step of odometry");
+    }
+    // Several remaining hypotheses count as a failed localization.
+    if !report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some()) {
+        return Some("nothing could be evaluated: the robot was not localized");
     }
     if report.accepted == 0 {
-        return Some("no measurement was accepted; the result is dead reckoning");
+        return Some("nothing could be evaluated: no measurement was accepted; the result is dead reckoning");
     }
-    if report.nees_median.is_some_and(|nees| nees > SURE_OF_ITSELF) {
-        return Some(
-            "the estimate is inconsistent (median NEES above 100); check that the map and the settings match the robot",
-        );
-    }
-    let (estimated, reckoned) = (report.position_rmse_m?, report.dead_reckoning_position_rmse_m?);
-    (estimated > reckoned + SAME).then_some("the estimate is less accurate than dead reckoning")
+    report.nees_median.is_some_and(|nees| nees > SURE_OF_ITSELF).then_some(
+        "the estimate is inconsistent (median NEES above 100); check that the map and the settings match the robot",
+    )
 }
 
 /// Returns a warning if a skipped kind of record makes up more than a tenth of the steps; else `None`.

@@ -3,16 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::{Map, Value as Json};
 use surepose::param::{self, ArenaName, Choice};
-use surepose_config::{Config, describe_abort};
+use surepose_config::{Config, Setting, describe_abort};
 use surepose_figures::{self as picture, Picture};
-use surepose_sim::WallSegment;
 use surepose_sim::robot::{InvalidEnd, Scenario, ScenarioEnd};
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
+use surepose_sim::world_parameters::world_parameters;
+use surepose_sim::{WallSegment, WorldSettings};
 
 use crate::error::CliError;
 use crate::exit::Exit;
-use crate::output::{Output, object, table, warning};
+use crate::explanation::{self, json_of, name};
+use crate::output::{Output, object, table, text, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
 use crate::{certification, interrupt, progress};
@@ -24,10 +27,16 @@ use crate::{certification, interrupt, progress};
   surepose run --goal 2,2,90 --seed 7 --out out         another goal; writes plots, data and out/drive.html
   surepose run --law paper --json                       the control law of the paper
   surepose run --scenario open --start 0,0,180 --set law.direction=reverse --json
+  surepose run --world robot.track_m=0.57               the true track differs from the configured one
+  surepose run --world robot.min_speed_m_s=0.03 --world robot.motor_time_constant_s=0.3
+  surepose run --world fault.laser=frozen --world fault.laser_from_s=5
+  surepose run --world help                             list every property of the world
+
+With --world, only the world changes; with --set, the robot and, unless --world differs, the world.
 
 Exit codes: 0 goal reached; 1 missed (at rest by the estimate, but the true pose is outside the tolerance) or
-timeout; 2 usage or configuration error; 4 stopped before a wall or by the supervisor; 130 interrupted
-(the results up to then are kept).")]
+timeout; 2 usage or configuration error; 4 stopped before a wall or by the supervisor; 130 interrupted,
+143 terminated (the results up to then are kept).")]
 pub(crate) struct RunCommand {
     /// The environment: paper, open, loop, or a TOML file with a [scenario] section
     #[arg(long, value_name = "NAME or FILE")]
@@ -41,6 +50,9 @@ pub(crate) struct RunCommand {
     /// The seed of the random generator; the same seed gives the same result
     #[arg(long, default_value_t = SEED, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     seed: u64,
+    /// Make the world differ from the robot's configuration: robot.track_m=0.57. `help` lists the keys. May be repeated
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    world: Vec<String>,
     /// A directory for plots, time series, the summary, and an HTML page that plays the run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -53,12 +65,23 @@ const SEED: u64 = 1;
 
 impl Default for RunCommand {
     fn default() -> Self {
-        Self { scenario: None, start: None, goal: None, seed: SEED, out: None, config: LawArgs::default() }
+        Self {
+            scenario: None,
+            start: None,
+            goal: None,
+            seed: SEED,
+            world: Vec::new(),
+            out: None,
+            config: LawArgs::default(),
+        }
     }
 }
 
 impl RunCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
+        if self.world.iter().any(|option| option == "help") {
+            return world_help(output);
+        }
         interrupt::listen();
         let scenario = self.scenario()?;
         for said in certification::warnings(&scenario.config) {
@@ -92,6 +115,11 @@ impl RunCommand {
             warning(&format!("goal aborted: {}", describe_abort(reason)));
         }
         let mut json = object(&summary);
+        let different = scenario.world_settings.settings();
+        if !different.is_empty() {
+            let value = |setting: &Setting| (name(setting.parameter), json_of(&setting.value));
+            json.insert("world".to_owned(), different.iter().map(value).collect::<Map<_, _>>().into());
+        }
         if let Some(folder) = &folder {
             write(folder, &scenario, &samples)?;
         }
@@ -116,6 +144,7 @@ impl RunCommand {
             SimulationOutcome::Reached => Exit::Done,
             SimulationOutcome::Missed | SimulationOutcome::Timeout => Exit::Negative,
             SimulationOutcome::Stopped => Exit::Stopped,
+            SimulationOutcome::Interrupted => Exit::Interrupted,
         })
     }
 
@@ -143,10 +172,27 @@ impl RunCommand {
                     .with_option_of(&format!("--{section}"), &format!("scenario.{section}_{key}={value}"))?;
             }
         }
-        let scenario = Scenario::configured(config);
+        let mut scenario = Scenario::configured(config);
+        scenario.world_settings = WorldSettings::from_options(self.world.iter().map(String::as_str))?;
         scenario.check_clearance().map_err(|problem| invalid_end(&problem, &scenario))?;
         Ok(scenario)
     }
+}
+
+/// Prints every property of a world.
+fn world_help(output: Output) -> Result<Exit, CliError> {
+    let known = world_parameters();
+    if output.json {
+        let all: Map<_, _> = known.iter().map(|p| (name(p), explanation::as_json(p))).collect();
+        text(&format!("{}\n", Json::Object(all)))?;
+        return Ok(Exit::Done);
+    }
+    let own = known.iter().map(explanation::as_text).collect::<String>();
+    text(&format!(
+        "Properties of the world, for --world SECTION.KEY=VALUE. Those that the configuration has, too, default to \
+         the robot's configuration.\n\n{own}"
+    ))?;
+    Ok(Exit::Done)
 }
 
 /// Builds the usage error of an invalid pose: names the option to change and the origin of the pose.
@@ -200,6 +246,7 @@ fn rows(summary: &SimulationSummary, mut row: impl FnMut(String, String)) {
             "missed: at rest by the estimate, but the true pose is outside the tolerance".to_owned()
         }
         (SimulationOutcome::Timeout, _) => "timeout".to_owned(),
+        (SimulationOutcome::Interrupted, _) => "interrupted".to_owned(),
         (SimulationOutcome::Stopped, None) => "stopped".to_owned(),
         (SimulationOutcome::Stopped, Some(reason)) => format!("stopped: {reason}"),
     };
@@ -215,6 +262,7 @@ fn rows(summary: &SimulationSummary, mut row: impl FnMut(String, String)) {
         row("NEES (3 if consistent)".to_owned(), format!("{nees:.2}"));
     }
     let SimulationSummary { accepted, walls, rejected, .. } = summary;
+    let rejected = rejected.total();
     row("measurements".to_owned(), format!("{accepted} accepted ({walls} walls), {rejected} rejected"));
     row("seed".to_owned(), summary.seed.to_string());
 }

@@ -2,14 +2,16 @@
 
 use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::WheelPair;
-use surepose::param::{self, ArenaName};
+use surepose::param::{self, ArenaName, Parameter};
 use surepose_config::{Config, NavigatorSetup, ScanMethod, ValueSource};
 use surepose_io::owned_map::OwnedMap;
 
 use super::invalid_end::{InvalidEnd, InvalidEndReason, ScenarioEnd};
 use crate::arena::walls_from_segments;
+use crate::world_parameters::{self as world, MotorKind};
 use crate::{
-    Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, Slip, Timing, WallSegment, WorldModel,
+    Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, PlantModel, Slip, Timing, WallSegment,
+    WorldModel, WorldSettings,
 };
 
 /// Measurement period of compass and laser \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
@@ -39,8 +41,10 @@ const LOOP_START: [f64; 3] = [2.0, 1.0, 0.0];
 pub struct Scenario {
     /// Arena.
     pub arena: Arena,
-    /// Robot, control law, filter, start and goal. The world has the noise that the filter assumes.
+    /// Robot, control law, filter, start and goal.
     pub config: Config,
+    /// Differences of the world from this configuration; by default none.
+    pub world_settings: WorldSettings,
     /// Sensors in use.
     pub sensors: Sensors,
     /// Method that matches scans with the map.
@@ -67,6 +71,7 @@ impl Scenario {
         Self {
             arena,
             config,
+            world_settings: WorldSettings::default(),
             sensors: Sensors::ALL,
             scan_method: ScanMethod::Lines,
             start_std,
@@ -101,25 +106,32 @@ impl Scenario {
     /// # Errors
     /// [`InvalidEnd`], which names the wall.
     pub fn check_clearance(&self) -> Result<(), InvalidEnd> {
-        let (start, goal) = (self.start(), self.goal());
-        for (end, at) in [(ScenarioEnd::Start, start.origin()), (ScenarioEnd::Goal, goal.origin())] {
-            let distance = -self.arena.clearance(at);
-            if let Some(wall) = self.arena.nearest_wall(at)
+        let (start, goal, true_start) = (self.start(), self.goal(), self.true_start());
+        let (world, collision) = (self.true_arena(), self.config.collision(None));
+        let ends = [
+            (&self.arena, ScenarioEnd::Start, start.origin()),
+            (&self.arena, ScenarioEnd::Goal, goal.origin()),
+            (&world, ScenarioEnd::Start, true_start.origin()),
+        ];
+        for (arena, end, at) in ends {
+            let distance = -arena.clearance(at);
+            if let Some(wall) = arena.nearest_wall(at)
                 && distance > 0.0
             {
                 let reason = InvalidEndReason::OutsideArena { distance, wall: *wall };
                 return Err(InvalidEnd { end, at, reason });
             }
         }
-        let (map, collision) =
-            (OwnedMap::from_walls(walls_from_segments(self.arena.walls())), self.config.collision(None));
-        let is_in_contact = collision.distance_to_walls(start, map.walls()).is_some_and(|it| it <= 0.0);
-        if let Some(wall) = self.arena.nearest_wall(start.origin())
-            && is_in_contact
-        {
-            let reason = InvalidEndReason::InContact { wall: *wall };
-            return Err(InvalidEnd { end: ScenarioEnd::Start, at: start.origin(), reason });
+        for (arena, pose) in [(&self.arena, start), (&world, true_start)] {
+            let distance = collision.distance_to_walls(pose, &walls_from_segments(arena.walls()));
+            if let Some(wall) = arena.nearest_wall(pose.origin())
+                && distance.is_some_and(|distance| distance <= 0.0)
+            {
+                let reason = InvalidEndReason::InContact { wall: *wall };
+                return Err(InvalidEnd { end: ScenarioEnd::Start, at: pose.origin(), reason });
+            }
         }
+        let map = OwnedMap::from_walls(walls_from_segments(self.arena.walls()));
         let checked = map.check_goal(&collision, Some(start.origin()), goal);
         checked.map_err(|problem| InvalidEnd {
             end: ScenarioEnd::Goal,
@@ -133,7 +145,12 @@ impl Scenario {
         self.arena.first_wall_crossed(self.start().origin(), self.goal().origin())
     }
 
-    /// Start pose.
+    /// True start pose; without a difference of the world that of the robot.
+    pub fn true_start(&self) -> Pose<Map, Body, f64> {
+        self.world_settings.over(&self.config).start()
+    }
+
+    /// Start pose that the robot assumes.
     pub fn start(&self) -> Pose<Map, Body, f64> {
         self.config.start()
     }
@@ -154,10 +171,11 @@ impl Scenario {
         }
     }
 
-    /// The world of this scenario.
+    /// The world of this scenario: the robot's configuration, with the differences of the world.
     pub fn world(&self) -> WorldModel {
-        let (compass, laser) = (self.config.compass(), self.config.laser());
-        let (drive, limit) = (self.config.drive(), self.config.limits().wheel_speed);
+        let (given, truth) = (&self.world_settings, self.world_settings.over(&self.config));
+        let (compass, laser, drive) = (truth.compass(), truth.laser(), truth.drive());
+        let max_speed = truth.limits().wheel_speed;
         let compass_model = CompassModel { std: compass.std, offset: compass.offset.radians() };
         let laser_model = LaserModel {
             body_from_laser: laser.body_from_laser,
@@ -167,16 +185,54 @@ impl Scenario {
             ..LaserModel::half_circle(laser.beams)
         };
         let timing = |latency| Timing { period: SENSOR_PERIOD, latency };
+        let geared = MotorModel::for_max_speed(
+            drive.wheel_angle_from_travel(WheelPair::new(max_speed, max_speed)).max_abs(),
+        );
         WorldModel {
-            arena: self.arena.clone(),
+            arena: self.true_arena(),
             drive,
-            motor: MotorModel::for_max_speed(
-                drive.wheel_angle_from_travel(WheelPair::new(limit, limit)).max_abs(),
-            ),
-            slip: Slip { delta: self.config.ekf().delta },
+            plant: self.plant(&truth),
+            motor: MotorModel {
+                ideal: given.choice::<MotorKind>(&world::MOTOR_MODEL) == MotorKind::Ideal,
+                ticks_per_turn: given.number(&world::ENCODER_TICKS),
+                ..geared
+            },
+            slip: Slip { delta: truth.ekf().delta },
+            traction: given.traction(),
+            gyroscope: given.gyroscope(&truth),
             compass: self.sensors.compass.then(|| (compass_model, timing(compass.latency))),
             laser: self.sensors.laser.then(|| (laser_model, timing(laser.latency))),
-            faults: self.faults.clone(),
+            faults: self.faults.iter().cloned().chain(given.faults()).collect(),
         }
+    }
+
+    /// The base between command and motors. Its motors follow every commanded step at once, unless the world has a
+    /// limit of its own: the robot's own limits shape its commands already.
+    fn plant(&self, truth: &Config) -> PlantModel {
+        let (given, limits, actuator) = (&self.world_settings, truth.limits(), truth.actuator());
+        let own_limit = |parameters: &[&Parameter], limit: f64| {
+            let is_own = parameters.iter().any(|parameter| given.is_given(parameter));
+            if is_own { limit } else { f64::INFINITY }
+        };
+        let ramp = [&param::WHEEL_ACCELERATION_LIMIT, &param::WHEEL_DECELERATION_LIMIT];
+        PlantModel {
+            command_delay: actuator.delay,
+            min_speed: actuator.min_speeds.v,
+            min_turn_rate: actuator.min_speeds.omega,
+            min_wheel_speed: actuator.min_speeds.wheel,
+            breakaway_speed: given.number(&world::BREAKAWAY_SPEED),
+            wheel_speed: own_limit(&[&param::WHEEL_SPEED_LIMIT], limits.wheel_speed),
+            wheel_acceleration: own_limit(&ramp, limits.wheel_acceleration),
+            wheel_deceleration: own_limit(&ramp, limits.wheel_deceleration),
+            lag: actuator.time_constant,
+        }
+    }
+
+    /// The arena of the world; without a difference that of the robot's map.
+    fn true_arena(&self) -> Arena {
+        if self.world_settings.is_given(&param::ARENA) {
+            return Arena::from_name(self.world_settings.over(&self.config).choice());
+        }
+        self.arena.clone()
     }
 }

@@ -21,7 +21,8 @@ pub fn with_sensor_input<T>(
     });
     let scans =
         output.scans.iter().map(|scan| Stamped::new(scan.stamp, SensorReading::Scan(scan_view(&scan.value))));
-    let readings: Vec<_> = headings.chain(scans).collect();
+    let rate = output.yaw_rate.map(|rate| Stamped::new(output.stamp, SensorReading::YawRate(rate)));
+    let readings: Vec<_> = rate.into_iter().chain(headings).chain(scans).collect();
     then(&SensorInput {
         stamp: output.stamp,
         odometry: Odometry::WheelTravel(output.rims),

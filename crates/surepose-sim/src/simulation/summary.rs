@@ -1,6 +1,7 @@
 //! What a drive came to, under the names of the command line's JSON.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use surepose::estimation::{MeasurementStats, RejectReason};
 
 /// How a drive ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -14,6 +15,8 @@ pub enum SimulationOutcome {
     Timeout,
     /// It was stopped on the way.
     Stopped,
+    /// It was interrupted before its end.
+    Interrupted,
 }
 
 /// The figures of one drive.
@@ -60,8 +63,35 @@ pub struct SimulationSummary {
     pub accepted: u32,
     /// How many of them were walls that the laser saw.
     pub walls: u32,
-    /// Measurements that the filter refused.
-    pub rejected: u32,
+    /// Measurements that the filter rejected, by reason.
+    pub rejected: RejectedCounts,
     /// What to say again to have the same drive again.
     pub seed: u64,
+}
+
+/// Counts of rejected measurements; serialized as an object, reason to count, with every reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RejectedCounts(MeasurementStats);
+
+impl RejectedCounts {
+    /// Takes the counts from the statistics of a filter.
+    pub fn from_stats(stats: &MeasurementStats) -> Self {
+        Self(*stats)
+    }
+
+    /// Number of all rejected measurements.
+    pub fn total(&self) -> u32 {
+        self.0.rejected_total()
+    }
+
+    /// Number of measurements rejected for `reason`.
+    pub fn get(&self, reason: RejectReason) -> u32 {
+        self.0.rejected(reason)
+    }
+}
+
+impl Serialize for RejectedCounts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(RejectReason::ALL.iter().map(|reason| (reason.name(), self.get(*reason))))
+    }
 }

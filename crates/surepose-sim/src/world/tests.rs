@@ -2,9 +2,11 @@ use surepose::geometry::{Angle, Pose};
 use surepose::kinematics::{Integration, Twist, WheelPair};
 
 use crate::arena::Arena;
-use crate::fault::{Fault, FaultKind, Sensor};
+use crate::fault::{Fault, FaultKind, ScanFault, Sensor};
+use crate::gyroscope::GyroscopeModel;
+use crate::plant::PlantModel;
 use crate::random::Seed;
-use crate::slip::Slip;
+use crate::slip::{Slip, Traction};
 
 use super::{SensorOutput, Timing, World, WorldModel};
 
@@ -134,4 +136,134 @@ fn clock_rate_does_not_depend_on_the_period() {
         let headings: usize = sensed.iter().map(|sensed| sensed.headings.len()).sum();
         assert_eq!(headings, 9, "{period}");
     }
+}
+
+/// A base without noise whose wheels follow their setpoints.
+fn ideal() -> WorldModel {
+    let paper = paper();
+    WorldModel {
+        motor: crate::MotorModel { ideal: true, ticks_per_turn: 1e7, ..paper.motor },
+        slip: Slip { delta: 0.0 },
+        ..paper
+    }
+}
+
+/// Drives straight ahead for `steps` steps of 0.1 s at 0.2 m/s; returns the true travel \[m] and the wheels'.
+fn ahead(world: &mut World, steps: usize) -> [f64; 2] {
+    let before = world.pose();
+    let rates = world.model().drive.wheel_rates_from_twist(Twist::new(0.2, 0.0));
+    let rolled = (0..steps).map(|_| world.step(rates, 0.1).rims.right).sum();
+    [world.pose().origin().distance(before.origin()), rolled]
+}
+
+/// The world's motion is the closed form of its plant: delay, ramp and lag lose travel one after another.
+#[test]
+fn plant_delays_and_slows_the_robot() {
+    let plant = PlantModel { command_delay: 0.2, wheel_acceleration: 0.4, lag: 0.3, ..PlantModel::default() };
+    let [travel, rolled] = ahead(&mut world(WorldModel { plant, ..ideal() }, 1), 60);
+    let lost = 0.2 * 0.2 + 0.2 * 0.2 / (2.0 * 0.4) + 0.2 * 0.3;
+    assert!((travel - (0.2 * 6.0 - lost)).abs() < 1e-9, "{travel}");
+    assert!((rolled - travel).abs() < 1e-6, "{rolled}");
+}
+
+#[test]
+fn robot_in_its_dead_band_does_not_move() {
+    for plant in [
+        PlantModel { min_speed: 0.21, ..PlantModel::default() },
+        PlantModel { min_wheel_speed: 0.21, ..PlantModel::default() },
+        PlantModel { breakaway_speed: 0.21, ..PlantModel::default() },
+    ] {
+        let mut world = world(WorldModel { plant, ..paper() }, 1);
+        let (before, [travel, rolled]) = (world.pose(), ahead(&mut world, 20));
+        assert!(world.pose() == before && travel.max(rolled.abs()) < 1e-15, "{plant:?}");
+    }
+}
+
+/// The encoders report the turn of the wheels, and the robot moves less.
+#[test]
+fn slipping_wheels_report_more_than_the_robot_moves() {
+    let traction = Traction { slip_ratio: 0.1, ..Traction::default() };
+    let [travel, rolled] = ahead(&mut world(WorldModel { traction, ..ideal() }, 1), 20);
+    assert!((rolled - 0.4).abs() < 1e-6 && (travel - 0.36).abs() < 1e-9, "{travel} {rolled}");
+    let traction = Traction { acceleration: 0.25, ..Traction::default() };
+    let [travel, rolled] = ahead(&mut world(WorldModel { traction, ..ideal() }, 1), 20);
+    let lost = 0.2 * 0.2 / (2.0 * 0.25);
+    assert!((rolled - 0.4).abs() < 1e-6 && (travel - (0.4 - lost)).abs() < 1e-9, "{travel} {rolled}");
+}
+
+/// With the left wheel held the robot pivots about it, and its encoder reports nothing.
+#[test]
+fn robot_pivots_about_a_held_wheel() {
+    let held = Fault::from(0.5, FaultKind::WheelsHeld { right: false, left: true });
+    let mut world = world(WorldModel { faults: vec![held], ..ideal() }, 1);
+    ahead(&mut world, 5);
+    let before = world.pose();
+    let rates = world.model().drive.wheel_rates_from_twist(Twist::new(0.2, 0.0));
+    let sensed = world.step(rates, 0.1);
+    assert!(((world.pose().heading - before.heading).radians() - 0.02 / 0.6).abs() < 1e-9);
+    assert!(sensed.rims.left.abs() < 1e-6 && (sensed.rims.right - 0.02).abs() < 1e-6, "{:?}", sensed.rims);
+    assert!((world.twist().omega - 0.2 / 0.6).abs() < 1e-9 && world.rim_speeds().left.abs() < 1e-15);
+}
+
+#[test]
+fn faulty_scans_have_valid_stamps_and_useless_ranges() {
+    let scans = |kind: Option<ScanFault>| {
+        let faults = kind.map(|kind| Fault::from(1.0, FaultKind::Scan(kind)));
+        let mut world = world(WorldModel { faults: faults.into_iter().collect(), ..paper() }, 1);
+        circle(&mut world, 20).into_iter().flat_map(|sensed| sensed.scans).collect::<Vec<_>>()
+    };
+    let clean = scans(None);
+    let is_useless = |kind, range: f64| match kind {
+        ScanFault::Infinite => range == f64::INFINITY,
+        ScanFault::NotANumber => range.is_nan(),
+        ScanFault::Zero => range.to_bits() == 0,
+        _ => range < 0.0,
+    };
+    for kind in [ScanFault::Infinite, ScanFault::NotANumber, ScanFault::Zero, ScanFault::Negative] {
+        let faulty = scans(Some(kind));
+        assert_eq!(faulty[..9], clean[..9], "{kind:?}");
+        for (scan, clean) in faulty[9..].iter().zip(&clean[9..]) {
+            assert_eq!((scan.stamp, scan.value.ranges.len()), (clean.stamp, 181));
+            assert!(scan.value.ranges.iter().all(|range| is_useless(kind, *range)), "{kind:?}");
+        }
+    }
+    assert!(scans(Some(ScanFault::Empty))[9..].iter().all(|scan| scan.value.ranges.is_empty()));
+    for scan in &scans(Some(ScanFault::Frozen))[9..] {
+        assert_eq!(scan.value.ranges, clean[8].value.ranges);
+    }
+}
+
+/// Without noise the gyroscope reads the mean yaw rate; adding it changes no other sensor.
+#[test]
+fn gyroscope_reads_the_yaw_rate_alone() {
+    let exact = GyroscopeModel { bias: 0.01, ..GyroscopeModel::default() };
+    let (mut with, mut without) =
+        (world(WorldModel { gyroscope: Some(exact), ..paper() }, 1), world(paper(), 1));
+    let mut before = with.pose();
+    for (sensed, clean) in circle(&mut with, 30).iter().zip(circle(&mut without, 30)) {
+        assert!(sensed.yaw_rate.is_some());
+        assert_eq!(
+            (sensed.rims, &sensed.headings, &sensed.scans),
+            (clean.rims, &clean.headings, &clean.scans)
+        );
+        assert_eq!(clean.yaw_rate, None);
+    }
+    let rates = with.model().drive.wheel_rates_from_twist(Twist::new(0.15, 0.25));
+    for _ in 0..10 {
+        before = with.pose();
+        let read = with.step(rates, 0.1).yaw_rate.unwrap();
+        let turned = (with.pose().heading - before.heading).radians();
+        assert!((read - 0.01 - turned / 0.1).abs() < 1e-9, "{read} {turned}");
+    }
+    assert_ne!(before, with.pose());
+}
+
+/// A laser that is frozen from the start repeats its first scan.
+#[test]
+fn frozen_laser_repeats_its_first_scan() {
+    let faults = vec![Fault::from(0.0, FaultKind::Scan(ScanFault::Frozen))];
+    let sensed = circle(&mut world(WorldModel { faults, ..paper() }, 1), 20);
+    let mut scans = sensed.iter().flat_map(|sensed| &sensed.scans);
+    let first = scans.next().unwrap();
+    assert!(scans.all(|scan| scan.value.ranges == first.value.ranges && scan.stamp > first.stamp));
 }

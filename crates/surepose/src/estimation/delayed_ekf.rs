@@ -6,7 +6,8 @@ use crate::time::{Stamp, Stamped};
 
 use super::ekf::{Belief, Ekf, WheelOdometry};
 use super::gate::Gate;
-use super::history::{Entry, Event, History};
+use super::gyroscope::{FilterState, Gyroscope, GyroscopeBias, GyroscopeTurn};
+use super::history::{Entry, Event, History, OdometryInterval};
 use super::measurement::{Measurement, finite};
 use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
 
@@ -39,6 +40,7 @@ use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
 pub struct DelayedEkf<S, const N: usize = 64> {
     ekf: Ekf<S>,
     gate: Gate<S>,
+    gyroscope: Option<Gyroscope<S>>,
     /// Maximum age of an entry of the history \[s].
     history_length: f64,
     history: History<S, N>,
@@ -60,15 +62,32 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         Self {
             ekf,
             gate,
+            gyroscope: None,
             history_length,
-            history: History::new(stamp, belief),
+            history: History::new(stamp, FilterState::from_belief(belief)),
             stats: MeasurementStats::default(),
         }
     }
 
+    /// The filter with a gyroscope of this noise, which takes effect with its first reading.
+    #[must_use]
+    pub fn with_gyroscope(self, gyroscope: Gyroscope<S>) -> Self {
+        Self { gyroscope: Some(gyroscope), ..self }
+    }
+
     /// Newest belief.
     pub fn belief(&self) -> Belief<S> {
-        self.history.after(self.history.len()).1
+        self.state().belief
+    }
+
+    /// Noise of the gyroscope; `None` without one.
+    pub fn gyroscope(&self) -> Option<&Gyroscope<S>> {
+        self.gyroscope.as_ref()
+    }
+
+    /// Newest bias of the gyroscope; `None` before its first reading.
+    pub fn gyroscope_bias(&self) -> Option<GyroscopeBias<S>> {
+        self.state().bias
     }
 
     /// Time of the newest belief.
@@ -92,15 +111,16 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             return None;
         }
         let count = self.history.count_until(stamp);
-        let (start, belief) = self.history.after(count);
+        let (start, state) = self.history.after(count);
         if stamp < start {
             return None;
         }
         match self.history.get(count) {
             Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
-                Some(self.ekf.predict(belief, odometry.fraction(fraction(start, stamp, end))))
+                let part = odometry.fraction(fraction(start, stamp, end));
+                Some(self.advance(state, part, stamp.since(start)).belief)
             }
-            _ => Some(belief),
+            _ => Some(state.belief),
         }
     }
 
@@ -116,9 +136,9 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         })
     }
 
-    /// Clears the history and restarts from a trusted belief. The statistics are kept.
+    /// Clears the history and restarts from a trusted belief. The statistics and the bias of the gyroscope are kept.
     pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
-        self.history = History::new(stamp, belief);
+        self.history = History::new(stamp, self.state().with_new_belief(belief));
     }
 
     /// Restarts from a trusted `belief` at the earlier time `stamp`, and replays the odometry since then.
@@ -137,7 +157,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             if let Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) = past.get(index) {
                 // Only the part after `stamp` of the interval that contains it.
                 let before = fraction(past.after(index).0.min(stamp), stamp, end);
-                let _checked = self.predict_with(end, odometry.fraction(S::from_f64(1.0) - before));
+                let rest = odometry.fraction(S::from_f64(1.0) - before);
+                let _checked = self.predict_interval(end, rest.wheels, rest.turn);
             }
         }
     }
@@ -191,7 +212,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         let stamp = |count: usize| self.history.after(count).0;
         let newest_first = (0..self.history.len()).rev().take_while(move |index| stamp(index + 1) > since);
         newest_first.filter_map(move |index| match self.history.get(index)?.event {
-            Event::Odometry(odometry) => Some((stamp(index + 1).since(stamp(index)), odometry.travel)),
+            Event::Odometry(odometry) => Some((stamp(index + 1).since(stamp(index)), odometry.wheels.travel)),
             Event::Measurement(_) => None,
         })
     }
@@ -201,6 +222,19 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     /// # Errors
     /// As [`DelayedEkf::predict`], and [`RejectReason::BadVariance`] for a negative variance.
     pub fn predict_with(&mut self, stamp: Stamp, odometry: WheelOdometry<S>) -> Result<(), RejectReason> {
+        self.predict_interval(stamp, odometry, None)
+    }
+
+    /// As [`DelayedEkf::predict_with`], with the turn that a gyroscope measured since the last call.
+    ///
+    /// # Errors
+    /// As [`DelayedEkf::predict_with`].
+    pub fn predict_interval(
+        &mut self,
+        stamp: Stamp,
+        odometry: WheelOdometry<S>,
+        turn: Option<GyroscopeTurn<S>>,
+    ) -> Result<(), RejectReason> {
         if let Err(reason) = check_odometry(&odometry) {
             self.reject(reason);
             return Err(reason);
@@ -209,8 +243,9 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             self.stats.clock_resets = self.stats.clock_resets.saturating_add(1);
             self.reset(stamp, self.belief());
         }
-        let after = self.ekf.predict(self.belief(), odometry);
-        self.history.insert(self.history.len(), Entry { stamp, event: Event::Odometry(odometry), after });
+        let interval = OdometryInterval { wheels: odometry, turn };
+        let after = self.advance(self.state(), interval, stamp.since(self.stamp()));
+        self.history.insert(self.history.len(), Entry { stamp, event: Event::Odometry(interval), after });
         self.history.drop_before(stamp.after(-self.history_length));
         Ok(())
     }
@@ -226,6 +261,22 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         };
         self.stats.count(outcome);
         outcome
+    }
+
+    fn state(&self) -> FilterState<S> {
+        self.history.after(self.history.len()).1
+    }
+
+    /// State after an interval of `duration` \[s].
+    fn advance(&self, state: FilterState<S>, interval: OdometryInterval<S>, duration: f64) -> FilterState<S> {
+        let OdometryInterval { wheels, turn } = interval;
+        match &self.gyroscope {
+            None => FilterState { belief: self.ekf.predict(state.belief, wheels), ..state },
+            Some(gyroscope) => {
+                let duration = S::from_f64(duration.max(0.0));
+                self.ekf.predict_with_gyroscope(gyroscope, state, wheels, turn, duration)
+            }
+        }
     }
 
     /// Counts a rejected measurement or scan.
@@ -248,19 +299,19 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     fn apply(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
         let Stamped { stamp, value: measurement } = measured;
         let count = self.history.count_until(stamp);
-        let (start, mut belief) = self.history.after(count);
+        let (start, mut state) = self.history.after(count);
         // A measurement inside an odometry interval splits the interval.
         let split = match self.history.get(count) {
             Some(Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
                 let part = fraction(start, stamp, end);
                 let (first, rest) = (odometry.fraction(part), odometry.fraction(S::from_f64(1.0) - part));
-                belief = self.ekf.predict(belief, first);
+                state = self.advance(state, first, stamp.since(start));
                 let rest = Entry { stamp: end, event: Event::Odometry(rest), after };
-                Some((Entry { stamp, event: Event::Odometry(first), after: belief }, rest))
+                Some((Entry { stamp, event: Event::Odometry(first), after: state }, rest))
             }
             _ => None,
         };
-        let (after, nis, accepted) = self.correct(belief, &measurement);
+        let (after, nis, accepted) = self.correct(state, &measurement);
         if !accepted {
             return MeasurementOutcome::Rejected(RejectReason::Outlier);
         }
@@ -275,33 +326,37 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         MeasurementOutcome::Accepted { nis: nis.to_f64() }
     }
 
-    /// Applies the entries from `index` on to `belief`.
-    fn replay(&mut self, index: usize, mut belief: Belief<S>) {
+    /// Applies the entries from `index` on to `state`.
+    fn replay(&mut self, index: usize, mut state: FilterState<S>) {
         for i in index..self.history.len() {
             if let Some(mut entry) = self.history.get(i) {
-                belief = match &entry.event {
-                    Event::Odometry(odometry) => self.ekf.predict(belief, *odometry),
-                    Event::Measurement(measurement) => self.correct(belief, measurement).0,
+                state = match &entry.event {
+                    Event::Odometry(odometry) => {
+                        let duration = entry.stamp.since(self.history.after(i).0);
+                        self.advance(state, *odometry, duration)
+                    }
+                    Event::Measurement(measurement) => self.correct(state, measurement).0,
                 };
-                entry.after = belief;
+                entry.after = state;
                 self.history.set(i, entry);
             }
         }
     }
 
-    fn correct(&self, belief: Belief<S>, measurement: &Measurement<S>) -> (Belief<S>, S, bool) {
+    fn correct(&self, state: FilterState<S>, measurement: &Measurement<S>) -> (FilterState<S>, S, bool) {
         let threshold = self.gate.threshold(measurement.dimension());
-        let ekf = &self.ekf;
-        let correction = match measurement {
-            Measurement::Heading(compass) => ekf.correct(belief, &compass.innovation(&belief), threshold),
-            Measurement::Line(wall) => ekf.correct(belief, &wall.innovation(&belief), threshold),
+        let (ekf, belief) = (&self.ekf, &state.belief);
+        match measurement {
+            Measurement::Heading(compass) => ekf.correct_state(state, &compass.innovation(belief), threshold),
+            Measurement::Line(wall) => ekf.correct_state(state, &wall.innovation(belief), threshold),
             Measurement::RangeBearing(landmark) => {
-                ekf.correct(belief, &landmark.innovation(&belief), threshold)
+                ekf.correct_state(state, &landmark.innovation(belief), threshold)
             }
-            Measurement::Position(position) => ekf.correct(belief, &position.innovation(&belief), threshold),
-            Measurement::Pose(pose) => ekf.correct(belief, &pose.innovation(&belief), threshold),
-        };
-        (correction.belief, correction.nis, correction.accepted)
+            Measurement::Position(position) => {
+                ekf.correct_state(state, &position.innovation(belief), threshold)
+            }
+            Measurement::Pose(pose) => ekf.correct_state(state, &pose.innovation(belief), threshold),
+        }
     }
 }
 

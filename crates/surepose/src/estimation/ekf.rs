@@ -1,9 +1,9 @@
 //! The extended Kalman filter of [Tran2012] Eq. (11)–(18), generic over the scalar and free of branches.
 
 use crate::geometry::{Body, Map, Pose};
-use crate::kinematics::{DiffDrive, Integration, WheelPair};
+use crate::kinematics::{DiffDrive, Integration, Motion, WheelPair};
 use crate::linalg::{Covariance, Matrix};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::Scalar;
 
 use super::measurement::Innovation;
 
@@ -52,6 +52,16 @@ impl<S: Scalar> WheelOdometry<S> {
         Self { travel, variance: WheelPair::new(travel.right.squared(), travel.left.squared()) }
     }
 
+    /// This travel with the further relative standard deviation `relative_std` of wheels that slip; 0 adds nothing.
+    #[must_use]
+    #[inline]
+    pub fn with_slip(self, relative_std: S) -> Self {
+        let variance = |travel: S| (travel * relative_std).squared();
+        let WheelPair { right, left } = self.variance;
+        let slip = WheelPair::new(variance(self.travel.right), variance(self.travel.left));
+        Self { variance: WheelPair::new(right + slip.right, left + slip.left), ..self }
+    }
+
     /// Fraction ∈ [0, 1] of this travel, with the same fraction of its variance.
     #[must_use]
     #[inline(always)]
@@ -69,6 +79,16 @@ pub struct Ekf<S> {
     pub delta: S,
     /// Motion model.
     pub integration: Integration,
+}
+
+/// A pose after a motion, with its derivatives.
+pub(super) struct MotionJacobian<S> {
+    pub(super) pose: Pose<Map, Body, S>,
+    /// ∂(x, y)/∂θ.
+    pub(super) by_heading: [S; 2],
+    /// ∂(x, y, θ)/∂Δs and ∂(x, y, θ)/∂Δθ.
+    pub(super) by_length: [S; 3],
+    pub(super) by_turn: [S; 3],
 }
 
 /// Belief after the test of a measurement.
@@ -97,35 +117,39 @@ impl<S: Scalar> Ekf<S> {
     #[inline(always)]
     pub fn predict(&self, belief: Belief<S>, odometry: WheelOdometry<S>) -> Belief<S> {
         let motion = self.drive.motion_from_travel(odometry.travel);
-        let (chord, chord_slope) = motion.chord_and_derivative(self.integration);
-        let (sin, cos) = (belief.pose.heading.radians() + motion.turn * S::from_f64(0.5)).sin_cos();
-        let length = motion.length * chord;
-        let (dx, dy) = (length * cos, length * sin);
+        let MotionJacobian { pose, by_heading, by_length, by_turn } = self.motion(belief.pose, motion);
         let (zero, one, half) = (S::from_f64(0.0), S::from_f64(1.0), S::from_f64(0.5));
-
-        // Eq. (13): derivative by the pose.
-        let a = Matrix([[one, zero, -dy], [zero, one, dx], [zero, zero, one]]);
-        // Eq. (14): derivative by Δs, by Δθ, and by the wheels through Eq. (8).
-        let stretch = motion.length * chord_slope;
-        let by_turn = [stretch * cos - dy * half, stretch * sin + dx * half, one];
-        let by_length = [chord * cos * half, chord * sin * half, zero];
+        // Eq. (13), and Eq. (14) by the wheels through Eq. (8).
+        let a = Matrix([[one, zero, by_heading[0]], [zero, one, by_heading[1]], [zero, zero, one]]);
         let per_separation = one / self.drive.wheel_separation;
         let row = |i: usize| {
-            let swing = by_turn[i] * per_separation;
-            [by_length[i] + swing, by_length[i] - swing]
+            let (along, swing) = (by_length[i] * half, by_turn[i] * per_separation);
+            [along + swing, along - swing]
         };
         let w = Matrix([row(0), row(1), row(2)]);
-
-        let pose =
-            Pose::new(belief.pose.x + dx, belief.pose.y + dy, belief.pose.heading.rotated_by(motion.turn));
         let noise = [odometry.variance.right, odometry.variance.left];
         Belief { pose, covariance: belief.covariance.propagated(&a, &w, noise) }
     }
 
+    /// Pose after `motion`, and its derivatives: [Tran2012] Eq. (9), (13), (14).
+    #[inline(always)]
+    pub(super) fn motion(&self, pose: Pose<Map, Body, S>, motion: Motion<S>) -> MotionJacobian<S> {
+        let (chord, chord_slope) = motion.chord_and_derivative(self.integration);
+        let (sin, cos) = (pose.heading.radians() + motion.turn * S::from_f64(0.5)).sin_cos();
+        let length = motion.length * chord;
+        let (dx, dy) = (length * cos, length * sin);
+        let (zero, one, half) = (S::from_f64(0.0), S::from_f64(1.0), S::from_f64(0.5));
+        let stretch = motion.length * chord_slope;
+        MotionJacobian {
+            pose: Pose::new(pose.x + dx, pose.y + dy, pose.heading.rotated_by(motion.turn)),
+            by_heading: [-dy, dx],
+            by_length: [chord * cos, chord * sin, zero],
+            by_turn: [stretch * cos - dy * half, stretch * sin + dx * half, one],
+        }
+    }
+
     /// Corrects the belief by a measurement inside the gate `nis < threshold`: [Tran2012] Eq. (16)–(18), row by row.
     ///
-    /// The rows of `innovation` carry independent noise, so sequential updates equal the joint update. The sum of their
-    /// squared normalized residuals is the joint νᵀS⁻¹ν, and no matrix is inverted.
     #[inline(always)]
     pub fn correct<const M: usize>(
         &self,
@@ -133,38 +157,15 @@ impl<S: Scalar> Ekf<S> {
         innovation: &Innovation<S, M>,
         threshold: S,
     ) -> Correction<S> {
-        let mut step = [S::from_f64(0.0); 3];
-        let mut covariance = belief.covariance;
-        let mut nis = S::from_f64(0.0);
-        let mut max_variance = S::from_f64(0.0);
-        for m in 0..M {
-            let row = innovation.jacobian[m];
-            let seen = covariance.observed(row, innovation.variance[m]);
-            let predicted = row[0] * step[0] + row[1] * step[1] + row[2] * step[2];
-            let residual = innovation.residual[m] - predicted;
-            nis = nis + residual.squared() / seen.variance;
-            max_variance = max_variance.max(seen.variance);
-            for (component, gain) in step.iter_mut().zip(&seen.gain) {
-                *component = *component + *gain * residual;
-            }
-            covariance = seen.covariance;
-        }
-        // A NaN compares false and is rejected. A row that overflows is rejected as well: its variance would be
-        // infinite.
-        let accepted = nis.lt(threshold).and(max_variance.lt(S::from_f64(f64::INFINITY)));
-        let pose = belief.pose;
-        let keep = |value: S| S::select(accepted, value, S::from_f64(0.0));
+        let update = innovation.update(&belief.covariance, threshold);
+        let (pose, [x, y, heading]) = (belief.pose, update.step);
         Correction {
             belief: Belief {
-                pose: Pose::new(
-                    pose.x + keep(step[0]),
-                    pose.y + keep(step[1]),
-                    pose.heading.rotated_by(keep(step[2])),
-                ),
-                covariance: Covariance::select(accepted, &covariance, &belief.covariance),
+                pose: Pose::new(pose.x + x, pose.y + y, pose.heading.rotated_by(heading)),
+                covariance: update.covariance,
             },
-            nis,
-            accepted,
+            nis: update.nis,
+            accepted: update.accepted,
         }
     }
 }

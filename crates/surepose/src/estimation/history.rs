@@ -3,31 +3,46 @@
 use crate::scalar::Float;
 use crate::time::Stamp;
 
-use super::ekf::{Belief, WheelOdometry};
+use super::ekf::WheelOdometry;
+use super::gyroscope::{FilterState, GyroscopeTurn};
 use super::measurement::Measurement;
 
 /// An event that changed the belief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Event<S> {
     /// Odometry from the previous entry to this one.
-    Odometry(WheelOdometry<S>),
+    Odometry(OdometryInterval<S>),
     /// A measurement, accepted or not.
     Measurement(Measurement<S>),
 }
 
-/// An event, its time, and the belief after it.
+/// Odometry of an interval, and the turn that the gyroscope measured in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OdometryInterval<S> {
+    pub wheels: WheelOdometry<S>,
+    pub turn: Option<GyroscopeTurn<S>>,
+}
+
+impl<S: Float> OdometryInterval<S> {
+    /// Fraction ∈ [0, 1] of the interval.
+    pub(super) fn fraction(self, fraction: S) -> Self {
+        Self { wheels: self.wheels.fraction(fraction), turn: self.turn.map(|turn| turn.fraction(fraction)) }
+    }
+}
+
+/// An event, its time, and the state after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Entry<S> {
     pub stamp: Stamp,
     pub event: Event<S>,
-    pub after: Belief<S>,
+    pub after: FilterState<S>,
 }
 
-/// The last `N` entries, oldest first, and the belief before the oldest entry.
+/// The last `N` entries, oldest first, and the state before the oldest entry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct History<S, const N: usize> {
-    /// Time and belief before the oldest entry.
-    base: (Stamp, Belief<S>),
+    /// Time and state before the oldest entry.
+    base: (Stamp, FilterState<S>),
     /// Ring buffer: entry `i` is at `(first + i) % N`; slots outside `len` are empty.
     ring: [Option<Entry<S>>; N],
     first: usize,
@@ -35,16 +50,16 @@ pub(super) struct History<S, const N: usize> {
 }
 
 impl<S: Float, const N: usize> History<S, N> {
-    pub(super) fn new(stamp: Stamp, belief: Belief<S>) -> Self {
-        Self { base: (stamp, belief), ring: [None; N], first: 0, len: 0 }
+    pub(super) fn new(stamp: Stamp, state: FilterState<S>) -> Self {
+        Self { base: (stamp, state), ring: [None; N], first: 0, len: 0 }
     }
 
     pub(super) fn len(&self) -> usize {
         self.len
     }
 
-    /// Time and belief after the first `count` entries.
-    pub(super) fn after(&self, count: usize) -> (Stamp, Belief<S>) {
+    /// Time and state after the first `count` entries.
+    pub(super) fn after(&self, count: usize) -> (Stamp, FilterState<S>) {
         match count.checked_sub(1).and_then(|i| self.get(i)) {
             Some(entry) => (entry.stamp, entry.after),
             None => self.base,

@@ -150,10 +150,13 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
                 }
             }
         }
-        const { assert!(N <= 3, "a pose has three components") };
+        const { assert!(N <= 4, "a pose has three components, and a gyroscope one bias") };
         let zeros = Self { upper: [[S::from_f64(0.0); N]; N], diagonal: [S::from_f64(0.0); N] };
         let mut rows = Rows { au, w: w.0, weights: self.diagonal, noise, result: zeros };
         // Unrolled by hand: a nested loop would prevent the compiler from vectorizing the outer one.
+        if N > 3 {
+            rows.make_orthogonal(3);
+        }
         if N > 2 {
             rows.make_orthogonal(2);
         }

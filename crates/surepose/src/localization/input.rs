@@ -34,4 +34,7 @@ pub enum SensorReading<'a, S> {
     Measurement(Measurement<S>),
     /// A scan, which the scan processor compares with the map.
     Scan(Scan<'a, S>),
+    /// Yaw rate of a gyroscope \[rad/s], counter-clockwise, with its bias. Readings since the previous step measure the turn of
+    /// this step; older ones are too late and ignored.
+    YawRate(S),
 }

@@ -4,6 +4,7 @@
 //! corrects it. The error of a single beam may be as large, but all beams together determine the displacement.
 
 use crate::estimation::{Belief, Ekf, PoseMeasurement};
+use crate::geometry::Pose;
 use crate::lidar::{BeamStats, BeamSubset};
 use crate::map::Wall;
 use crate::scalar::{Float, Scalar};
@@ -11,6 +12,9 @@ use crate::scalar::{Float, Scalar};
 /// Uncertainty of the pose in each iteration of the refinement, x and y \[m] and heading \[rad].
 const LINEARIZATION_STD: [[f64; 3]; 4] =
     [[0.15, 0.15, 0.1], [0.08, 0.08, 0.05], [0.03, 0.03, 0.02], [0.01, 0.01, 0.005]];
+
+/// Headings at which the search after slip starts, relative to the belief \[rad].
+const SLIP_HEADINGS: [f64; 7] = [0.0, 0.15, -0.15, 0.3, -0.3, 0.45, -0.45];
 
 /// Parameters of the detection of a displacement, and acceptance criteria for the new pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +62,31 @@ impl<S: Float> LocalSearch<S> {
             ekf.correct(*belief, &fix.innovation(belief), S::from_f64(f64::MAX)).nis / S::from_f64(3.0)
         });
         (stats, nis)
+    }
+
+    /// Pose of a robot whose wheels slipped on the way to `belief`; `None` where no pose explains the scan better.
+    ///
+    /// The search starts at several headings within twice the standard deviation of the displacement's heading, because the
+    /// refinement converges from about 0.1 rad.
+    pub fn refine_after_slip<const BEAMS: usize>(
+        &self,
+        ekf: &Ekf<S>,
+        beams: &BeamSubset<S, BEAMS>,
+        belief: &Belief<S>,
+        walls: &[Wall<S>],
+    ) -> Option<Belief<S>> {
+        let starts = SLIP_HEADINGS.iter().map(|heading| S::from_f64(*heading));
+        let within = starts.filter(|heading| heading.abs() <= self.prior_std[2] * S::from_f64(2.0));
+        let found = within.filter_map(|heading| {
+            let pose = belief.pose;
+            let turned = Pose::new(pose.x, pose.y, pose.heading.rotated_by(heading));
+            let found = self.refine(ekf, beams, &Belief { pose: turned, ..*belief }, walls)?;
+            Some((beams.evaluate(found.pose, &found.covariance, walls).neg2_log_likelihood, found))
+        });
+        let better = |a: (S, Belief<S>), b: (S, Belief<S>)| if b.0 < a.0 { b } else { a };
+        let (likelihood, found) = found.reduce(better)?;
+        let here = beams.evaluate(belief.pose, &found.covariance, walls).neg2_log_likelihood;
+        (likelihood + self.min_improvement <= here).then_some(found)
     }
 
     /// Pose of a displaced robot near `belief`; `None` where no pose explains the scan better.

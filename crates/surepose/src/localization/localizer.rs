@@ -1,8 +1,8 @@
 //! Estimation half of a step: sensor input to a supervised belief.
 
 use crate::estimation::{
-    Belief, DelayedEkf, Measurement, MeasurementOutcome, MeasurementStats, OdometryOutcome, RejectReason,
-    WheelOdometry,
+    Belief, DelayedEkf, GyroscopeTurn, Measurement, MeasurementOutcome, MeasurementStats, OdometryOutcome,
+    RejectReason, WheelOdometry,
 };
 use crate::lidar::{Scan, ScanEvent, ScanProcessor};
 use crate::map::MapView;
@@ -13,6 +13,11 @@ use crate::time::{Stamp, Stamped};
 use super::input::{Odometry, SensorInput, SensorReading};
 use super::monitor::{LocalizationMonitor, MonitorConfig};
 use super::observer::LoopObserver;
+
+/// No robot turns as fast as this \[rad/s].
+const MAX_YAW_RATE: f64 = 100.0;
+/// Longest interval over which the mean of the readings is the mean yaw rate \[s].
+const MAX_TURN_INTERVAL: f64 = 0.5;
 
 /// Filter with history, scan processor and localization monitor.
 ///
@@ -165,7 +170,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         map: &MapView<'_, S>,
         observer: &mut impl LoopObserver<S>,
     ) -> Belief<S> {
-        self.predict(input.stamp, input.odometry, commanded, observer);
+        let turn = self.measured_turn(input);
+        self.predict(input, commanded, turn, observer);
         for reading in input.readings {
             self.process(reading, map, observer);
         }
@@ -186,32 +192,62 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
                 self.note_measurement(&measurement, outcome, observer);
             }
             SensorReading::Scan(scan) => self.process_scan(reading.stamp, scan, map, observer),
+            // Part of the prediction.
+            SensorReading::YawRate(_) => {}
         }
+    }
+
+    /// The turn since the previous step by the mean of the gyroscope's readings; `None` without a reading or gyroscope.
+    fn measured_turn(&mut self, input: &SensorInput<'_, S>) -> Option<GyroscopeTurn<S>> {
+        let gyroscope = *self.estimator.gyroscope()?;
+        let elapsed = input.stamp.since(self.stamp());
+        let (mut count, mut sum) = (0.0, S::from_f64(0.0));
+        for reading in input.readings {
+            let SensorReading::YawRate(rate) = reading.value else { continue };
+            let is_plausible = rate.abs() < S::from_f64(MAX_YAW_RATE);
+            if !is_plausible {
+                self.estimator.reject(RejectReason::NotFinite);
+            } else if reading.stamp > input.stamp {
+                self.estimator.reject(RejectReason::Future);
+            } else if input.stamp.since(reading.stamp) < elapsed {
+                count += 1.0;
+                sum = sum + rate;
+            }
+        }
+        let is_measured = count > 0.0 && elapsed <= MAX_TURN_INTERVAL;
+        is_measured.then(|| {
+            let (count, duration) = (S::from_f64(count), S::from_f64(elapsed));
+            let std = gyroscope.std * duration;
+            GyroscopeTurn { turn: sum / count * duration, variance: std.squared() / count, duration }
+        })
     }
 
     /// Predicts by odometry, or by the command where odometry is missing or rejected.
     fn predict(
         &mut self,
-        stamp: Stamp,
-        odometry: Odometry<S>,
+        input: &SensorInput<'_, S>,
         commanded: WheelOdometry<S>,
+        turn: Option<GyroscopeTurn<S>>,
         observer: &mut impl LoopObserver<S>,
     ) {
+        let SensorInput { stamp, odometry, .. } = *input;
         let elapsed = stamp.since(self.stamp());
         let reported = match odometry {
             Odometry::WheelTravel(travel) => Some(self.estimator.wheel_odometry(stamp, travel)),
             Odometry::WithVariance(odometry) => Some(odometry),
             Odometry::Missing => None,
         };
-        let outcome = match reported.map(|odometry| self.estimator.predict_with(stamp, odometry)) {
+        let slip = self.monitor.as_ref().map_or(S::from_f64(0.0), |monitor| monitor.slip_std(stamp));
+        let reported = reported.map(|odometry| odometry.with_slip(slip));
+        let outcome = match reported.map(|odometry| self.estimator.predict_interval(stamp, odometry, turn)) {
             Some(Ok(())) => OdometryOutcome::Used,
             Some(Err(reason)) => OdometryOutcome::Rejected(reason),
             None => OdometryOutcome::Missing,
         };
         let reported = reported.filter(|_| outcome == OdometryOutcome::Used);
         if reported.is_none() {
-            // `predict_with` counts a rejection.
-            let _counted = self.estimator.predict_with(stamp, commanded);
+            // A rejection is counted.
+            let _counted = self.estimator.predict_interval(stamp, commanded, turn);
         }
         let used = reported.unwrap_or(commanded);
         if let Some(monitor) = &mut self.monitor {

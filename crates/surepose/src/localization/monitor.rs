@@ -8,15 +8,21 @@ use crate::estimation::{
 };
 use crate::kinematics::{DiffDrive, WheelPair};
 use crate::lidar::{BeamStats, BeamSubset, MissedReturns, ScanEvent};
+use crate::map::MapView;
 use crate::safety::{Health, SafetyAction, Supervisor, SupervisorConfig};
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
 use super::global_localizer::{AcceptanceCriteria, GlobalLocalizer, GlobalStatus, Hypothesis};
 use super::local_search::LocalSearch;
+use super::slip_monitor::SlipMonitor;
 
 /// Maximum number of beams of a scan that are compared with the map.
 const BEAMS: usize = 128;
+
+/// Normalized innovation squared per row of a scan above which wheels may have slipped: the quantile 1 − 10⁻⁶ of χ² with 3
+/// rows.
+const SLIP_NIS: f64 = 30.7 / 3.0;
 
 /// Configuration of the monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +63,7 @@ pub struct LocalizationMonitor<S, const HYPOTHESES: usize, const KEYFRAMES: usiz
     drive: DiffDrive<S>,
     supervisor: Supervisor<S>,
     global: GlobalLocalizer<S, HYPOTHESES, KEYFRAMES>,
+    slip: SlipMonitor<S>,
     is_searching: bool,
     /// Time of the last success of the local search.
     last_push: Option<Stamp>,
@@ -73,6 +80,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
             drive: ekf.drive,
             supervisor: Supervisor::new(config.supervisor, stamp),
             global: GlobalLocalizer::new(ekf, config.acceptance, stamp),
+            slip: SlipMonitor::new(),
             is_searching: false,
             last_push: None,
             scan_updates: 0,
@@ -82,6 +90,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
     /// Trusts the estimate from `stamp` on and clears the history.
     pub fn reset(&mut self, stamp: Stamp) {
         self.supervisor = Supervisor::new(self.config.supervisor, stamp);
+        self.slip = SlipMonitor::new();
         self.is_searching = false;
         self.last_push = None;
     }
@@ -101,6 +110,11 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
     /// Candidate poses of a lost robot; empty while the robot is not lost.
     pub fn hypotheses(&self) -> impl Iterator<Item = &Hypothesis<S>> {
         self.global.hypotheses().filter(|_| self.is_searching)
+    }
+
+    /// Relative standard deviation of odometry that slip adds at `stamp`.
+    pub(super) fn slip_std(&self, stamp: Stamp) -> S {
+        self.slip.relative_std(stamp)
     }
 
     /// Number of accepted corrections by scans: lines, or whole scans.
@@ -124,6 +138,7 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
                 |travel| self.drive.wheel_angle_from_travel(travel).scaled(S::from_f64(1.0 / elapsed));
             self.supervisor.on_wheel_speeds(rates(commanded), rates(odometry.travel));
         }
+        self.slip.on_odometry(self.drive.motion_from_travel(odometry.travel));
         if self.is_searching {
             self.global.on_odometry(stamp, odometry);
         }
@@ -158,6 +173,14 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         let stats = BeamStats { missed_returns: missed.count(belief, map.walls), ..stats };
         self.supervisor.on_scan(&stats, scan_nis);
         let now = estimator.stamp();
+        if scan_nis < S::from_f64(SLIP_NIS) && !self.supervisor.contradicts_map(&stats) {
+            self.slip.on_agreement();
+        } else if let Some(found) = self.search_after_slip(estimator.ekf(), &beams, belief, map) {
+            estimator.reset_at(*stamp, self.with_map_uncertainty(found));
+            self.supervisor.on_relocalized(now);
+            self.slip.on_slip(now);
+            return;
+        }
         if self.supervisor.health(now, &estimator.belief()) != Health::Lost {
             return;
         }
@@ -176,6 +199,19 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
             self.mark_lost(now);
         }
         self.search(estimator, event);
+    }
+
+    /// Pose of a robot whose wheels slipped since a scan last agreed with the map.
+    fn search_after_slip(
+        &self,
+        ekf: &Ekf<S>,
+        beams: &BeamSubset<S, BEAMS>,
+        belief: &Belief<S>,
+        map: &MapView<'_, S>,
+    ) -> Option<Belief<S>> {
+        let prior_std = self.slip.displacement_std().filter(|_| !self.is_searching)?;
+        let search = LocalSearch { prior_std, ..self.config.local_search };
+        search.refine_after_slip(ekf, beams, belief, map.walls)
     }
 
     /// One step of the global search.

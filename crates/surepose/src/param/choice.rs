@@ -20,6 +20,7 @@ pub trait Choice: Copy + PartialEq + 'static {
 }
 
 /// Implements [`Choice`] for an enum. A variant without a name, or a name without a variant, does not compile.
+#[macro_export]
 macro_rules! impl_choice {
     ($type:ty { $($variant:ident = $name:literal),+ $(,)? }) => {
         impl $crate::param::Choice for $type {

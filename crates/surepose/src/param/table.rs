@@ -3,13 +3,15 @@
 use crate::control::Direction;
 use crate::kinematics::Integration;
 
-use super::{ArenaName, BrakingMode, Choice, Kind, LawName, MountingSource, Parameter, Range, Unit};
+use super::{ArenaName, BrakingMode, Choice, Kind, LawName, MountingSource, Range};
 
-const fn in_range(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
+/// Kind of a number in \[`low`, `high`].
+pub const fn in_range(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
     Kind::Number { default: Some(default), range: Range { low, low_inclusive: true, high, reason } }
 }
 
-const fn positive(high: f64, default: f64, reason: &'static str) -> Kind {
+/// Kind of a number in (0, `high`].
+pub const fn positive(high: f64, default: f64, reason: &'static str) -> Kind {
     Kind::Number { default: Some(default), range: Range { low: 0.0, low_inclusive: false, high, reason } }
 }
 
@@ -27,29 +29,33 @@ const fn polygon(reach: f64, reason: &'static str) -> Kind {
     Kind::Polygon { range: Range { low: -reach, low_inclusive: true, high: reach, reason } }
 }
 
-const fn integer(low: f64, high: f64, default: u32, reason: &'static str) -> Kind {
+/// Kind of an integer in \[`low`, `high`].
+pub const fn integer(low: f64, high: f64, default: u32, reason: &'static str) -> Kind {
     Kind::Integer { default, range: Range { low, low_inclusive: true, high, reason } }
 }
 
-const fn one_of<C: Choice>() -> Kind {
+/// Kind of a name; the first is the default.
+pub const fn one_of<C: Choice>() -> Kind {
     Kind::Choice { options: C::NAMES }
 }
 
+/// Declares parameters and lists them in `ALL`, in the style of [`param`](crate::param).
+#[macro_export]
 macro_rules! parameters {
     ($($(#[doc = $meaning:literal])+ $name:ident = $section:literal $key:literal, $unit:ident, $kind:expr;)*) => {
         $(
             $(#[doc = $meaning])+
-            pub const $name: Parameter = Parameter {
+            pub const $name: $crate::param::Parameter = $crate::param::Parameter {
                 section: $section,
                 key: $key,
-                unit: Unit::$unit,
+                unit: $crate::param::Unit::$unit,
                 kind: $kind,
                 meaning: concat!($($meaning),+),
             };
         )*
 
         /// All parameters, grouped by section.
-        pub const ALL: &[Parameter] = &[$($name),*];
+        pub const ALL: &[$crate::param::Parameter] = &[$($name),*];
     };
 }
 
@@ -178,6 +184,14 @@ parameters! {
     COMPASS_MOUNTING = "compass" "mounting", One, one_of::<MountingSource>();
     /// Delay between a compass measurement and its arrival.
     COMPASS_LATENCY = "compass" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
+
+    /// Standard deviation of one reading of the gyroscope's yaw rate.
+    GYROSCOPE_STD = "gyroscope" "std_deg_s", DegreePerSecond, positive(100.0, 0.3, SIGMA);
+    /// Standard deviation of the gyroscope's bias at the start. The filter estimates the bias.
+    GYROSCOPE_BIAS_STD = "gyroscope" "bias_std_deg_s", DegreePerSecond, positive(100.0, 1.0, SIGMA);
+    /// Random walk of the gyroscope's bias: the standard deviation of its change in one second.
+    GYROSCOPE_BIAS_WALK = "gyroscope" "bias_walk_deg_s", DegreePerSecond,
+        in_range(0.0, 10.0, 0.01, "a standard deviation is not negative, and a bias that walks faster is noise");
 
     /// Standard deviation of a laser range.
     LASER_RANGE_STD = "laser" "range_std_m", Meter, positive(10.0, 0.03, SIGMA);
