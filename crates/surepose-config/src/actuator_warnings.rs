@@ -57,9 +57,9 @@ impl Config {
     pub fn stall_warnings(&self, truth: &Self) -> Vec<String> {
         let Some(onset) = self.controller().stall_onset() else { return Vec::new() };
         let stalls = |minimum: &MinimumSpeed| {
-            let told = self.number(minimum.parameter);
-            let is_told = told >= truth.number(minimum.parameter);
-            !is_told && (minimum.drive > onset.drive || minimum.turn > onset.turn)
+            let own = self.number(minimum.parameter);
+            let knows = own >= truth.number(minimum.parameter);
+            !knows && (minimum.drive > onset.drive || minimum.turn > onset.turn)
         };
         let named = truth.minimum_speeds().into_iter().filter(stalls).map(|minimum| {
             let parameter = minimum.parameter;

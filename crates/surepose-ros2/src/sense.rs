@@ -1,5 +1,6 @@
 //! Converts sensor messages to the driver's measurements.
 
+use nalgebra::{Quaternion, UnitQuaternion};
 use surepose::estimation::{HeadingMeasurement, Measurement};
 use surepose::geometry::{Body, Pose};
 use surepose::lidar::MAX_SWEEP_DURATION;
@@ -9,7 +10,7 @@ use surepose_config::CompassParameters;
 use crate::convert::{MessageError, heading_of, pose_of, stamp_of};
 use crate::driver::{self, Odom, SensorMessage};
 use crate::extrinsics::LaserExtrinsics;
-use crate::message::{Imu, LaserScan, Odometry};
+use crate::message::{self, Imu, LaserScan, Odometry};
 
 /// Longest range of a laser \[m].
 const MAX_RANGE: f64 = 200.0;
@@ -60,20 +61,75 @@ fn has_consistent_angles(message: &LaserScan) -> bool {
     message.angle_max == 0.0 || difference <= MAX_BEAM_DIFFERENCE.max(0.05 * beams)
 }
 
-/// Heading of a compass with its stated variance, or else with the configured one.
+/// Heading of the body by a compass that is mounted with `body_from_compass`.
+///
+/// Its standard deviation is the stated one, or else the configured one.
 ///
 /// # Errors
 /// [`MessageError`] for a missing or invalid orientation.
 pub(crate) fn heading(
     message: &Imu,
-    laser_extrinsics: &CompassParameters,
+    body_from_compass: &UnitQuaternion<f64>,
+    compass: &CompassParameters,
 ) -> Result<Stamped<SensorMessage>, MessageError> {
     let [unknown, .., variance] = message.orientation_covariance;
     if unknown < 0.0 {
         return Err(MessageError::NotMeasured);
     }
-    let std = if variance > 0.0 { variance.sqrt() } else { laser_extrinsics.std };
-    let heading = heading_of(&message.orientation)? - laser_extrinsics.offset;
+    let std = if variance > 0.0 { variance.sqrt() } else { compass.std };
+    let heading = heading_of(&body_orientation(&message.orientation, body_from_compass)?)? - compass.offset;
     let measurement = Measurement::Heading(HeadingMeasurement { heading, std });
     Ok(Stamped::new(stamp_of(message.header.stamp), SensorMessage::Measurement(measurement)))
+}
+
+/// Orientation of the body, from that of a compass on it.
+fn body_orientation(
+    world_from_compass: &message::Quaternion,
+    body_from_compass: &UnitQuaternion<f64>,
+) -> Result<message::Quaternion, MessageError> {
+    if *body_from_compass == UnitQuaternion::identity() {
+        return Ok(world_from_compass.clone());
+    }
+    // The rotation is validated before it is normalized.
+    heading_of(world_from_compass)?;
+    let message::Quaternion { x, y, z, w } = *world_from_compass;
+    let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)) * body_from_compass.inverse();
+    Ok(message::Quaternion { x: turned.i, y: turned.j, z: turned.k, w: turned.w })
+}
+
+#[cfg(test)]
+mod tests {
+    use surepose::geometry::Angle;
+    use surepose::time::Stamp;
+
+    use crate::convert::header;
+
+    use super::*;
+
+    /// The body faces 40°; the compass is mounted with a yaw of 90° and upside down.
+    #[test]
+    fn heading_is_that_of_the_body() {
+        let compass = CompassParameters { std: 0.1, offset: Angle::zero(), latency: 0.0 };
+        let world_from_body = UnitQuaternion::from_euler_angles(0.0, 0.0, 40_f64.to_radians());
+        for (roll, yaw) in [(0.0, 0.0), (0.0, 90.0), (180.0, 90.0), (180.0, -30.0)] {
+            let body_from_compass =
+                UnitQuaternion::from_euler_angles(f64::to_radians(roll), 0.0, f64::to_radians(yaw));
+            let turned = world_from_body * body_from_compass;
+            let nothing = message::Vector3 { x: 0.0, y: 0.0, z: 0.0 };
+            let message = Imu {
+                header: header(Stamp::default(), ""),
+                orientation: message::Quaternion { x: turned.i, y: turned.j, z: turned.k, w: turned.w },
+                orientation_covariance: [0.0; 9],
+                angular_velocity: nothing.clone(),
+                angular_velocity_covariance: [0.0; 9],
+                linear_acceleration: nothing,
+                linear_acceleration_covariance: [0.0; 9],
+            };
+            let measured = heading(&message, &body_from_compass, &compass).unwrap().value;
+            let SensorMessage::Measurement(Measurement::Heading(measured)) = measured else {
+                panic!("{measured:?}")
+            };
+            assert!((measured.heading.degrees() - 40.0).abs() < 1e-9, "{roll} {yaw}: {measured:?}");
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! The simulated robot: the core's [`Navigator`](surepose::navigator::Navigator) in a simulated [`World`].
 
+mod invalid_end;
 mod scenario;
 mod sensors;
 
@@ -8,15 +9,17 @@ use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::WheelPair;
 use surepose::lidar::ScanTiming;
 use surepose::map::Wall;
-use surepose::navigator::{NoRoomAtGoal, StepReport};
+use surepose::navigator::StepReport;
 use surepose::time::Stamp;
 use surepose_config::{CompassParameters, RobotNavigator};
-use surepose_io::owned_map::OwnedMap;
+use surepose_io::owned_map::{GoalProblem, OwnedMap};
 use surepose_io::wall_map::{MapWall, WallMap};
 
 use crate::{Arena, Seed, WallSegment, World};
 
-pub use scenario::{InsufficientClearance, Scenario, Sensors};
+pub use crate::arena::walls_from_segments;
+pub use invalid_end::{InvalidEnd, InvalidEndReason, ScenarioEnd};
+pub use scenario::{Scenario, Sensors};
 pub use sensors::{scan_view, with_sensor_input};
 
 /// A robot in its world, with its navigator and its map.
@@ -49,9 +52,13 @@ impl SimulatedRobot {
     /// Sends the navigator to `goal`.
     ///
     /// # Errors
-    /// [`NoRoomAtGoal`], where a wall is too close.
-    pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<(), NoRoomAtGoal<f64>> {
-        self.navigator.set_goal(&self.map.view(), goal).map(|_| ())
+    /// [`GoalProblem`], if the walls rule the goal out.
+    pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<(), GoalProblem> {
+        let here = self.navigator.localizer().belief().pose.origin();
+        self.map.check_goal(&self.navigator.config().collision, Some(here), goal)?;
+        // The navigator repeats the check of the clearance, which has passed.
+        let _previous = self.navigator.set_goal(&self.map.view(), goal);
+        Ok(())
     }
 
     /// Turns the wheels at `wheels` \[rad/s] for `period` \[s], and steps the navigator with what the sensors reported.
@@ -86,11 +93,6 @@ pub fn wall_map_from_arena(arena: &Arena) -> WallMap {
         covariance: None,
     });
     WallMap { name: Some(arena.name().to_owned()), walls: walls.collect() }
-}
-
-/// The walls of a map; one without length is left out.
-pub fn walls_from_segments(segments: &[WallSegment]) -> Vec<Wall<f64>> {
-    segments.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect()
 }
 
 /// `pose` with errors of these standard deviations: x \[m], y \[m], heading \[rad].

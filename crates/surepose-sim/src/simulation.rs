@@ -54,7 +54,7 @@ pub struct Simulation {
 impl Simulation {
     /// The drive of `scenario` with everything random drawn from `seed`.
     ///
-    /// A goal without the required clearance ends the simulation at once: see [`Scenario::check_clearance`].
+    /// A goal that the walls rule out ends the simulation at once: see [`Scenario::check_clearance`].
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
         let controller = scenario.config.controller();
         let goal_from_start = scenario.goal().inverse() * scenario.start();

@@ -14,7 +14,7 @@ use surepose_sim::{Arena, Seed, SimulatedScan, World};
 
 /// What happened in a drive.
 #[derive(Debug)]
-struct Drive {
+struct TestDrive {
     /// Time from the first changed scan until the robot rested \[s]; `None` if it did not.
     rested_after: Option<f64>,
     blocked_by: Option<BlockReason>,
@@ -22,14 +22,14 @@ struct Drive {
 }
 
 /// Drives to the goal of the scenario; from 3 s on, `change` spoils each scan.
-fn drive(scenario: &Scenario, mut change: impl FnMut(&mut SimulatedScan)) -> Drive {
+fn drive(scenario: &Scenario, mut change: impl FnMut(&mut SimulatedScan)) -> TestDrive {
     let config = &scenario.config;
     let belief = Belief::new(scenario.start(), scenario.start_std);
     let mut navigator = config.navigator(&scenario.navigator_setup(), Stamp::default(), belief);
     let map = OwnedMap::from_walls(walls_from_segments(scenario.arena.walls()));
     navigator.set_goal(&map.view(), scenario.goal()).unwrap();
     let mut world = World::new(scenario.world(), scenario.start(), Seed(1));
-    let mut drive = Drive { rested_after: None, blocked_by: None, result: None };
+    let mut drive = TestDrive { rested_after: None, blocked_by: None, result: None };
     let (mut wheels, mut first) = (WheelPair::zero(), None);
     while drive.result.is_none() && world.now().seconds() < 60.0 {
         let mut output = world.step(wheels, 0.1);
@@ -59,7 +59,7 @@ fn all(value: f64) -> impl FnMut(&mut SimulatedScan) {
 }
 
 #[track_caller]
-fn assert_stops(drive: &Drive, within: f64) {
+fn assert_stops(drive: &TestDrive, within: f64) {
     assert!(drive.rested_after.is_some_and(|time| time <= within), "{drive:?}");
     assert_eq!(drive.blocked_by, Some(BlockReason::LaserBlind), "{drive:?}");
     let aborted = GoalResult::Aborted(AbortReason::Blocked(BlockReason::LaserBlind));

@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use nalgebra::UnitQuaternion;
 use surepose::control::Controller;
 use surepose::estimation::{HeadingMeasurement, Measurement};
 use surepose::geometry::Angle;
@@ -66,14 +67,15 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
     options.start_heading =
         start.map(|start| HeadingMeasurement { heading: start.heading, std: REFERENCE_STD[2] });
     let mut gathering = Gathering::new(config, options, bag_index.extrinsics, skipped);
-    // The compass offset is estimated.
-    let laser_extrinsics = CompassParameters { offset: Angle::zero(), ..config.compass() };
+    // The compass offset is estimated; it includes the mounting, as the configured offset does.
+    let compass_parameters = CompassParameters { offset: Angle::zero(), ..config.compass() };
     bag.messages(|said| {
         let refused = match said {
             BagMessage::Odometry(odometry) => gathering.roll(&odometry),
             BagMessage::Scan(scan) => gathering.see(scan),
             BagMessage::Imu(imu) if compass => {
-                sense::heading(&imu, &laser_extrinsics).map(|message| gathering.turn(&message))
+                let identity = UnitQuaternion::identity();
+                sense::heading(&imu, &identity, &compass_parameters).map(|message| gathering.turn(&message))
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
@@ -144,7 +146,7 @@ impl Gathering {
 
     fn see(&mut self, message: LaserScan) -> Result<(), MessageError> {
         let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
-        let laser_extrinsics = self.extrinsics.lookup(&message.header.frame_id)?;
+        let Some(laser_extrinsics) = self.extrinsics.laser(&message.header.frame_id)? else { return Ok(()) };
         let stamped = sense::scan(message, laser_extrinsics);
         let Stamped { stamp, value: SensorMessage::Scan(scan) } = stamped else { return Ok(()) };
         if !scan.angle_min.is_finite() || !scan.angle_increment.is_finite() {

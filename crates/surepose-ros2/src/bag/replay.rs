@@ -63,15 +63,20 @@ pub fn replay(
             }),
             BagMessage::Scan(_) if !has_map => Ok(()),
             BagMessage::Scan(scan) => {
-                let laser_extrinsics = extrinsics.lookup(&scan.header.frame_id);
+                let laser_extrinsics = extrinsics.laser(&scan.header.frame_id);
                 if let Some(line) = extrinsics.take_source_message() {
                     notify(Notice::LaserMount(line));
                 }
-                laser_extrinsics
-                    .map(|laser_extrinsics| driver.add_measurement(sense::scan(scan, laser_extrinsics)))
+                laser_extrinsics.map(|laser_extrinsics| {
+                    if let Some(laser_extrinsics) = laser_extrinsics {
+                        driver.add_measurement(sense::scan(scan, laser_extrinsics));
+                    }
+                })
             }
             BagMessage::Imu(imu) if hears_compass => {
-                sense::heading(&imu, &compass).map(|message| driver.add_measurement(message))
+                extrinsics.compass(&imu.header.frame_id).map_or(Ok(()), |mounting| {
+                    sense::heading(&imu, &mounting, &compass).map(|message| driver.add_measurement(message))
+                })
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
