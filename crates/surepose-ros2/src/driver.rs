@@ -133,7 +133,7 @@ impl NodeDriver {
             SensorMessage::Measurement(Measurement::Heading(_)) => {
                 stamp.after(-self.settings.config.compass().latency)
             }
-            SensorMessage::Measurement(_) => stamp,
+            SensorMessage::Measurement(_) | SensorMessage::YawRate(_) => stamp,
         };
         self.queue.put(Stamped::new(stamp, value));
     }

@@ -204,8 +204,14 @@ impl<Say: FnMut(&str)> Run<Say> {
             return Ok(());
         };
         self.restart_if_moved();
-        let compass = self.settings.driver.config.compass();
-        self.driver.add_measurement(sense::heading(imu, &mounting, &compass).map_err(|why| ("imu", why))?);
+        let refused = |why| ("imu", why);
+        if self.settings.driver.gyroscope {
+            self.driver.add_measurement(sense::yaw_rate(imu, &mounting).map_err(refused)?);
+        }
+        if self.settings.driver.compass {
+            let compass = self.settings.driver.config.compass();
+            self.driver.add_measurement(sense::heading(imu, &mounting, &compass).map_err(refused)?);
+        }
         Ok(())
     }
 

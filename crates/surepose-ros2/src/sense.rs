@@ -1,6 +1,6 @@
 //! Converts sensor messages to the driver's measurements.
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use surepose::estimation::{HeadingMeasurement, Measurement};
 use surepose::geometry::{Body, Pose};
 use surepose::lidar::MAX_SWEEP_DURATION;
@@ -82,6 +82,26 @@ pub(crate) fn heading(
     Ok(Stamped::new(stamp_of(message.header.stamp), SensorMessage::Measurement(measurement)))
 }
 
+/// Yaw rate of the body by a gyroscope that is mounted with `body_from_gyroscope`.
+///
+/// # Errors
+/// [`MessageError`] for a missing or invalid angular velocity.
+pub(crate) fn yaw_rate(
+    message: &Imu,
+    body_from_gyroscope: &UnitQuaternion<f64>,
+) -> Result<Stamped<SensorMessage>, MessageError> {
+    let [unknown, ..] = message.angular_velocity_covariance;
+    if unknown < 0.0 {
+        return Err(MessageError::NotMeasured);
+    }
+    let message::Vector3 { x, y, z } = message.angular_velocity;
+    if ![x, y, z].iter().all(|rate| rate.is_finite()) {
+        return Err(MessageError::NotFinite);
+    }
+    let rate = (body_from_gyroscope * Vector3::new(x, y, z)).z;
+    Ok(Stamped::new(stamp_of(message.header.stamp), SensorMessage::YawRate(rate)))
+}
+
 /// Orientation of the body, from that of a compass on it.
 fn body_orientation(
     world_from_compass: &message::Quaternion,
@@ -106,6 +126,38 @@ mod tests {
 
     use super::*;
 
+    /// A gyroscope that is mounted upside down measures the opposite yaw rate.
+    #[test]
+    fn yaw_rate_is_that_of_the_body() {
+        for (roll, expected) in [(0.0, 0.3), (180.0, -0.3)] {
+            let message = Imu {
+                angular_velocity: message::Vector3 { x: 0.0, y: 0.0, z: 0.3 },
+                ..imu(message::Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 })
+            };
+            let mounting = UnitQuaternion::from_euler_angles(f64::to_radians(roll), 0.0, 0.0);
+            let measured = yaw_rate(&message, &mounting).unwrap().value;
+            assert!(matches!(measured, SensorMessage::YawRate(rate) if (rate - expected).abs() < 1e-12));
+        }
+        let missing = Imu {
+            angular_velocity_covariance: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            ..imu(message::Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 })
+        };
+        assert!(matches!(yaw_rate(&missing, &UnitQuaternion::identity()), Err(MessageError::NotMeasured)));
+    }
+
+    fn imu(orientation: message::Quaternion) -> Imu {
+        let nothing = message::Vector3 { x: 0.0, y: 0.0, z: 0.0 };
+        Imu {
+            header: header(Stamp::default(), ""),
+            orientation,
+            orientation_covariance: [0.0; 9],
+            angular_velocity: nothing.clone(),
+            angular_velocity_covariance: [0.0; 9],
+            linear_acceleration: nothing,
+            linear_acceleration_covariance: [0.0; 9],
+        }
+    }
+
     /// The body faces 40°; the compass is mounted with a yaw of 90° and upside down.
     #[test]
     fn heading_is_that_of_the_body() {
@@ -115,16 +167,7 @@ mod tests {
             let body_from_compass =
                 UnitQuaternion::from_euler_angles(f64::to_radians(roll), 0.0, f64::to_radians(yaw));
             let turned = world_from_body * body_from_compass;
-            let nothing = message::Vector3 { x: 0.0, y: 0.0, z: 0.0 };
-            let message = Imu {
-                header: header(Stamp::default(), ""),
-                orientation: message::Quaternion { x: turned.i, y: turned.j, z: turned.k, w: turned.w },
-                orientation_covariance: [0.0; 9],
-                angular_velocity: nothing.clone(),
-                angular_velocity_covariance: [0.0; 9],
-                linear_acceleration: nothing,
-                linear_acceleration_covariance: [0.0; 9],
-            };
+            let message = imu(message::Quaternion { x: turned.i, y: turned.j, z: turned.k, w: turned.w });
             let measured = heading(&message, &body_from_compass, &compass).unwrap().value;
             let SensorMessage::Measurement(Measurement::Heading(measured)) = measured else {
                 panic!("{measured:?}")

@@ -15,6 +15,8 @@ pub enum SensorMessage {
     Measurement(Measurement<f64>),
     /// A scan.
     Scan(LaserScan),
+    /// Yaw rate of a gyroscope \[rad/s].
+    YawRate(f64),
 }
 
 /// Scan with the geometry of its laser.
@@ -41,6 +43,7 @@ impl SensorMessage {
     pub(super) fn reading(message: &Stamped<Self>) -> Stamped<SensorReading<'_, f64>> {
         let reading = match &message.value {
             Self::Measurement(measurement) => SensorReading::Measurement(*measurement),
+            Self::YawRate(rate) => SensorReading::YawRate(*rate),
             Self::Scan(scan) => {
                 let LaserScan { body_from_laser, range_min, range_max, .. } = *scan;
                 let geometry = LaserGeometry { body_from_laser, range_min, range_max };
@@ -57,7 +60,7 @@ impl SensorMessage {
     pub(super) fn scan(&self) -> Option<&LaserScan> {
         match self {
             Self::Scan(scan) => Some(scan),
-            Self::Measurement(_) => None,
+            Self::Measurement(_) | Self::YawRate(_) => None,
         }
     }
 }
@@ -84,8 +87,8 @@ fn complete_at(message: &Stamped<SensorMessage>) -> Stamp {
     if (0.0..=MAX_SWEEP_DURATION).contains(&duration) { message.stamp.after(duration) } else { message.stamp }
 }
 
-/// Largest number of queued messages: 1 s of headings at 100 Hz and scans at 40 Hz.
-const CAPACITY: usize = 140;
+/// Largest number of queued messages: 1 s of headings at 100 Hz, yaw rates at 200 Hz and scans at 40 Hz.
+const CAPACITY: usize = 340;
 
 /// Messages with stamps later than the odometry.
 #[derive(Clone, Debug, Default)]
