@@ -11,13 +11,13 @@ struct MinimumSpeed {
     /// Rim speed for driving and for turning; 0 where it does not apply.
     drive: f64,
     turn: f64,
-    /// Motion in one period \[m], \[rad].
+    /// Motion in one pulse \[m], \[rad].
     step: f64,
     step_turn: f64,
 }
 
 impl Config {
-    /// Warns about minimum speeds that make the base stall, or that one period cannot resolve.
+    /// Warns about minimum speeds that make the base stall, or whose pulses exceed the tolerance.
     pub(super) fn actuator_warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for minimum in self.minimum_speeds() {
@@ -25,10 +25,10 @@ impl Config {
             let name = format!("{}.{}", parameter.section, parameter.key);
             let position = self.number(&param::POSITION_TOLERANCE);
             let heading = self.number(&param::HEADING_TOLERANCE);
-            let remedy = "shorten loop.period_s or widen the tolerance";
+            let remedy = "widen the tolerance, or shorten loop.period_s where a pulse is one period";
             if step > position {
                 warnings.push(format!(
-                    "{name}: one period at this speed moves {:.1} mm, more than goal.position_tolerance_m ({:.1} mm); the robot may not \
+                    "{name}: one pulse at this speed moves {:.1} mm, more than goal.position_tolerance_m ({:.1} mm); the robot may not \
                      come to rest at the goal; {remedy}",
                     1e3 * step,
                     1e3 * position
@@ -36,7 +36,7 @@ impl Config {
             }
             if step_turn > heading {
                 warnings.push(format!(
-                    "{name}: one period at this speed turns {:.2}°, more than goal.heading_tolerance_deg ({:.2}°); the robot may not come \
+                    "{name}: one pulse at this speed turns {:.2}°, more than goal.heading_tolerance_deg ({:.2}°); the robot may not come \
                      to rest at the goal; {remedy}",
                     step_turn.to_degrees(),
                     heading.to_degrees()
@@ -77,13 +77,15 @@ impl Config {
 
     /// The minimum speeds that are set.
     fn minimum_speeds(&self) -> Vec<MinimumSpeed> {
-        let (half, period) = (0.5 * self.drive().wheel_separation, self.number(&param::PERIOD));
-        let minimum = |parameter: &'static Parameter, drive: f64, turn: f64| MinimumSpeed {
+        let (drive, period) = (self.drive(), self.number(&param::PERIOD));
+        let half = 0.5 * drive.wheel_separation;
+        let ticks = self.actuator().min_speeds.pulse_ticks(&drive, &self.limits(), period);
+        let minimum = |parameter: &'static Parameter, drive: f64, turn: f64, ticks: u16| MinimumSpeed {
             parameter,
             drive,
             turn,
-            step: drive * period,
-            step_turn: turn / half * period,
+            step: drive * period * f64::from(ticks),
+            step_turn: turn / half * period * f64::from(ticks),
         };
         let (wheel, v, omega) = (
             self.number(&param::MIN_WHEEL_SPEED),
@@ -91,9 +93,9 @@ impl Config {
             self.number(&param::MIN_TURN_RATE),
         );
         let all = [
-            minimum(&param::MIN_WHEEL_SPEED, wheel, wheel),
-            minimum(&param::MIN_SPEED, v, 0.0),
-            minimum(&param::MIN_TURN_RATE, 0.0, omega * half),
+            minimum(&param::MIN_WHEEL_SPEED, wheel, wheel, ticks.wheel),
+            minimum(&param::MIN_SPEED, v, 0.0, ticks.v),
+            minimum(&param::MIN_TURN_RATE, 0.0, omega * half, ticks.omega),
         ];
         all.into_iter().filter(|minimum| minimum.drive > 0.0 || minimum.turn > 0.0).collect()
     }
@@ -110,7 +112,7 @@ mod tests {
     #[test]
     fn a_period_that_cannot_resolve_the_tolerance_is_named() {
         let coarse = config(&["robot.min_speed_m_s=0.03", "loop.period_s=0.5"]).warnings();
-        assert!(coarse.iter().any(|said| said.starts_with("robot.min_speed_m_s: one period")), "{coarse:?}");
+        assert!(coarse.iter().any(|said| said.starts_with("robot.min_speed_m_s: one pulse")), "{coarse:?}");
         let turning = config(&["robot.min_turn_rate_deg_s=12", "loop.period_s=0.1"]).warnings();
         assert!(turning.iter().any(|said| said.contains("goal.heading_tolerance_deg")), "{turning:?}");
         assert_eq!(config(&["robot.min_speed_m_s=0.02"]).warnings(), Vec::<String>::new());

@@ -10,7 +10,7 @@ use surepose::time::Stamp;
 use crate::arena::WallSegment;
 use crate::random::Stream;
 
-pub use sweep::{PoseTrack, Sweep};
+pub use sweep::{LaserSweep, PoseTrack};
 
 /// Parameters of a laser range finder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct LaserModel {
     /// Probability that a beam has no return.
     pub lost: f64,
     /// Time that a scan takes.
-    pub sweep: Sweep,
+    pub sweep: LaserSweep,
 }
 
 /// Obstacles that are on no map, such as people; each hides several adjacent beams.
@@ -79,7 +79,7 @@ impl LaserModel {
             max_range: 8.0,
             clutter: Clutter::default(),
             lost: 0.0,
-            sweep: Sweep::default(),
+            sweep: LaserSweep::default(),
         }
     }
 

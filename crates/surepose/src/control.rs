@@ -28,7 +28,7 @@ mod stall_onset;
 mod tran2012;
 mod tuning;
 
-pub use actuator::{ActuatorModel, ActuatorState, MAX_PENDING, MinSpeeds};
+pub use actuator::{ActuatorModel, ActuatorState, MAX_PENDING, MinSpeeds, PulseTicks};
 pub use braking::BrakingProfile;
 pub use controller::{ControlDecision, ControlStep, Controller, ControllerState};
 pub use deadband::Deadband;

@@ -37,6 +37,7 @@ installation is needed.
 
 Exit codes: 0 stopped by Ctrl-C, after a stop command to the wheels; 2 usage, configuration or environment error; \
 3 map unreadable or malformed.")]
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
 pub(crate) struct Ros2Command {
     /// A wall map (.toml), or an occupancy grid of map_server (.yaml) from which walls are extracted; without it, the map frame starts at the first pose of odometry
     #[arg(long, value_name = "FILE")]

@@ -8,7 +8,7 @@ use surepose::time::Stamp;
 
 /// Time that a laser needs for a scan, and how its driver states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sweep {
+pub struct LaserSweep {
     /// Time from the first beam to the last \[s]; 0 for beams that are all measured at once.
     pub duration: f64,
     /// The beam that the stamp of a scan belongs to.
@@ -21,7 +21,7 @@ pub struct PoseTrack {
     poses: VecDeque<(Stamp, Pose<Map, Body, f64>)>,
 }
 
-impl Sweep {
+impl LaserSweep {
     /// Time from the stamped beam to the last one \[s].
     pub fn stamp_age(&self) -> f64 {
         self.duration * (1.0 - self.stamped.fraction())

@@ -10,7 +10,7 @@ use super::invalid_end::{InvalidEnd, InvalidEndReason, ScenarioEnd};
 use crate::arena::walls_from_segments;
 use crate::world_parameters::{self as world, MotorKind};
 use crate::{
-    Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, PlantModel, Slip, Sweep, Timing,
+    Arena, Clutter, CompassModel, Fault, LaserModel, LaserSweep, MotorModel, PlantModel, Slip, Timing,
     WallSegment, WorldModel, WorldSettings,
 };
 
@@ -182,7 +182,7 @@ impl Scenario {
             range_std: laser.range_std,
             bearing_std: laser.bearing_std,
             clutter: self.clutter,
-            sweep: Sweep { duration: laser.timing.sweep.unwrap_or(0.0), stamped: laser.timing.stamped },
+            sweep: LaserSweep { duration: laser.timing.sweep.unwrap_or(0.0), stamped: laser.timing.stamped },
             ..LaserModel::facing_forward(laser.beams, laser.field_of_view)
         };
         let timing = |latency| Timing { period: SENSOR_PERIOD, latency };

@@ -103,7 +103,7 @@ impl<S: Float> Default for MotionMonitor<S> {
 /// One channel, as the rim travel of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ChannelMotion<S> {
-    /// Recent commanded travel, measured travel in its direction \[m], and time with a command \[s].
+    /// Recent commanded and measured travel without their signs \[m], and time with a command \[s].
     commanded: S,
     measured: S,
     active: S,
@@ -124,9 +124,8 @@ impl<S: Float> ChannelMotion<S> {
         let zero = S::from_f64(0.0);
         let kept = S::from_f64(MEMORY) / (S::from_f64(MEMORY) + elapsed);
         let is_active = speed.abs() > zero;
-        let along = if speed < zero { -travel } else { travel };
         self.commanded = (self.commanded + speed.abs() * elapsed) * kept;
-        self.measured = (self.measured + if is_active { along } else { zero }) * kept;
+        self.measured = (self.measured + if is_active { travel.abs() } else { zero }) * kept;
         self.active = (self.active + if is_active { elapsed } else { zero }) * kept;
         if self.commanded < S::from_f64(MIN_COMMANDED) {
             return;
