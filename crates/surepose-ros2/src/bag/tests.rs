@@ -282,7 +282,7 @@ fn the_stamped_beam_is_found() {
         let found = calibrate(&recording, &options, &CancelToken::default()).unwrap();
         assert_eq!(found.laser_stamp().map(Choice::name), Some(stamped));
         let latency = found.parameters()["laser_latency_s"].value.unwrap();
-        assert!(latency.abs() < 0.01, "{stamped}: {latency} s");
+        assert!(latency.abs() < 0.02, "{stamped}: {latency} s");
         assert!(found.configuration().contains(&format!("stamp = \"{stamped}\"")));
     }
 }
