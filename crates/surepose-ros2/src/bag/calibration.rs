@@ -9,10 +9,11 @@ use surepose::control::Controller;
 use surepose::estimation::{HeadingMeasurement, Measurement};
 use surepose::geometry::Angle;
 use surepose::kinematics::WheelPair;
+use surepose::lidar::ScanTiming;
 use surepose::time::{Stamp, Stamped};
 use surepose_config::{CompassParameters, Config};
 use surepose_io::recording::{ScanRecord, SensorPose, StampedTicks};
-use surepose_mapping::calibrate::{CalibrationRecording, Options, StampedHeading};
+use surepose_mapping::calibrate::{CalibrationParameter, CalibrationRecording, Options, StampedHeading};
 
 use crate::convert::MessageError;
 use crate::driver::{OdometryAccumulator, SensorMessage};
@@ -30,9 +31,6 @@ const TICKS_PER_TURN: f64 = 1e5;
 
 /// Standard deviation of a wall's distance \[m] and direction \[rad] beyond the usual laser noise.
 const WALL_STD: (f64, f64) = (0.01, 0.5 * TAU / 360.0);
-
-/// Longest sweep time of a scan \[s].
-const MAX_SWEEP_TIME: f64 = 1.0;
 
 /// Calibration data of a recording, with the initial values.
 #[derive(Clone, Debug)]
@@ -92,6 +90,7 @@ struct Gathering {
     recorded: Recorded,
     extrinsics: ExtrinsicsResolver,
     controller: Controller<f64>,
+    timing: ScanTiming,
     odometry_accumulator: Option<OdometryAccumulator>,
     /// Wheel angles since the first odometry \[rad].
     turned: WheelPair<f64>,
@@ -114,6 +113,7 @@ impl Gathering {
             recorded: Recorded { recording, options, skipped, mounted: None, truncations: Vec::new() },
             extrinsics,
             controller: config.controller(),
+            timing: config.laser().timing,
             odometry_accumulator: None,
             turned: WheelPair::zero(),
         }
@@ -145,7 +145,6 @@ impl Gathering {
     }
 
     fn see(&mut self, message: LaserScan) -> Result<(), MessageError> {
-        let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
         let Some(laser_extrinsics) = self.extrinsics.laser(&message.header.frame_id)? else { return Ok(()) };
         let stamped = sense::scan(message, laser_extrinsics);
         let Stamped { stamp, value: SensorMessage::Scan(scan) } = stamped else { return Ok(()) };
@@ -157,8 +156,15 @@ impl Gathering {
         if recording.scans.is_empty() {
             (options.range_min, options.range_max) = (scan.range_min.max(options.range_min), scan.range_max);
             options.nominal = options.nominal.with_laser(scan.body_from_laser);
-            options.sweep_period =
-                Some(sweep).filter(|sweep| (0.0..MAX_SWEEP_TIME).contains(sweep)).unwrap_or(0.0);
+            let steps = scan.ranges.len().saturating_sub(1) as f64;
+            let sweep = self.timing.sweep.unwrap_or(scan.time_increment * steps);
+            // Beams of a clockwise scan are reversed below.
+            options.sweep = sweep.copysign(scan.angle_increment);
+            options.finds_stamp = sweep > 0.0;
+            // The fit starts at the latency of the middle beam.
+            let latency = options.nominal.get(CalibrationParameter::LaserLatency);
+            let middle = latency + (self.timing.stamped.fraction() - 0.5) * sweep;
+            options.nominal.0[CalibrationParameter::LaserLatency as usize] = middle;
         }
         let reach = scan.range_min..scan.range_max;
         let returned = |range: f64| if reach.contains(&range) { range } else { f64::INFINITY };
