@@ -122,7 +122,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         match self.history.get(count) {
             Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
                 let part = odometry.fraction(fraction(start, stamp, end));
-                Some(self.advance(state, part, stamp.since(start)).belief)
+                Some(self.advance(state, part, [start, stamp]).belief)
             }
             _ => Some(state.belief),
         }
@@ -248,7 +248,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             self.reset(stamp, self.belief());
         }
         let interval = OdometryInterval { wheels: odometry, turn };
-        let after = self.advance(self.state(), interval, stamp.since(self.stamp()));
+        let after = self.advance(self.state(), interval, [self.stamp(), stamp]);
         self.history.insert(self.history.len(), Entry { stamp, event: Event::Odometry(interval), after });
         self.history.drop_before(stamp.after(-self.history_length));
         Ok(())
@@ -271,13 +271,18 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         self.history.after(self.history.len()).1
     }
 
-    /// State after an interval of `duration` \[s].
-    fn advance(&self, state: FilterState<S>, interval: OdometryInterval<S>, duration: f64) -> FilterState<S> {
+    /// State after an interval between two stamps.
+    fn advance(
+        &self,
+        state: FilterState<S>,
+        interval: OdometryInterval<S>,
+        [from, to]: [Stamp; 2],
+    ) -> FilterState<S> {
         let OdometryInterval { wheels, turn } = interval;
         match &self.gyroscope {
             None => FilterState { belief: self.ekf.predict(state.belief, wheels), ..state },
             Some(gyroscope) => {
-                let duration = S::from_f64(duration.max(0.0));
+                let duration = S::from_f64(to.since(from).max(0.0));
                 self.ekf.predict_with_gyroscope(gyroscope, state, wheels, turn, duration)
             }
         }
@@ -309,7 +314,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             Some(Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
                 let part = fraction(start, stamp, end);
                 let (first, rest) = (odometry.fraction(part), odometry.fraction(S::from_f64(1.0) - part));
-                state = self.advance(state, first, stamp.since(start));
+                state = self.advance(state, first, [start, stamp]);
                 let rest = Entry { stamp: end, event: Event::Odometry(rest), after };
                 Some((Entry { stamp, event: Event::Odometry(first), after: state }, rest))
             }
@@ -336,8 +341,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             if let Some(mut entry) = self.history.get(i) {
                 state = match &entry.event {
                     Event::Odometry(odometry) => {
-                        let duration = entry.stamp.since(self.history.after(i).0);
-                        self.advance(state, *odometry, duration)
+                        self.advance(state, *odometry, [self.history.after(i).0, entry.stamp])
                     }
                     Event::Measurement(measurement) => self.correct(state, measurement).0,
                 };

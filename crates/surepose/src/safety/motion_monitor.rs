@@ -71,10 +71,11 @@ impl<S: Float> MotionMonitor<S> {
         let (commanded, measured) = (channels(expected), channels(travel));
         let relevant = commanded.iter().fold(S::from_f64(0.0), |most, speed| most.max(speed.abs()))
             * S::from_f64(RELEVANT_FRACTION);
+        let kept = S::from_f64(MEMORY) / (S::from_f64(MEMORY) + elapsed);
         for (index, (_, channel)) in self.channels.iter_mut().enumerate() {
             let speed = commanded[index];
             let speed = if speed.abs() >= relevant { speed } else { S::from_f64(0.0) };
-            channel.update(speed, measured[index], elapsed);
+            channel.update(speed, measured[index], elapsed, kept);
         }
     }
 
@@ -120,9 +121,8 @@ impl<S: Float> ChannelMotion<S> {
         Self { commanded: zero, measured: zero, active: zero, stuck_for: zero, least_moving }
     }
 
-    fn update(&mut self, speed: S, travel: S, elapsed: S) {
+    fn update(&mut self, speed: S, travel: S, elapsed: S, kept: S) {
         let zero = S::from_f64(0.0);
-        let kept = S::from_f64(MEMORY) / (S::from_f64(MEMORY) + elapsed);
         let is_active = speed.abs() > zero;
         self.commanded = (self.commanded + speed.abs() * elapsed) * kept;
         self.measured = (self.measured + if is_active { travel.abs() } else { zero }) * kept;
