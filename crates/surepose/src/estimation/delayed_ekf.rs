@@ -120,9 +120,9 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             return None;
         }
         match self.history.get(count) {
-            Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
+            Some(&Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
                 let part = odometry.fraction(fraction(start, stamp, end));
-                Some(self.advance(state, part, [start, stamp]).belief)
+                Some(self.advance(*state, part, [start, stamp]).belief)
             }
             _ => Some(state.belief),
         }
@@ -158,7 +158,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         }
         self.reset(stamp, belief);
         for index in past.count_until(stamp)..past.len() {
-            if let Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) = past.get(index) {
+            if let Some(&Entry { stamp: end, event: Event::Odometry(odometry), .. }) = past.get(index) {
                 // Only the part after `stamp` of the interval that contains it.
                 let before = fraction(past.after(index).0.min(stamp), stamp, end);
                 let rest = odometry.fraction(S::from_f64(1.0) - before);
@@ -268,7 +268,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     }
 
     fn state(&self) -> FilterState<S> {
-        self.history.after(self.history.len()).1
+        *self.history.after(self.history.len()).1
     }
 
     /// State after an interval between two stamps.
@@ -308,10 +308,11 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     fn apply(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
         let Stamped { stamp, value: measurement } = measured;
         let count = self.history.count_until(stamp);
-        let (start, mut state) = self.history.after(count);
+        let (start, state) = self.history.after(count);
+        let mut state = *state;
         // A measurement inside an odometry interval splits the interval.
         let split = match self.history.get(count) {
-            Some(Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
+            Some(&Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
                 let part = fraction(start, stamp, end);
                 let (first, rest) = (odometry.fraction(part), odometry.fraction(S::from_f64(1.0) - part));
                 state = self.advance(state, first, [start, stamp]);
@@ -338,7 +339,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     /// Applies the entries from `index` on to `state`.
     fn replay(&mut self, index: usize, mut state: FilterState<S>) {
         for i in index..self.history.len() {
-            if let Some(mut entry) = self.history.get(i) {
+            if let Some(mut entry) = self.history.get(i).copied() {
                 state = match &entry.event {
                     Event::Odometry(odometry) => {
                         self.advance(state, *odometry, [self.history.after(i).0, entry.stamp])

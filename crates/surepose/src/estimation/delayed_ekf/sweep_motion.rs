@@ -49,7 +49,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         let begin = self.history.count_until(first).min(self.newest_interval());
         for index in begin..self.history.len() {
             let (start, before) = self.history.after(index);
-            let Some(Entry { stamp: end, event: Event::Odometry(_), after }) = self.history.get(index) else {
+            let Some(&Entry { stamp: end, event: Event::Odometry(_), after }) = self.history.get(index)
+            else {
                 continue;
             };
             // The motion that the filter predicted, by wheels and gyroscope.
