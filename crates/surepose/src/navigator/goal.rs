@@ -114,7 +114,7 @@ impl<S: Float> ActiveGoal<S> {
             return;
         }
         let hybrid = &step.state.hybrid;
-        let value = controller.law.lyapunov(&step.navigation, hybrid);
+        let value = controller.law.lyapunov_by_mode(&step.navigation, hybrid);
         let value = LyapunovValue { value, is_local: hybrid.local_mode };
         self.progress.update(value, elapsed * report.action.speed_scale());
     }
