@@ -234,7 +234,7 @@ impl SampledController for Mutant {
                 let still = Twist::new(output.twist.v, zero);
                 output.twist = Twist::select(takes_over, still, output.twist);
             }
-            _ => {}
+            Fault::NoHysteresis => {}
         }
         output
     }
