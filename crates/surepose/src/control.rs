@@ -24,6 +24,7 @@ mod path;
 mod path_controller;
 mod path_following;
 mod pid;
+mod sidestep;
 mod stall_onset;
 mod tran2012;
 mod tuning;

@@ -13,6 +13,7 @@ use super::hysteresis::HybridState;
 use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
 use super::output::{ActiveMode, ControlOutput};
+use super::sidestep;
 use super::tran2012::Tran2012Law;
 
 /// Control law selected by the configuration.
@@ -98,11 +99,20 @@ impl<S: Scalar> Law<S> {
 
     /// Evaluates the Lyapunov function of the active law for the current direction of travel.
     ///
-    /// It is V_l of [Tran2012] Eq. (26) near the goal and V_g of Eq. (19) elsewhere. The value jumps at the switch.
+    /// It is V_l of [Tran2012] Eq. (26) near the goal and V_g of Eq. (19) elsewhere. The value jumps at the switch. On the out leg of a
+    /// sidestep it is ½y² + ½(θ_e − r)², with the lateral error y and the heading r of the leg.
     pub fn lyapunov(&self, navigation: &NavigationVariables<S>, state: &HybridState<S>) -> S {
         let Gains { k_v, k_alpha, h, k_theta } = self.gains();
         let ahead = NavigationVariables::select(state.reverse, navigation.reversed(), *navigation);
-        let local_mode = LocalLaw { k_v, k_theta }.lyapunov(&ahead);
+        let direction = sidestep::direction(state.sidestep);
+        let (lateral, _) = ahead.phi.sin_cos();
+        let (lateral, turn) =
+            (ahead.rho * lateral, ahead.heading_error().radians() - sidestep::heading(state.sidestep));
+        let local_mode = S::select(
+            direction.abs().lt(S::from_f64(0.5)),
+            LocalLaw { k_v, k_theta }.lyapunov(&ahead),
+            (lateral.squared() + turn.squared()) * S::from_f64(0.5),
+        );
         let far = GlobalLaw { k_v, k_alpha, h }.lyapunov(&ahead);
         S::select(state.local_mode, local_mode, far)
     }
