@@ -45,7 +45,13 @@ impl Bytes<'_> {
 /// Reading that owns its ranges.
 enum OwnedReading {
     Heading(HeadingMeasurement<f64>),
-    Scan { angle_min: Angle<f64>, angle_increment: f64, ranges: Vec<f64>, geometry: LaserGeometry<f64> },
+    Scan {
+        angle_min: Angle<f64>,
+        angle_increment: f64,
+        time_increment: f64,
+        ranges: Vec<f64>,
+        geometry: LaserGeometry<f64>,
+    },
 }
 
 impl OwnedReading {
@@ -56,17 +62,19 @@ impl OwnedReading {
     fn scan(bytes: &mut Bytes<'_>) -> Self {
         let ranges = (0..BEAMS).map(|_| bytes.number()).collect();
         let (angle_min, angle_increment) = (bytes.angle(), bytes.number());
+        let time_increment = bytes.number();
         let (range_min, range_max) = (bytes.number(), bytes.number());
         let body_from_laser = Pose::new(bytes.number(), bytes.number(), bytes.angle());
         let geometry = LaserGeometry { body_from_laser, range_min, range_max };
-        Self::Scan { angle_min, angle_increment, ranges, geometry }
+        Self::Scan { angle_min, angle_increment, time_increment, ranges, geometry }
     }
 
     fn reading(&self) -> SensorReading<'_, f64> {
         match self {
             Self::Heading(heading) => SensorReading::Measurement(Measurement::Heading(*heading)),
-            Self::Scan { angle_min, angle_increment, ranges, geometry } => {
-                SensorReading::Scan(Scan::new(*angle_min, *angle_increment, ranges).with_geometry(*geometry))
+            Self::Scan { angle_min, angle_increment, time_increment, ranges, geometry } => {
+                let scan = Scan::new(*angle_min, *angle_increment, ranges).with_time_increment(*time_increment);
+                SensorReading::Scan(scan.with_geometry(*geometry))
             }
         }
     }

@@ -5,14 +5,14 @@ use std::process::Command;
 
 /// Operations of the benchmark `instructions` per package, with their budgets for f64 on x86-64-v3.
 ///
-/// The budgets of `law` and `cycle` are the counts of hand-written C++ with Eigen. Those of `extract181` and
-/// `extract361` are a thirtieth of the count of a widely used ROS package. The others are the counts reached.
+/// The budgets are 5 % above the counts reached; hand-written C++ with Eigen takes 450 for `law` and 2355 for `cycle`. Those of
+/// `extract181` and `extract361` are a thirtieth of the count of a widely used ROS package.
 const BUDGETS: [(&str, &[(&str, u64)]); 2] = [
     (
         "surepose",
-        &[("law", 450), ("predict", 500), ("compass", 220), ("wall", 420), ("cycle", 2355), ("step", 800)],
+        &[("law", 262), ("predict", 417), ("compass", 154), ("wall", 310), ("cycle", 1612), ("step", 670)],
     ),
-    ("surepose-sim", &[("extract181", 75_000), ("extract361", 150_000), ("match181", 30_000)]),
+    ("surepose-sim", &[("extract181", 75_000), ("extract361", 150_000), ("match181", 11_340)]),
 ];
 
 /// Instruction count of one operation.

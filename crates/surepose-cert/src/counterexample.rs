@@ -110,9 +110,10 @@ fn disturbed<L: SampledController>(
         next.y + next.noise_y,
         Angle::from_radians(next.heading + next.noise_heading),
     );
-    let output = descent
-        .controller
-        .compute(&NavigationVariables::from_poses(seen, goal), next.discrete_state.memory(next.trim_ticks));
+    let output = descent.controller.compute(
+        &NavigationVariables::from_poses(seen, goal),
+        next.discrete_state.memory(next.trim_ticks, next.lateral),
+    );
     // Most states already have the resulting discrete state; the violation then needs no mode switch.
     if rng.part() < 0.8 {
         next.discrete_state = DiscreteState::from_memory_f64(&output.state);

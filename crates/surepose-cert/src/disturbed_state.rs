@@ -21,6 +21,8 @@ pub struct DisturbedState {
     pub discrete_state: DiscreteState,
     /// Trim tick count of the control law.
     pub trim_ticks: f64,
+    /// Mean lateral distance in the control law \[m].
+    pub lateral: f64,
     /// Estimated minus true x \[m].
     pub noise_x: f64,
     /// Estimated minus true y \[m].
@@ -44,6 +46,8 @@ pub struct Transition {
     pub discrete_state: DiscreteState,
     /// Trim tick count after the tick.
     pub trim_ticks: f64,
+    /// Mean lateral distance after the tick \[m].
+    pub lateral: f64,
     /// Commanded twist (v \[m/s], ω \[rad/s]).
     pub commanded: Twist<f64>,
     /// W before the tick.
@@ -71,7 +75,7 @@ impl DisturbedState {
         );
         let output = controller.compute(
             &NavigationVariables::from_poses(estimate, goal),
-            self.discrete_state.memory(self.trim_ticks),
+            self.discrete_state.memory(self.trim_ticks, self.lateral),
         );
         let commanded = if limited { controller.limit(output.twist) } else { output.twist };
         let rims = drive.wheel_speeds_from_twist(commanded);
@@ -89,6 +93,7 @@ impl DisturbedState {
             after,
             discrete_state,
             trim_ticks: output.state.trim_ticks,
+            lateral: output.state.lateral,
             commanded,
             lyapunov_before: lyapunov.at(&before, held),
             lyapunov_after: lyapunov.at(&after, discrete_state),
@@ -104,6 +109,7 @@ impl DisturbedState {
             heading: phi - alpha,
             discrete_state,
             trim_ticks: 0.0,
+            lateral: 0.0,
             noise_x: 0.0,
             noise_y: 0.0,
             noise_heading: 0.0,

@@ -7,7 +7,7 @@ use surepose::scalar::Scalar;
 
 use crate::branching::explore_branches;
 use crate::controller::SampledController;
-use crate::descent::Descent;
+use crate::descent::{BranchOutcome, Descent};
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
 use crate::prioritized_box::PrioritizedBox;
@@ -24,7 +24,7 @@ const PIECES: usize = 8;
 /// Maximum number of branches of the control law, for any goal position.
 const MAX_BRANCHES: usize = 8192;
 
-/// Returns the least number of ticks from entry into the local mode to exit from it, for any noise.
+/// Returns the least number of ticks from entry into the local mode to exit from it, or to a sidestep, for any noise.
 ///
 /// 0: no bound was shown. The local mode begins at a small *estimated* distance, so the true distance is at
 /// most that plus the position noise. It ends at an estimated distance that depends on the hybrid state.
@@ -48,10 +48,12 @@ pub(crate) fn dwell<L: SampledController>(
         let region = Region::anywhere(Interval::new(0.0, rho), drift);
         let mut next: Option<Interval> = None;
         for discrete_state in
-            descent.known_states().filter(|discrete_state| discrete_state.local_mode == (ticks > 0))
+            straight_states(descent).filter(|discrete_state| discrete_state.local_mode == (ticks > 0))
         {
-            let memory = descent.step(&region, discrete_state.memory(trim_ticks)).state;
-            if ticks > 0 && !memory.local_mode.certain() {
+            let set = discrete_state.memory(trim_ticks, DiscreteState::ANY_LATERAL());
+            let memory = descent.step(&region, set).state;
+            let stays = memory.local_mode.certain() && memory.sidestep.magnitude() <= 0.0;
+            if ticks > 0 && !stays {
                 return ticks;
             }
             if memory.local_mode.possible() {
@@ -65,14 +67,26 @@ pub(crate) fn dwell<L: SampledController>(
     MAX_TICKS
 }
 
+/// Reachable discrete states outside of sidesteps, and after the first tick if that decides a turn direction.
+fn straight_states<L: SampledController>(descent: &Descent<'_, L>) -> impl Iterator<Item = DiscreteState> {
+    let decides = descent.known_states().any(|discrete_state| discrete_state.turn_direction != 0);
+    descent.known_states().filter(move |discrete_state| {
+        discrete_state.sidestep == 0 && (discrete_state.turn_direction != 0 || !decides)
+    })
+}
+
 /// Largest estimated distance at which the local mode can be active after a tick \[m].
 ///
 /// `before` is the mode before the tick. `None`: the distance exceeds four capture radii, or no such distance
 /// exists.
 fn reach<L: SampledController>(descent: &Descent<'_, L>, capture: f64, before: bool) -> Option<f64> {
     let all = Interval::new(0.0, 4.0 * capture);
-    let possible =
-        |rho: Interval| descent.local_possible(&Region::anywhere(rho, Interval::point(0.0)), before);
+    let possible = |rho: Interval| {
+        let region = Region::anywhere(rho, Interval::point(0.0));
+        straight_states(descent)
+            .filter(|discrete_state| discrete_state.local_mode == before)
+            .any(|discrete_state| descent.local_possible_from(&region, discrete_state))
+    };
     if possible(Interval::new(all.hi(), 1e6)) {
         return None;
     }
@@ -94,10 +108,10 @@ fn trim_ticks_afar<L: SampledController>(descent: &Descent<'_, L>) -> Option<Int
     complete.then_some(trim_ticks)
 }
 
-/// Bounds the growth of the squared true distance per tick in local mode \[m²]. `None`: no bound.
+/// Bounds the growth of the squared true distance per tick in local mode \[m²], before the first sidestep. `None`: no bound.
 fn growth<L: SampledController>(descent: &Descent<'_, L>, reach: f64, boxes: &mut usize) -> Option<f64> {
     let seen = Interval::new(0.0, reach);
-    let discrete_states: Vec<DiscreteState> = descent.known_states().collect();
+    let discrete_states: Vec<DiscreteState> = straight_states(descent).collect();
     let all = Region::around(seen, &crate::noise::NoiseBounds::default());
     let ranked =
         |region: Region| PrioritizedBox { priority: growth_in(descent, &discrete_states, &region), region };
@@ -130,7 +144,9 @@ fn growth_in<L: SampledController>(
     let (ahead, aside) = region.true_place(descent.noise.heading);
     let time = Interval::new(0.0, descent.period);
     let mut growth = 0.0_f64;
-    for outcome in outcomes.iter().filter(|outcome| outcome.discrete_state.local_mode) {
+    let stays =
+        |outcome: &&BranchOutcome| outcome.discrete_state.local_mode && outcome.discrete_state.sidestep == 0;
+    for outcome in outcomes.iter().filter(stays) {
         let twist = descent.noise.driven(&drive, outcome.twist);
         for piece in 0..PIECES {
             // d(ρ²)/dt = −2·v·x, with the goal at x in the body frame.

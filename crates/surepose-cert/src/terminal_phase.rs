@@ -19,7 +19,7 @@ pub struct TerminalPhase {
     /// Heading bound of the local mode \[rad]. `None`: not shown.
     ///
     /// V = ½θ_e² + ½(ρ cos α/ℓ)² decreases at every tick that ends in local mode and has |θ_e| above this
-    /// bound.
+    /// bound, except on the out leg of a sidestep.
     pub heading_bound: Option<f64>,
     /// Length ℓ in V \[m].
     pub length: f64,
@@ -102,7 +102,7 @@ pub(crate) fn local_counterexample<L: SampledController>(
         let fall = local_lyapunov(&transition.before, side) - local_lyapunov(&transition.after, side);
         let counts = transition.before.heading_error().radians().abs() > HEADINGS[0];
         let violates = if transition.discrete_state.local_mode {
-            counts && fall <= 1e-12
+            counts && transition.discrete_state.claims_heading() && fall <= 1e-12
         } else {
             rho < ON_THE_GOAL().hi()
         };
@@ -183,7 +183,7 @@ fn shown_for<L: SampledController>(
     if !descent.outcomes(region, discrete_state, &mut outcomes) {
         return !descent.local_possible_from(region, discrete_state);
     }
-    outcomes.retain(|outcome| outcome.discrete_state.local_mode && !harmless.contains(outcome));
+    outcomes.retain(|outcome| outcome.discrete_state.claims_heading() && !harmless.contains(outcome));
     let shown = outcomes.iter().all(|outcome| {
         let truth = region.heading_error(outcome.discrete_state) + Interval::symmetric(descent.noise.heading);
         let parts = [Interval::new(bound, TAU), Interval::new(-TAU, -bound)];

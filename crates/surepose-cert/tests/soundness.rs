@@ -42,6 +42,7 @@ fn random_states_keep_the_certified_decrease() {
                 reverse: rng.flip(),
                 turn_direction: side,
                 drive_direction: 0,
+                sidestep: 0,
             };
             let mut disturbed_state =
                 DisturbedState::polar(rho, PI * rng.either(), PI * rng.either(), discrete_state);
@@ -72,8 +73,13 @@ fn runs_keep_the_time_bound_and_the_final_position_bound() {
         let mut rng = Rng(100 + k as u64);
         let (mut longest, mut farthest) = (0.0_f64, 0.0_f64);
         for _ in 0..12 {
-            let fresh =
-                DiscreteState { local_mode: false, reverse: false, turn_direction: 0, drive_direction: 0 };
+            let fresh = DiscreteState {
+                local_mode: false,
+                reverse: false,
+                turn_direction: 0,
+                drive_direction: 0,
+                sidestep: 0,
+            };
             let mut disturbed_state = DisturbedState::polar(4.9, PI * rng.either(), PI * rng.either(), fresh);
             let mut captured = None;
             let mut ticks = 0_u32;
@@ -94,6 +100,7 @@ fn runs_keep_the_time_bound_and_the_final_position_bound() {
                 let (alpha, phi) = (tick.after.alpha.radians(), tick.after.phi.radians());
                 disturbed_state = DisturbedState {
                     trim_ticks: tick.trim_ticks,
+                    lateral: tick.lateral,
                     ..DisturbedState::polar(tick.after.rho, alpha, phi, tick.discrete_state)
                 };
                 ticks += 1;

@@ -51,6 +51,7 @@ fn onward(tick: &Transition) -> DisturbedState {
     let (alpha, phi) = (tick.after.alpha.radians(), tick.after.phi.radians());
     DisturbedState {
         trim_ticks: tick.trim_ticks,
+        lateral: tick.lateral,
         ..DisturbedState::polar(tick.after.rho, alpha, phi, tick.discrete_state)
     }
 }
@@ -65,7 +66,13 @@ fn provoked<L: SampledController>(
 ) -> (u64, u64) {
     let mut rng = Rng(seed);
     let lyapunov = LyapunovFunction { distance: 4.0, knee: 1.2, approach: 0.3 };
-    let fresh = DiscreteState { local_mode: false, reverse: false, turn_direction: 0, drive_direction: 0 };
+    let fresh = DiscreteState {
+        local_mode: false,
+        reverse: false,
+        turn_direction: 0,
+        drive_direction: 0,
+        sidestep: 0,
+    };
     let (mut least, mut changes, mut taken) = (u64::MAX, 0, None);
     let mut disturbed_state = DisturbedState::polar(0.03, 0.0, 0.0, fresh);
     for tick in 0..ticks {
@@ -77,9 +84,11 @@ fn provoked<L: SampledController>(
         provoke(&mut disturbed_state, bounds, &mut rng);
         let transition = disturbed_state.simulate(controller, &DRIVE, period, &lyapunov, true);
         match (disturbed_state.discrete_state.local_mode, transition.discrete_state.local_mode) {
+            // The first decision may enter the local mode anywhere below the exit distance; it does not count as an entry.
+            (false, true) if disturbed_state.discrete_state.turn_direction == 0 => taken = None,
             (false, true) => (taken, changes) = (Some(tick), changes + 1),
             (true, false) => {
-                least = taken.map_or(0, |taken| least.min(tick - taken));
+                least = taken.map_or(least, |taken| least.min(tick - taken));
                 changes += 1;
             }
             _ => {}
@@ -146,6 +155,7 @@ fn heading_error_decreases_to_its_bound_in_local_mode_under_noise() {
                 reverse: rng.flip(),
                 turn_direction: side,
                 drive_direction: 0,
+                sidestep: 0,
             };
             let alpha = PI * rng.either();
             let error = (bound + (2.5 - bound) * rng.either().abs()) * rng.either().signum();
@@ -155,7 +165,7 @@ fn heading_error_decreases_to_its_bound_in_local_mode_under_noise() {
             let tick = disturbed_state.simulate(&controller, &DRIVE, period, &lyapunov, true);
             let seen_side =
                 tick.before.heading_error().radians() * f64::from(tick.discrete_state.turn_direction) < 0.0;
-            if tick.discrete_state.local_mode && seen_side {
+            if tick.discrete_state.claims_heading() && seen_side {
                 looked += 1;
                 let fall = (value(&tick.before) - value(&tick.after)) / period;
                 least = least.min(fall);
@@ -169,7 +179,7 @@ fn heading_error_decreases_to_its_bound_in_local_mode_under_noise() {
 /// Laws for which one of the claims is false.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
-    /// Hysteresis as narrow as before its widening.
+    /// Exit from the local mode at 0.58 capture radii.
     NarrowHysteresis,
     /// Entry to and exit from the local mode at the same distance.
     NoHysteresis,
@@ -190,14 +200,23 @@ impl SampledController for Mutant {
     fn compute<S: Scalar>(&self, seen: &NavigationVariables<S>, before: HybridState<S>) -> ControlOutput<S> {
         let mut before = before;
         match self.fault {
-            Fault::NarrowHysteresis => before.trim_ticks = before.trim_ticks + S::from_f64(1e3),
             Fault::NoHysteresis => before.local_mode = S::Mask::splat(false),
-            Fault::WaitsForArrival | Fault::BacksAwayAtRest | Fault::TakesOverFarOut => {}
+            Fault::NarrowHysteresis
+            | Fault::WaitsForArrival
+            | Fault::BacksAwayAtRest
+            | Fault::TakesOverFarOut => {}
         }
         let mut output = self.law.compute(seen, before);
         let ahead = seen.rho * seen.alpha.sin_cos().1;
         let zero = S::from_f64(0.0);
         match self.fault {
+            Fault::NarrowHysteresis => {
+                let state = output.state;
+                let local_mode = state.local_mode.and(seen.rho.lt(S::from_f64(0.58 * 0.033)));
+                let trim_ticks = S::select(local_mode, state.trim_ticks, zero);
+                let sidestep = S::select(local_mode, state.sidestep, zero);
+                output.state = HybridState { local_mode, trim_ticks, sidestep, ..state };
+            }
             Fault::WaitsForArrival => {
                 let waits = output.state.local_mode.and(ahead.abs().gt(S::from_f64(0.35 * 0.033)));
                 let still = Twist::new(output.twist.v, zero);
@@ -215,7 +234,7 @@ impl SampledController for Mutant {
                 let still = Twist::new(output.twist.v, zero);
                 output.twist = Twist::select(takes_over, still, output.twist);
             }
-            _ => {}
+            Fault::NoHysteresis => {}
         }
         output
     }

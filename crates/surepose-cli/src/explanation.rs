@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{Kind, Parameter};
+use surepose::safety::MAX_VERTICES;
 use surepose_config::{ParameterSet, Setting, Value};
 
 /// Returns `section.key`.
@@ -14,6 +15,7 @@ pub(crate) fn json_of(value: &Value) -> Json {
     match value {
         Value::Number(number) => json!(number),
         Value::Choice(choice) => json!(choice),
+        Value::Polygon(points) => json!(points),
     }
 }
 
@@ -71,6 +73,7 @@ fn default(parameter: &Parameter) -> Json {
         Kind::Number { default, .. } => json!(default),
         Kind::Integer { default, .. } => json!(default),
         Kind::Choice { options } => json!(options.first()),
+        Kind::Polygon { .. } => json!([]),
     }
 }
 
@@ -78,6 +81,9 @@ fn bounds(parameter: &Parameter) -> (String, &'static str) {
     match parameter.kind {
         Kind::Number { range, .. } | Kind::Integer { range, .. } => {
             (format!("{range} {}", parameter.unit.symbol()).trim_end().to_owned(), range.reason)
+        }
+        Kind::Polygon { range } => {
+            (format!("3 to {MAX_VERTICES} points, coordinates in {range} m"), range.reason)
         }
         Kind::Choice { options } => (options.join(", "), "these are the available options"),
     }

@@ -149,6 +149,7 @@ pub(crate) fn toml_of_those(config: &Config, chosen: impl Fn(&Setting) -> bool) 
         let value = match &setting.value {
             Value::Number(number) => number.to_string(),
             Value::Choice(choice) => format!("\"{choice}\""),
+            polygon @ Value::Polygon(_) => polygon.to_string(),
         };
         // Fitted values are printed as comments, so that they stay fitted.
         let (mark, said) = match setting.origin.follows() {

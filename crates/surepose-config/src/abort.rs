@@ -10,7 +10,10 @@ pub fn describe_abort(reason: AbortReason) -> String {
             format!(": the base does not execute the commanded {}", describe_channel(channel))
         }
         AbortReason::Motion(MotionFault::Blocked(channel)) => {
-            format!(": {} is held, although this command moves it", describe_channel(channel))
+            format!(
+                ": the base does not execute the commanded {}, although it is large enough; something holds the base",
+                describe_channel(channel)
+            )
         }
         AbortReason::NoProgress => ": the robot drives but does not get closer to the goal".to_owned(),
         _ => String::new(),

@@ -9,10 +9,13 @@ use surepose::control::{
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Gyroscope};
 use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
 use surepose::kinematics::{DiffDrive, WheelPair};
+use surepose::lidar::ScanTiming;
 use surepose::param::{self, BrakingMode, LawName, Parameter};
+use surepose::safety::Footprint;
 use surepose::time::Stamp;
 
-use super::{Config, ValueSource};
+use super::setting::polygon_from;
+use super::{Config, Value, ValueSource};
 
 /// ε_P of the paper's law \[m]. Its local law acts for ρ < ε_P and does not correct the lateral error, so
 /// ε_P must not exceed the tolerance. [Tran2012] does not print it.
@@ -38,15 +41,20 @@ pub struct LaserParameters {
     pub bearing_std: f64,
     /// Pose of the laser on the body.
     pub body_from_laser: Pose<Body, Laser, f64>,
-    /// Latency of a scan \[s].
+    /// Delay between the time of a scan and its stamp \[s].
     pub latency: f64,
-    /// Number of beams.
+    /// How the driver states the times of the beams.
+    pub timing: ScanTiming,
+    /// Number of beams of the simulated laser.
     pub beams: usize,
+    /// Field of view of the simulated laser \[rad].
+    pub field_of_view: f64,
 }
 
 /// Preset names of [`Config::fitted`] for gains that are not set.
 const FITTED: &str = "fitted";
 const PAPER: &str = "paper";
+const DERIVED: &str = "derived";
 
 impl ValueSource {
     /// Source of a derived value that is not set; `None` for a value that is set or has a default.
@@ -54,6 +62,7 @@ impl ValueSource {
         match self {
             Self::Preset(FITTED) => Some("fitted to the period and the wheels"),
             Self::Preset(PAPER) => Some("value of the paper"),
+            Self::Preset(DERIVED) => Some("derived from the wheels"),
             _ => None,
         }
     }
@@ -70,7 +79,8 @@ impl Config {
         }
     }
 
-    /// Fits gains that are not set to law, period and wheels, and the capture radius to the law.
+    /// Fits gains that are not set to law, period and wheels, the capture radius to the law, and other derived values to the
+    /// wheels.
     #[must_use]
     pub fn fitted(&self) -> Self {
         let name = match self.choice() {
@@ -78,12 +88,27 @@ impl Config {
             LawName::Surepose => FITTED,
         };
         let is_free = |(parameter, _): &(&Parameter, f64)| self.origin(parameter) == ValueSource::Default;
-        let free: Vec<_> = self.derived_values().into_iter().filter(is_free).collect();
-        self.clone().with_preset(name, &free)
+        let free = |values: Vec<_>| values.into_iter().filter(is_free).collect::<Vec<_>>();
+        let fitted = self.clone().with_preset(name, &free(self.fitted_values()));
+        fitted.with_preset(DERIVED, &free(self.wheel_values()))
     }
 
-    /// Returns the values of parameters that follow from the law, the period and the wheels.
+    /// Returns the values of the parameters without a default of their own, as if none of them were set.
     pub(super) fn derived_values(&self) -> Vec<(&'static Parameter, f64)> {
+        [self.fitted_values(), self.wheel_values()].concat()
+    }
+
+    /// Returns the values that follow from the wheels.
+    fn wheel_values(&self) -> Vec<(&'static Parameter, f64)> {
+        let radius = Footprint::from_drive(&self.drive()).circumscribed_radius();
+        vec![
+            (&param::WHEEL_DECELERATION_LIMIT, self.number(&param::WHEEL_ACCELERATION_LIMIT)),
+            (&param::FOOTPRINT_RADIUS, radius),
+        ]
+    }
+
+    /// Returns the values that follow from the law, the period and the wheels.
+    fn fitted_values(&self) -> Vec<(&'static Parameter, f64)> {
         let (gains, radius) = match self.choice() {
             LawName::Paper => (Gains::tran2012(), Some(PAPER_CAPTURE_RADIUS)),
             LawName::Surepose => (Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
@@ -152,6 +177,19 @@ impl Config {
             _ => self.number(&param::WHEEL_DECELERATION_LIMIT),
         };
         Limits { wheel_speed: self.number(&param::WHEEL_SPEED_LIMIT), wheel_acceleration, wheel_deceleration }
+    }
+
+    /// Returns the outline of the robot.
+    pub fn footprint(&self) -> Footprint<f64> {
+        if let Value::Polygon(points) = self.value(&param::FOOTPRINT)
+            && let Ok(polygon) = polygon_from(&points)
+        {
+            return Footprint::Polygon(polygon);
+        }
+        match self.origin(&param::FOOTPRINT_RADIUS) {
+            ValueSource::Default => Footprint::from_drive(&self.drive()),
+            _ => Footprint::Circle(self.number(&param::FOOTPRINT_RADIUS)),
+        }
     }
 
     /// What the base makes of a command.
@@ -226,8 +264,16 @@ impl Config {
             bearing_std: self.number(&param::LASER_BEARING_STD),
             body_from_laser: Pose::new(self.number(&param::LASER_X), self.number(&param::LASER_Y), heading),
             latency: self.number(&param::LASER_LATENCY),
+            timing: self.scan_timing(),
+            field_of_view: self.number(&param::LASER_FIELD_OF_VIEW),
             beams: self.number(&param::LASER_BEAMS) as usize,
         }
+    }
+
+    /// How the laser's driver states the times of the beams.
+    fn scan_timing(&self) -> ScanTiming {
+        let is_set = self.origin(&param::LASER_SWEEP) != ValueSource::Default;
+        ScanTiming { sweep: is_set.then(|| self.number(&param::LASER_SWEEP)), stamped: self.choice() }
     }
 
     /// Start pose.

@@ -2,14 +2,15 @@
 
 use surepose::control::Direction;
 use surepose::kinematics::Integration;
-use surepose::param::{self, ArenaName, BrakingMode, Choice, LawName, Parameter};
+use surepose::lidar::StampedBeam;
+use surepose::param::{self, ArenaName, BrakingMode, Choice, LawName, MountingSource, Parameter};
+
+use super::Config;
 
 /// The options of one parameter.
 pub trait ConfigChoice: Choice {
     /// The parameter, whose options have the names of this enum.
     const PARAMETER: &'static Parameter;
-    /// The option unless the configuration sets another.
-    const DEFAULT: Self = Self::ALL[0];
 }
 
 macro_rules! config_choices {
@@ -20,9 +21,13 @@ macro_rules! config_choices {
             }
         )+
 
-        /// The parameters above, with the names of their enums.
+        /// The parameters above and the mountings, with the names of their enums.
         #[cfg(test)]
-        const PAIRS: &[(&Parameter, &[&str])] = &[$((&param::$parameter, <$type>::NAMES)),+];
+        const PAIRS: &[(&Parameter, &[&str])] = &[
+            (&param::LASER_MOUNTING, MountingSource::NAMES),
+            (&param::COMPASS_MOUNTING, MountingSource::NAMES),
+            $((&param::$parameter, <$type>::NAMES)),+
+        ];
     };
 }
 
@@ -31,7 +36,25 @@ config_choices! {
     BrakingMode = BRAKING,
     Direction = DIRECTION,
     Integration = INTEGRATION,
+    StampedBeam = LASER_STAMP,
     ArenaName = ARENA,
+}
+
+impl Config {
+    /// Returns the option in effect.
+    pub fn choice<C: ConfigChoice>(&self) -> C {
+        self.value(C::PARAMETER).option()
+    }
+
+    /// Returns the source of the pose of the laser.
+    pub fn laser_mounting(&self) -> MountingSource {
+        self.value(&param::LASER_MOUNTING).option()
+    }
+
+    /// Returns the source of the rotation of the compass.
+    pub fn compass_mounting(&self) -> MountingSource {
+        self.value(&param::COMPASS_MOUNTING).option()
+    }
 }
 
 #[cfg(test)]

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use surepose::param::{Kind, Parameter, Range};
+use surepose::safety::MAX_VERTICES;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::key::{self, ParameterSet, UnknownKey};
 use super::problem::{ConfigError, Problems, line_of};
-use super::setting::{Setting, Value, ValueSource, plain};
+use super::setting::{Setting, Value, ValueSource, plain, polygon_from};
 
 /// Maximum length of a file \[bytes], a hundred times that of a commented configuration with every parameter.
 pub(super) const MAX_BYTES: usize = 1 << 20;
@@ -134,6 +135,7 @@ impl Reader<'_> {
             Kind::Number { range, .. } => checked_number(parameter, found.get_ref(), &range),
             Kind::Integer { range, .. } => checked_whole(parameter, found.get_ref(), &range),
             Kind::Choice { options } => checked_choice(parameter, found.get_ref(), options),
+            Kind::Polygon { range } => checked_polygon(parameter, found.get_ref(), &range),
         };
         match checked {
             Ok(value) => {
@@ -204,6 +206,40 @@ fn checked_choice(
         };
         Refused { what: format!("`{key}`: unknown option \"{}\"", name.escape_debug()), help }
     })
+}
+
+fn checked_polygon(parameter: &Parameter, value: &DeValue<'_>, range: &Range) -> Result<Value, Refused> {
+    let key = parameter.key;
+    let refused = |what: &str| Refused {
+        what: format!("`{key}`: {what}"),
+        help: format!(
+            "write 3 to {MAX_VERTICES} points [x, y] around the middle of the axle, each coordinate in {range} m, for example \
+             [[0.4, 0.2], [-0.1, 0.2], [-0.1, -0.2], [0.4, -0.2]]"
+        ),
+    };
+    let Some(list) = value.as_array() else {
+        return Err(refused(&format!("expected a list of points, got {}", described(value))));
+    };
+    let mut points = Vec::new();
+    for point in list {
+        let coordinates = point.get_ref().as_array().map(|pair| pair.iter().map(|c| number(c.get_ref())));
+        let coordinates = coordinates.map(Iterator::collect::<Vec<_>>);
+        match coordinates.as_deref() {
+            Some(&[Some(x), Some(y)]) if range.contains(x) && range.contains(y) => points.push([x, y]),
+            Some(&[Some(x), Some(y)]) => {
+                return Err(refused(&format!("coordinate out of range (got [{}, {}])", plain(x), plain(y))));
+            }
+            _ => return Err(refused("expected points of two numbers")),
+        }
+    }
+    if points.is_empty() || polygon_from(&points).is_ok() {
+        return Ok(Value::Polygon(points));
+    }
+    Err(refused(if (3..=MAX_VERTICES).contains(&points.len()) {
+        "the polygon does not contain the middle of the axle, [0, 0]"
+    } else {
+        "wrong number of points"
+    }))
 }
 
 /// Returns the number, infinite beyond the range of `f64`; `None` if the value is not a number.

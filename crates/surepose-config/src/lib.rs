@@ -5,6 +5,7 @@
 //! without errors. [`build`](self) does so, in one place for all commands.
 
 mod abort;
+mod actuator_warnings;
 mod build;
 mod choice;
 mod file;
@@ -125,21 +126,9 @@ impl Config {
         self
     }
 
-    /// Returns the value of a number, in SI units and radians; 0 for a choice.
+    /// Returns the value of a number, in SI units and radians; 0 for other kinds.
     pub fn number(&self, parameter: &Parameter) -> f64 {
-        match self.value(parameter) {
-            Value::Number(number) => number * parameter.unit.to_si(),
-            Value::Choice(_) => 0.0,
-        }
-    }
-
-    /// Returns the option in effect.
-    pub fn choice<C: ConfigChoice>(&self) -> C {
-        let found = match self.value(C::PARAMETER) {
-            Value::Choice(name) => C::from_name(name),
-            Value::Number(_) => None,
-        };
-        found.unwrap_or(C::DEFAULT)
+        self.value(parameter).number_of(parameter)
     }
 
     /// Returns the origin of a value.
@@ -164,7 +153,7 @@ impl Config {
         let fits = match parameter.kind {
             Kind::Number { range, .. } => range.contains(value),
             Kind::Integer { range, .. } => range.contains(value) && value.fract() == 0.0,
-            Kind::Choice { .. } => false,
+            Kind::Choice { .. } | Kind::Polygon { .. } => false,
         };
         if fits && let Some(slot) = self.settings.iter_mut().find(|slot| slot.parameter == parameter) {
             slot.value = Value::Number(value);

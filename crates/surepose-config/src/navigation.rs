@@ -5,7 +5,7 @@ use surepose::lidar::{BeamModelMatcher, LineAssociator, RangeFinder, ScanModel, 
 use surepose::localization::{AcceptanceCriteria, LocalSearch, Localizer, MonitorConfig};
 use surepose::navigator::{Navigator, NavigatorConfig};
 use surepose::param;
-use surepose::safety::{CollisionConfig, Footprint, ObstacleConfig, SupervisorConfig};
+use surepose::safety::{CollisionConfig, ObstacleConfig, SupervisorConfig};
 use surepose::time::Stamp;
 
 use super::Config;
@@ -42,7 +42,7 @@ pub struct NavigatorSetup {
     /// Whether any sensor but odometry measures the pose.
     pub is_aided: bool,
     /// Distance from the robot's center that stays free of obstacles \[m]. 0 disables the obstacle check; `None` takes
-    /// half the wheel separation and 10 cm.
+    /// [`Config::default_safety_radius`].
     pub safety_radius: Option<f64>,
     /// Whether a reached pose is held until the next goal.
     pub hold_goal: bool,
@@ -92,8 +92,8 @@ const MAX_RANGE: f64 = 80.0;
 /// Smallest time between two successes of the local search \[s]; a shorter one means a lost robot.
 const LOCAL_SEARCH_INTERVAL: f64 = 0.8;
 
-/// Distance beyond half the wheel separation that stays free of obstacles \[m].
-const OBSTACLE_CLEARANCE: f64 = 0.1;
+/// Distance between footprint and obstacles that stays free \[m].
+const OBSTACLE_CLEARANCE: f64 = 0.08;
 
 impl Config {
     /// Builds the navigator with `belief` at `stamp`.
@@ -123,9 +123,23 @@ impl Config {
         })
     }
 
-    /// Default distance from the robot's center that stays free of obstacles \[m].
+    /// Default distance from the robot's center that stays free of obstacles \[m]: the circumscribed radius of the footprint
+    /// and 8 cm.
     pub fn default_safety_radius(&self) -> f64 {
-        0.5 * self.drive().wheel_separation + OBSTACLE_CLEARANCE
+        self.footprint().circumscribed_radius() + OBSTACLE_CLEARANCE
+    }
+
+    /// Returns the constants of the collision check. `safety_radius` is that of [`NavigatorSetup`].
+    pub fn collision(&self, safety_radius: Option<f64>) -> CollisionConfig<f64> {
+        let footprint = self.footprint();
+        let safety_radius = safety_radius.unwrap_or_else(|| self.default_safety_radius());
+        CollisionConfig {
+            footprint,
+            wall_clearance: self.number(&param::WALL_CLEARANCE),
+            obstacle_clearance: (safety_radius - footprint.circumscribed_radius()).max(0.0),
+            travel_factor: self.number(&param::TRAVEL_FACTOR),
+            response_time: self.number(&param::RESPONSE_TIME),
+        }
     }
 
     fn scan_processor(&self, scan_method: ScanMethod) -> ScanProcessor<f64, MAX_BEAMS> {
@@ -141,22 +155,17 @@ impl Config {
     }
 
     fn navigator_config(&self, setup: &NavigatorSetup) -> NavigatorConfig<f64> {
-        let footprint_radius = self.number(&param::FOOTPRINT_RADIUS);
         let safety_radius = setup.safety_radius.unwrap_or_else(|| self.default_safety_radius());
         let search_turn_rate = self.number(&param::SEARCH_TURN_RATE);
         NavigatorConfig {
             controller: self.controller(),
             actuator: self.actuator(),
-            collision: CollisionConfig {
-                footprint: Footprint::Circle(footprint_radius),
-                wall_clearance: self.number(&param::WALL_CLEARANCE),
-                obstacle_clearance: (safety_radius - footprint_radius).max(0.0),
-                travel_factor: self.number(&param::TRAVEL_FACTOR),
-                response_time: self.number(&param::RESPONSE_TIME),
-            },
+            collision: self.collision(Some(safety_radius)),
             obstacles: ObstacleConfig {
                 enabled: setup.has_laser && safety_radius > 0.0,
                 scan_timeout: self.number(&param::SCAN_TIMEOUT),
+                blind_timeout: self.number(&param::LASER_BLIND_TIMEOUT),
+                min_valid_beams: self.number(&param::MIN_VALID_BEAMS),
                 ..ObstacleConfig::default()
             },
             search_turn_rate: if setup.has_laser { search_turn_rate } else { 0.0 },

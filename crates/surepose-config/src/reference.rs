@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use surepose::param::{ALL, Kind, Parameter, SECTIONS};
+use surepose::safety::MAX_VERTICES;
 
 /// The start of the page.
 const HEADER: &str = "\
@@ -49,6 +50,7 @@ fn default(parameter: &Parameter) -> String {
         Kind::Number { default: None, .. } => "derived".to_owned(),
         Kind::Integer { default, .. } => number(default.into()),
         Kind::Choice { options } => format!("`{}`", options.first().unwrap_or(&"")),
+        Kind::Polygon { .. } => "`[]`".to_owned(),
     }
 }
 
@@ -56,6 +58,7 @@ fn allowed(parameter: &Parameter) -> String {
     match parameter.kind {
         Kind::Number { range, .. } => range.to_string(),
         Kind::Integer { range, .. } => format!("integers in {range}"),
+        Kind::Polygon { range } => format!("3 to {MAX_VERTICES} points in {range}"),
         Kind::Choice { options } => {
             options.iter().map(|option| format!("`{option}`")).collect::<Vec<_>>().join(", ")
         }

@@ -2,10 +2,12 @@
 
 use serde_json::{Map, Value as Json, json};
 use surepose::param::{ALL, Kind, Parameter, Range, SECTIONS};
+use surepose::safety::MAX_VERTICES;
 
 /// Returns the JSON Schema (draft 2020-12) of the configuration file, for editors and other programs.
 ///
-/// The schema accepts what the parser of the file accepts, seen as JSON: a table is an object, an array an array.
+/// The schema accepts what the parser of the file accepts, seen as JSON: a table is an object. One condition it cannot express: a
+/// polygon must contain the origin.
 ///
 /// | keyword | content |
 /// |---|---|
@@ -58,6 +60,16 @@ fn property(parameter: &Parameter) -> Json {
             put("type", json!("string"));
             put("default", json!(options.first()));
             put("enum", json!(options));
+        }
+        Kind::Polygon { range } => {
+            let mut coordinate = Map::from_iter([("type".to_owned(), json!("number"))]);
+            put_range(&mut coordinate, &range);
+            let point = json!({ "type": "array", "items": coordinate, "minItems": 2, "maxItems": 2 });
+            put("type", json!("array"));
+            put("default", json!([]));
+            put("items", point);
+            put("maxItems", json!(MAX_VERTICES));
+            put("anyOf", json!([{ "minItems": 3 }, { "maxItems": 0 }]));
         }
     }
     let unit = parameter.unit.symbol();

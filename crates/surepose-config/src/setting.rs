@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use surepose::param::{Kind, Parameter};
+use surepose::geometry::Point;
+use surepose::param::{Choice, Kind, Parameter};
+use surepose::safety::{InvalidFootprint, Polygon};
 
 /// One parameter's value.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +25,8 @@ pub enum Value {
     Number(f64),
     /// One of the parameter's options.
     Choice(&'static str),
+    /// The points (x, y) of a polygon; empty for none.
+    Polygon(Vec<[f64; 2]>),
 }
 
 /// Where a value came from.
@@ -44,12 +48,30 @@ pub enum ValueSource {
 }
 
 impl Value {
+    /// Returns the number of a parameter in SI units and radians; 0 for other kinds.
+    pub fn number_of(&self, parameter: &Parameter) -> f64 {
+        match self {
+            Self::Number(number) => number * parameter.unit.to_si(),
+            Self::Choice(_) | Self::Polygon(_) => 0.0,
+        }
+    }
+
+    /// Returns the option of a parameter whose enum is `C`; the default option for another value.
+    pub fn option<C: Choice>(&self) -> C {
+        let found = match self {
+            Self::Choice(name) => C::from_name(name),
+            Self::Number(_) | Self::Polygon(_) => None,
+        };
+        found.unwrap_or(C::ALL[0])
+    }
+
     /// Returns the default of a parameter; 0 for a derived one.
     pub fn default_of(parameter: &Parameter) -> Self {
         match parameter.kind {
             Kind::Number { default, .. } => Self::Number(default.unwrap_or(0.0)),
             Kind::Integer { default, .. } => Self::Number(default.into()),
             Kind::Choice { options } => Self::Choice(options.first().copied().unwrap_or("")),
+            Kind::Polygon { .. } => Self::Polygon(Vec::new()),
         }
     }
 }
@@ -59,6 +81,10 @@ impl fmt::Display for Value {
         match self {
             Self::Number(number) => write!(f, "{number}"),
             Self::Choice(name) => f.write_str(name),
+            Self::Polygon(points) => {
+                let points: Vec<_> = points.iter().map(|[x, y]| format!("[{x}, {y}]")).collect();
+                write!(f, "[{}]", points.join(", "))
+            }
         }
     }
 }
@@ -72,6 +98,11 @@ impl fmt::Display for ValueSource {
             Self::CommandLine => f.write_str("command line"),
         }
     }
+}
+
+/// Converts the points of a polygon \[m].
+pub(super) fn polygon_from(points: &[[f64; 2]]) -> Result<Polygon<f64>, InvalidFootprint> {
+    Polygon::new(&points.iter().map(|[x, y]| Point::new(*x, *y)).collect::<Vec<_>>())
 }
 
 /// `number` with nine significant digits: 0.05 rather than 0.050000000000000003.

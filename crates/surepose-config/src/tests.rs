@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use surepose::param::{self, Kind};
+use surepose::safety::Footprint;
 
 use super::{Config, ConfigError, Value, ValueSource};
 
@@ -89,6 +90,38 @@ fn set_gains_disable_even_braking() {
         &["robot.wheel_acceleration_limit_m_s2=1000"],
     ] {
         assert!(!brakes(options), "{options:?}");
+    }
+}
+
+/// The outline is the polygon, else the circle of the configured radius, else a circle around the wheels.
+#[test]
+fn footprint_is_polygon_radius_or_wheels() {
+    let footprint = |text: &str| read(text).expect("right").footprint();
+    for (text, radius) in
+        [("track_m = 0.36", 0.2), ("footprint_m = []", 0.32), ("footprint_radius_m = 0", 0.0)]
+    {
+        let Footprint::Circle(found) = footprint(&format!("[robot]\n{text}\n")) else { panic!("{text}") };
+        assert!((found - radius).abs() < 1e-12, "{text}: {found}");
+    }
+    let square = "footprint_m = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]";
+    for text in [format!("[robot]\n{square}\n"), format!("[robot]\nfootprint_radius_m = 1\n{square}\n")] {
+        let Footprint::Polygon(polygon) = footprint(&text) else { panic!("{text}") };
+        assert_eq!(polygon.vertices().len(), 4);
+    }
+    let shell = Config::default().with_option("robot.footprint_m=[[1,1],[-1,1],[0,-1]]").expect("right");
+    assert!(matches!(shell.footprint(), Footprint::Polygon(_)));
+    for (value, what) in [
+        ("[[1, 1], [2, 1], [1, 2]]", "does not contain the middle of the axle"),
+        ("[[1, 1], [-1, 1]]", "wrong number of points"),
+        ("[[1, 1], [-1, 1], [0, -6]]", "coordinate out of range (got [0, -6])"),
+        ("[[1, 1], [-1, 1], [0]]", "expected points of two numbers"),
+        ("1", "expected a list of points, got a number"),
+    ] {
+        let found = complaints(&format!("[robot]\nfootprint_m = {value}\n"));
+        assert!(
+            found.len() == 1 && found[0].contains(what) && found[0].contains("3 to 8 points"),
+            "{found:?}"
+        );
     }
 }
 

@@ -39,6 +39,7 @@ impl Config {
                 ));
             }
         }
+        warnings.extend(self.actuator_warnings());
         warnings
     }
 }

@@ -1,8 +1,13 @@
 //! Memory for a map: the walls and the cells of their distance field.
 
+mod goal_check;
+mod regions;
+
 use surepose::map::{DistanceField, GridSpec, MapView, Wall};
 
 use crate::wall_map::{WallMap, walls_from_map};
+
+pub use goal_check::GoalProblem;
 
 /// Side of a cell \[m].
 const CELL_SIZE: f64 = 0.1;

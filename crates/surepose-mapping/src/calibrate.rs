@@ -113,6 +113,7 @@ pub fn calibrate(
         options.nominal,
         (fit.noise.delta, log_delta_std),
         options.start_heading.is_some(),
+        options.finds_stamp.then(|| options.sweep.abs()),
         fit.noise.wall,
         (scans.len(), line_observations.len()),
     ))

@@ -8,6 +8,7 @@ use surepose::geometry::{Angle, Frame, Pose};
 use surepose::kinematics::Twist;
 use surepose::linalg::Covariance;
 use surepose::time::Stamp;
+use surepose_io::owned_map::GoalProblem;
 
 use crate::message::{self, Header, Point, Quaternion, Vector3};
 
@@ -48,14 +49,9 @@ pub enum MessageError {
         /// Angle between its plane and the horizontal \[°].
         degrees: f64,
     },
-    /// A goal too close to a wall.
-    #[error("{}", no_room(*.clearance, *.needed))]
-    InsufficientClearance {
-        /// Distance to the nearest wall \[m]; negative outside the walls.
-        clearance: f64,
-        /// Required distance \[m].
-        needed: f64,
-    },
+    /// A goal that the walls of the map rule out.
+    #[error("wall: the goal {0}")]
+    Goal(GoalProblem),
 }
 
 impl MessageError {
@@ -70,16 +66,9 @@ impl MessageError {
             Self::OutOfOrder => "out_of_order",
             Self::NotMeasured => "not_measured",
             Self::Leaning { .. } => "leaning",
-            Self::InsufficientClearance { .. } => "no_room",
+            Self::Goal(_) => "wall",
         }
     }
-}
-
-fn no_room(clearance: f64, needed: f64) -> String {
-    if clearance < 0.0 {
-        return format!("goal: outside the map (got {:.2} m beyond the nearest wall)", clearance.abs());
-    }
-    format!("goal: too close to a wall (got {clearance:.2} m, expected at least {needed:.2} m)")
 }
 
 /// Largest coordinate \[m].

@@ -3,13 +3,15 @@
 //! [`NodeDriver`] feeds the core's [`Navigator`](surepose::navigator::Navigator) from messages. Its time is that of the
 //! odometry stamps; it steps once per control period. The result does not depend on the speed at which a bag is played.
 
+mod anchor;
 mod measurement_queue;
 mod odometry_accumulator;
 mod settings;
 
+use anchor::Anchor;
 use measurement_queue::MeasurementQueue;
 use surepose::control::{Controller, NavigationVariables};
-use surepose::estimation::{Belief, MeasurementStats};
+use surepose::estimation::{Belief, Measurement, MeasurementStats};
 use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::Twist;
 use surepose::localization::{Odometry, SensorInput};
@@ -19,7 +21,7 @@ use surepose::param;
 use surepose::safety::{BlockReason, FaultReason, Health, SafetyAction};
 use surepose::time::{Stamp, Stamped};
 use surepose_config::RobotNavigator;
-use surepose_io::owned_map::OwnedMap;
+use surepose_io::owned_map::{GoalProblem, OwnedMap};
 
 use crate::convert::MessageError;
 
@@ -61,6 +63,10 @@ pub struct NodeDriver {
     queue: MeasurementQueue,
     /// `None` before the first odometry.
     odometry: Option<OdometryAccumulator>,
+    /// The last given pose, moved along by odometry; `None` if no pose was given.
+    anchor: Option<Anchor>,
+    /// Whether the goal was set while the pose of the robot was unknown.
+    is_goal_unchecked: bool,
 }
 
 impl NodeDriver {
@@ -71,7 +77,15 @@ impl NodeDriver {
         let origin = Belief::new(Pose::identity(), [0.0; 3]);
         let belief = settings.start.unwrap_or(origin);
         let navigator = settings.config.navigator(&settings.navigator_setup(), Stamp::default(), belief);
-        Self { navigator, map, queue: MeasurementQueue::default(), odometry: None, settings }
+        Self {
+            navigator,
+            map,
+            queue: MeasurementQueue::default(),
+            odometry: None,
+            anchor: None,
+            is_goal_unchecked: false,
+            settings,
+        }
     }
 
     /// Adds an odometry pose, and steps at the end of a control period.
@@ -87,7 +101,9 @@ impl NodeDriver {
         let travel = match &mut self.odometry {
             None => {
                 self.odometry = Some(OdometryAccumulator::new(at));
-                self.navigator.start(at.stamp, self.initial_belief());
+                let belief = self.initial_belief();
+                self.navigator.start(at.stamp, belief);
+                self.anchor = belief.map(|belief| Anchor::new(belief, at.value));
                 return Ok(None);
             }
             Some(odometry) if odometry.is_set_back(at.stamp) => {
@@ -98,20 +114,35 @@ impl NodeDriver {
             }
             Some(odometry) => odometry.add(&controller, at)?,
         };
+        if let Some(anchor) = &mut self.anchor {
+            anchor.move_to(at.value);
+        }
         Ok(travel.map(|travel| self.step(at, Odometry::WheelTravel(travel))))
     }
 
-    /// Queues a measurement. Without a map, scans are dropped.
+    /// Queues a measurement, at the time that the configured latencies and the timing of the laser give. Without a map, scans
+    /// are dropped.
     pub fn add_measurement(&mut self, message: Stamped<SensorMessage>) {
-        if self.has_map() || message.value.scan().is_none() {
-            self.queue.put(message);
-        }
+        let Stamped { stamp, mut value } = message;
+        let stamp = match &mut value {
+            SensorMessage::Scan(_) if !self.has_map() => return,
+            SensorMessage::Scan(scan) => {
+                let laser = self.settings.config.laser();
+                scan.resolve(stamp.after(-laser.latency), &laser.timing)
+            }
+            SensorMessage::Measurement(Measurement::Heading(_)) => {
+                stamp.after(-self.settings.config.compass().latency)
+            }
+            SensorMessage::Measurement(_) | SensorMessage::YawRate(_) => stamp,
+        };
+        self.queue.put(Stamped::new(stamp, value));
     }
 
     /// Sets the pose at a stamp within the filter's history, or else the current pose.
     pub fn set_pose(&mut self, belief: Stamped<Belief<f64>>) {
         self.settings.start = Some(belief.value);
-        if self.odometry.is_some() {
+        if let Some(odometry) = &self.odometry {
+            self.anchor = Some(Anchor::new(belief.value, odometry.pose()));
             self.navigator.set_belief(belief);
             self.queue = MeasurementQueue::default();
         }
@@ -121,22 +152,39 @@ impl NodeDriver {
     pub fn start_global_localization(&mut self) {
         if self.has_map() {
             self.settings.start = None;
+            self.anchor = None;
             if self.odometry.is_some() {
                 self.navigator.mark_lost();
             }
         }
     }
 
+    /// Restarts the estimate after a change of the mounting of a sensor: estimates with the previous mounting are invalid.
+    ///
+    /// The estimate restarts from the last given pose, moved along by odometry, or else from global localization.
+    pub fn on_mounting_changed(&mut self) {
+        self.queue = MeasurementQueue::default();
+        if let Some(odometry) = &self.odometry {
+            self.navigator.start(odometry.stamp(), self.anchor.as_ref().map(Anchor::belief));
+        }
+    }
+
     /// Sets a new goal, and returns the result of the previous one.
     ///
     /// # Errors
-    /// [`MessageError::InsufficientClearance`] if a wall of the map is too close; the previous goal stays active.
+    /// [`MessageError::Goal`] if the walls of the map rule the goal out; the previous goal stays active. If the robot is lost,
+    /// whether walls separate it from the goal is checked once it is localized.
     pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<Option<GoalResult>, MessageError> {
-        let accepted = self.navigator.set_goal(&self.map.view(), goal);
-        accepted.map_err(|no_room| MessageError::InsufficientClearance {
-            clearance: no_room.clearance,
-            needed: no_room.required,
-        })
+        let is_lost = self.navigator.localizer().health() == Health::Lost || self.odometry.is_none();
+        self.check_goal(goal, !is_lost).map_err(MessageError::Goal)?;
+        self.is_goal_unchecked = is_lost;
+        // The navigator repeats the check of the clearance, which has passed.
+        Ok(self.navigator.set_goal(&self.map.view(), goal).unwrap_or(None))
+    }
+
+    fn check_goal(&self, goal: Pose<Map, Goal, f64>, is_localized: bool) -> Result<(), GoalProblem> {
+        let here = is_localized.then(|| self.belief().pose.origin());
+        self.map.check_goal(&self.navigator.config().collision, here, goal)
     }
 
     /// Cancels the goal and brakes.
@@ -227,7 +275,14 @@ impl NodeDriver {
         let due = self.queue.until(at.stamp);
         let readings: Vec<_> = due.iter().map(SensorMessage::reading).collect();
         let input = SensorInput { stamp: at.stamp, odometry, readings: &readings };
-        let report = self.navigator.step(&self.map.view(), &input);
+        let mut report = self.navigator.step(&self.map.view(), &input);
+        if self.is_goal_unchecked && report.health != Health::Lost {
+            self.is_goal_unchecked = false;
+            if self.navigator.goal().is_some_and(|goal| self.check_goal(goal, true).is_err()) {
+                let blocked = AbortReason::Blocked(BlockReason::Wall);
+                report.result = report.result.or(self.navigator.abort_goal(blocked));
+            }
+        }
         DriverReport::new(&report, report.belief.pose * at.value.inverse())
     }
 }

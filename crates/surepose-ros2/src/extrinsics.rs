@@ -1,20 +1,28 @@
-//! Laser extrinsics from the configuration, or else from `/tf_static`.
+//! Mounting of laser and compass, from the configuration or from `/tf_static`.
 
-use std::collections::BTreeMap;
+mod static_transforms;
+#[cfg(test)]
+mod tests;
+
 use std::fmt;
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use static_transforms::{StaticTransforms, plain};
 use surepose::geometry::{Angle, Body, Laser, Pose};
+use surepose::param::MountingSource;
 use surepose_config::Config;
 
-use crate::convert::{MessageError, pose_of};
-use crate::message::{self, TfMessage, TransformStamped};
+use crate::convert::MessageError;
+use crate::message::TfMessage;
 
 /// Largest tilt of the scan plane \[rad].
 const MAX_TILT: f64 = 10.0 * core::f64::consts::PI / 180.0;
 
 /// Smallest difference \[m], \[rad] of two laser poses that causes a warning.
 const DISAGREEMENT_THRESHOLD: (f64, f64) = (0.05, 3.0 * core::f64::consts::PI / 180.0);
+
+/// Smallest change \[m], \[rad] of a mounting that invalidates estimates with the previous one.
+const CHANGE_THRESHOLD: (f64, f64) = (0.002, 0.1 * core::f64::consts::PI / 180.0);
 
 /// Default base frame of REP 105.
 const BASE: &str = "base_link";
@@ -41,9 +49,8 @@ impl LaserExtrinsics {
         Ok(Self { body_from_laser, is_upside_down: up < 0.0 })
     }
 
-    fn is_far_from(&self, other: Pose<Body, Laser, f64>) -> bool {
+    fn differs_from(&self, other: Pose<Body, Laser, f64>, (distance, turn): (f64, f64)) -> bool {
         let between = self.body_from_laser.inverse() * other;
-        let (distance, turn) = DISAGREEMENT_THRESHOLD;
         between.x.hypot(between.y) > distance || between.heading.radians().abs() > turn
     }
 }
@@ -56,18 +63,29 @@ impl fmt::Display for LaserExtrinsics {
     }
 }
 
-/// Resolves the laser extrinsics from configuration and `/tf_static`.
+/// Resolves the mounting of laser and compass from configuration and `/tf_static`.
 ///
-/// A configured pose has priority, since it may be calibrated; upside-down mounting is only known from `/tf_static`.
+/// A configured pose has priority, since it may be calibrated; upside-down mounting is only known from `/tf_static`. Without
+/// either source the mounting is unknown, and no measurement of the sensor may be used.
 #[derive(Clone, Debug)]
 pub(crate) struct ExtrinsicsResolver {
-    /// Configured pose; `None` for the default pose.
+    /// Configured pose of the laser; `None` for that of `/tf_static`.
     configured: Option<Pose<Body, Laser, f64>>,
+    /// Whether the compass offset of the configuration includes the mounting.
+    is_compass_configured: bool,
+    /// Whether an unknown mounting counts as that of the body frame: a recording holds all transforms that there are.
+    assumes_identity: bool,
     static_transforms: StaticTransforms,
     /// Base frame from odometry; `None` before the first message.
     base: Option<String>,
     /// Frame of the first scan; scans of other frames are rejected.
     laser: Option<String>,
+    /// Frame of the last heading; `None` before the first message.
+    compass: Option<String>,
+    /// Mountings with which measurements were used; `None` before the first.
+    used_laser: Option<LaserExtrinsics>,
+    used_compass: Option<UnitQuaternion<f64>>,
+    has_changed: bool,
     /// Last source message.
     said: Option<String>,
 }
@@ -75,14 +93,36 @@ pub(crate) struct ExtrinsicsResolver {
 impl ExtrinsicsResolver {
     /// Creates the resolver from `config`.
     pub(crate) fn new(config: &Config) -> Self {
-        let configured = Some(config.laser().body_from_laser).filter(|pose| *pose != Pose::identity());
+        let laser = config.laser().body_from_laser;
+        let has_laser_pose = match config.laser_mounting() {
+            MountingSource::Auto => laser != Pose::identity(),
+            MountingSource::Config => true,
+            MountingSource::TfStatic => false,
+        };
+        let is_compass_configured = match config.compass_mounting() {
+            MountingSource::Auto => config.compass().offset != Angle::zero(),
+            MountingSource::Config => true,
+            MountingSource::TfStatic => false,
+        };
         Self {
-            configured,
+            configured: has_laser_pose.then_some(laser),
+            is_compass_configured,
+            assumes_identity: false,
             static_transforms: StaticTransforms::default(),
             base: None,
             laser: None,
+            compass: None,
+            used_laser: None,
+            used_compass: None,
+            has_changed: false,
             said: None,
         }
+    }
+
+    /// Treats an unknown mounting as identity from now on.
+    #[cfg(feature = "bag")]
+    pub(crate) fn assume_identity(&mut self) {
+        self.assumes_identity = true;
     }
 
     /// Adds the transforms of `/tf_static`.
@@ -105,11 +145,11 @@ impl ExtrinsicsResolver {
         }
     }
 
-    /// Extrinsics of the laser whose scans are in `frame`.
+    /// Extrinsics of the laser whose scans are in `frame`; `None` while they are unknown. An empty frame is the base frame.
     ///
     /// # Errors
     /// [`MessageError::WrongFrame`] for a second laser; [`MessageError::Leaning`] for a tilted scan plane.
-    pub(crate) fn lookup(&mut self, frame: &str) -> Result<LaserExtrinsics, MessageError> {
+    pub(crate) fn laser(&mut self, frame: &str) -> Result<Option<LaserExtrinsics>, MessageError> {
         let frame = plain(frame);
         let laser = self.laser.get_or_insert_with(|| frame.to_owned());
         if frame != laser {
@@ -118,34 +158,82 @@ impl ExtrinsicsResolver {
                 got: frame.escape_debug().to_string(),
             });
         }
-        let told = self.told();
-        let Some(body_from_laser) = self.configured else {
-            let ahead = LaserExtrinsics { body_from_laser: Pose::identity(), is_upside_down: false };
-            return told.unwrap_or(Ok(ahead));
-        };
-        let is_upside_down = matches!(told, Some(Ok(LaserExtrinsics { is_upside_down: true, .. })));
-        Ok(LaserExtrinsics { body_from_laser, is_upside_down })
+        let Some(found) = self.laser_extrinsics().transpose()? else { return Ok(None) };
+        if let Some(used) = self.used_laser.replace(found) {
+            self.has_changed |= used.is_upside_down != found.is_upside_down
+                || used.differs_from(found.body_from_laser, CHANGE_THRESHOLD);
+        }
+        Ok(Some(found))
     }
 
-    /// Line with the extrinsics and their source; `None` if unchanged.
+    /// Rotation of the compass whose headings are in `frame`, relative to the body; `None` while it is unknown. An empty frame is
+    /// the base frame.
+    pub(crate) fn compass(&mut self, frame: &str) -> Option<UnitQuaternion<f64>> {
+        let frame = plain(frame);
+        if self.compass.as_deref() != Some(frame) {
+            self.compass = Some(frame.to_owned());
+        }
+        let found = self.compass_rotation()?;
+        if let Some(used) = self.used_compass.replace(found) {
+            self.has_changed |= used.angle_to(&found) > CHANGE_THRESHOLD.1;
+        }
+        Some(found)
+    }
+
+    /// Whether a mounting with which measurements were used has changed since the last call.
+    pub(crate) fn take_change(&mut self) -> bool {
+        std::mem::take(&mut self.has_changed)
+    }
+
+    /// Mountings that are still unknown, as a line; `None` if every sensor that has reported is usable.
+    pub(crate) fn waiting(&self) -> Option<String> {
+        let base = self.base.as_deref()?.escape_debug();
+        let laser = self.laser.as_ref().filter(|_| self.laser_extrinsics().is_none());
+        let compass = self.compass.as_ref().filter(|_| self.compass_rotation().is_none());
+        let frames: Vec<_> = [laser, compass].into_iter().flatten().collect();
+        let named: Vec<_> =
+            frames.iter().map(|frame| format!("{} -> {base}", frame.escape_debug())).collect();
+        (!named.is_empty()).then(|| format!("waiting for /tf_static {}", named.join(" and ")))
+    }
+
+    /// Remedy for mountings that stay unknown.
+    pub(crate) fn remedy(&self) -> &'static str {
+        match (self.laser_extrinsics(), self.compass_rotation()) {
+            (Some(_), None) => {
+                "publish /tf_static, or set compass.offset_deg (compass.mounting = \"config\" for an offset of 0)"
+            }
+            _ => {
+                "publish /tf_static, or set laser.x_m, laser.y_m and laser.heading_deg (laser.mounting = \"config\" for a pose of \
+                 0, 0, 0°)"
+            }
+        }
+    }
+
+    /// Line with the laser extrinsics and their source; `None` if unchanged.
     pub(crate) fn take_source_message(&mut self) -> Option<String> {
         let source = self.source().filter(|source| self.said.as_ref() != Some(source))?;
         self.said = Some(source.clone());
         Some(source)
     }
 
-    fn source(&mut self) -> Option<String> {
-        let frame = self.laser.clone()?;
-        let counts = self.lookup(&frame).ok()?;
-        let (laser, base) = (frame.escape_debug(), self.base.as_ref()?.escape_debug());
+    fn source(&self) -> Option<String> {
+        let counts = self.laser_extrinsics()?.ok()?;
+        let (laser, base) = (self.laser.as_ref()?.escape_debug(), self.base.as_ref()?.escape_debug());
         Some(match (self.configured, self.told()) {
+            (None, Some(_)) if self.is_base(self.laser.as_deref()?) => {
+                format!("the laser sits on '{base}' {counts}, as its scans are in this frame")
+            }
             (None, Some(_)) => format!("the laser '{laser}' sits on '{base}' {counts}, by /tf_static"),
             (None, None) => format!(
                 "laser '{laser}' on '{base}': unknown pose, neither in [laser] nor in /tf_static; default {counts} used"
             ),
-            (Some(_), Some(Ok(told))) if told.is_far_from(counts.body_from_laser) => format!(
-                "warning: the laser sits {counts}, by [laser]; /tf_static puts '{laser}' on '{base}' {told}"
-            ),
+            (Some(_), Some(Ok(told)))
+                if told.differs_from(counts.body_from_laser, DISAGREEMENT_THRESHOLD) =>
+            {
+                format!(
+                    "warning: the laser sits {counts}, by [laser]; /tf_static puts '{laser}' on '{base}' {told}"
+                )
+            }
             (Some(_), Some(Err(problem))) => {
                 format!("warning: the laser sits {counts}, by [laser]; by /tf_static {problem}")
             }
@@ -153,185 +241,42 @@ impl ExtrinsicsResolver {
         })
     }
 
-    /// Extrinsics from `/tf_static`; `None` without a transform.
+    /// Extrinsics of the laser in use; `None` while they are unknown.
+    fn laser_extrinsics(&self) -> Option<Result<LaserExtrinsics, MessageError>> {
+        let told = self.told();
+        let Some(body_from_laser) = self.configured else {
+            let ahead = LaserExtrinsics { body_from_laser: Pose::identity(), is_upside_down: false };
+            return told.or(self.assumes_identity.then_some(Ok(ahead)));
+        };
+        let is_upside_down = matches!(told, Some(Ok(LaserExtrinsics { is_upside_down: true, .. })));
+        Some(Ok(LaserExtrinsics { body_from_laser, is_upside_down }))
+    }
+
+    /// Rotation of the compass in use; `None` while it is unknown.
+    fn compass_rotation(&self) -> Option<UnitQuaternion<f64>> {
+        if self.is_compass_configured {
+            return Some(UnitQuaternion::identity());
+        }
+        let told = self.on_base(self.compass.as_ref()?).map(|body_from_compass| body_from_compass.rotation);
+        told.or(self.assumes_identity.then(UnitQuaternion::identity))
+    }
+
+    /// Extrinsics of the laser from `/tf_static`; `None` without a transform.
     fn told(&self) -> Option<Result<LaserExtrinsics, MessageError>> {
-        Some(LaserExtrinsics::from_transform(
-            &self.static_transforms.between(self.base.as_deref().unwrap_or(BASE), self.laser.as_ref()?)?,
-        ))
-    }
-}
-
-/// Static transforms: each frame with its parent and its pose there.
-#[derive(Clone, Debug, Default)]
-struct StaticTransforms(BTreeMap<String, (String, Isometry3<f64>)>);
-
-impl StaticTransforms {
-    /// Adds a transform; a later one replaces that of the same frame.
-    fn learn(&mut self, static_transform: &TransformStamped) -> Result<(), MessageError> {
-        let parent_from_child = isometry(&static_transform.transform)?;
-        let (parent, child) =
-            (plain(&static_transform.header.frame_id), plain(&static_transform.child_frame_id));
-        self.0.insert(child.to_owned(), (parent.to_owned(), parent_from_child));
-        Ok(())
+        Some(LaserExtrinsics::from_transform(&self.on_base(self.laser.as_ref()?)?))
     }
 
-    /// Pose of `frame` on `base`; `None` if they are not connected.
-    fn between(&self, base: &str, frame: &str) -> Option<Isometry3<f64>> {
-        let ((root, root_from_base), (other, other_from_frame)) = (self.rooted(base), self.rooted(frame));
-        (root == other).then(|| root_from_base.inverse() * other_from_frame)
-    }
-
-    /// Root of `frame`, and its pose there. A cycle is followed once.
-    fn rooted<'a>(&'a self, frame: &'a str) -> (&'a str, Isometry3<f64>) {
-        let (mut root, mut root_from_frame) = (frame, Isometry3::identity());
-        for _ in 0..self.0.len() {
-            let Some((parent, parent_from_root)) = self.0.get(root) else { break };
-            (root, root_from_frame) = (parent, parent_from_root * root_from_frame);
+    /// Pose of `frame` on the base; `None` without a transform, and before the base frame is known.
+    fn on_base(&self, frame: &str) -> Option<Isometry3<f64>> {
+        if self.is_base(frame) {
+            return Some(Isometry3::identity());
         }
-        (root, root_from_frame)
-    }
-}
-
-/// Converts a transform, which must give a valid pose in the plane.
-fn isometry(transform: &message::Transform) -> Result<Isometry3<f64>, MessageError> {
-    let message::Vector3 { x, y, z } = transform.translation;
-    let position = message::Point { x, y, z };
-    let _in_the_plane: Pose<Body, Body, f64> =
-        pose_of(&message::Pose { position, orientation: transform.rotation.clone() })?;
-    let message::Quaternion { x: i, y: j, z: k, w } = transform.rotation;
-    let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
-    Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
-}
-
-/// Frame name of tf2, without a leading slash.
-fn plain(frame: &str) -> &str {
-    frame.trim_start_matches('/')
-}
-
-#[cfg(test)]
-mod tests {
-    use surepose::time::Stamp;
-    use surepose_config::Config;
-
-    use crate::convert::header;
-    use crate::message::{Transform, Vector3};
-
-    use super::*;
-
-    /// Transform at x, y, z, rotated about x and then about z \[°].
-    fn static_transform(
-        parent: &str,
-        child: &str,
-        [x, y, z]: [f64; 3],
-        (roll, yaw): (f64, f64),
-    ) -> TransformStamped {
-        let turn = UnitQuaternion::from_euler_angles(roll.to_radians(), 0.0, yaw.to_radians());
-        let rotation = message::Quaternion { x: turn.i, y: turn.j, z: turn.k, w: turn.w };
-        let transform = Transform { translation: Vector3 { x, y, z }, rotation };
-        TransformStamped {
-            header: header(Stamp::default(), parent),
-            child_frame_id: child.to_owned(),
-            transform,
-        }
+        let base = self.base.as_deref().or(self.assumes_identity.then_some(BASE))?;
+        self.static_transforms.between(base, frame)
     }
 
-    fn extrinsics(config: &Config, static_transforms: Vec<TransformStamped>) -> ExtrinsicsResolver {
-        let mut extrinsics = ExtrinsicsResolver::new(config);
-        extrinsics.set_base_frame("");
-        extrinsics.learn(&TfMessage { transforms: static_transforms }).unwrap();
-        extrinsics
-    }
-
-    fn configured() -> Config {
-        Config::default().with_option("laser.x_m=0.1").unwrap()
-    }
-
-    fn assert_is(laser_extrinsics: LaserExtrinsics, (x, y, degrees): (f64, f64, f64)) {
-        let pose = laser_extrinsics.body_from_laser;
-        assert!((pose.x - x).hypot(pose.y - y) < 1e-12, "{laser_extrinsics}");
-        assert!((pose.heading - Angle::from_degrees(degrees)).radians().abs() < 1e-12, "{laser_extrinsics}");
-    }
-
-    #[test]
-    fn transform_chains_are_resolved_from_any_root() {
-        // The laser is 20 cm ahead of a mast that is rotated by 90°: to the body's left.
-        let static_transforms = || {
-            vec![
-                static_transform("base_link", "mast", [0.3, 0.0, 0.5], (0.0, 90.0)),
-                static_transform("/mast", "laser", [0.2, 0.0, 0.1], (0.0, -30.0)),
-                static_transform("base_footprint", "base_link", [1.0, 2.0, 0.1], (0.0, 45.0)),
-            ]
-        };
-        assert_is(
-            extrinsics(&Config::default(), static_transforms()).lookup("laser").unwrap(),
-            (0.3, 0.2, 60.0),
-        );
-        let mut footprint = extrinsics(&Config::default(), static_transforms());
-        footprint.set_base_frame("base_footprint");
-        let (sin, cos) = 45_f64.to_radians().sin_cos();
-        let there = (1.0 + 0.3 * cos - 0.2 * sin, 2.0 + 0.3 * sin + 0.2 * cos, 105.0);
-        assert_is(footprint.lookup("laser").unwrap(), there);
-    }
-
-    #[test]
-    fn upside_down_laser_is_accepted_and_tilted_one_rejected() {
-        let at = |roll| {
-            extrinsics(
-                &Config::default(),
-                vec![static_transform("base_link", "laser", [0.2, 0.0, 0.0], (roll, 30.0))],
-            )
-        };
-        let hanging = at(180.0).lookup("laser").unwrap();
-        assert!(hanging.is_upside_down);
-        assert_is(hanging, (0.2, 0.0, 30.0));
-        assert!(!at(3.0).lookup("laser").unwrap().is_upside_down);
-        assert!(
-            matches!(at(20.0).lookup("laser"), Err(MessageError::Leaning { degrees }) if (degrees - 20.0).abs() < 1e-9)
-        );
-    }
-
-    #[test]
-    fn configuration_overrides_tf_static() {
-        let static_transforms = |x| vec![static_transform("base_link", "laser", [x, 0.0, 0.0], (180.0, 0.0))];
-        let mut calibrated = extrinsics(&configured(), static_transforms(0.12));
-        assert_is(calibrated.lookup("laser").unwrap(), (0.1, 0.0, 0.0));
-        assert!(
-            calibrated.lookup("laser").unwrap().is_upside_down,
-            "upside-down mounting is from /tf_static"
-        );
-        assert!(!calibrated.source().unwrap().contains("warning"));
-        let mut contradicted = extrinsics(&configured(), static_transforms(0.3));
-        assert_is(contradicted.lookup("laser").unwrap(), (0.1, 0.0, 0.0));
-        assert!(contradicted.source().unwrap().contains("warning: the laser sits at (0.100, 0.000)"));
-        // Without either source the default pose is used, with a warning.
-        let mut unknown = extrinsics(&Config::default(), vec![]);
-        assert_is(unknown.lookup("laser").unwrap(), (0.0, 0.0, 0.0));
-        assert!(unknown.source().unwrap().contains("unknown pose"));
-    }
-
-    #[test]
-    fn scans_of_a_second_laser_are_rejected() {
-        let mut extrinsics = extrinsics(&Config::default(), vec![]);
-        assert!(extrinsics.lookup("/front").is_ok() && extrinsics.lookup("front").is_ok());
-        assert!(matches!(extrinsics.lookup("rear"), Err(MessageError::WrongFrame { .. })));
-    }
-
-    #[test]
-    fn invalid_transforms_are_rejected_and_cycles_terminate() {
-        let mut extrinsics = ExtrinsicsResolver::new(&Config::default());
-        let mut broken = static_transform("base_link", "laser", [f64::NAN, 0.0, 0.0], (0.0, 0.0));
-        let ring = [
-            static_transform("a", "b", [0.0; 3], (0.0, 0.0)),
-            static_transform("b", "a", [0.0; 3], (0.0, 0.0)),
-        ];
-        let told = TfMessage { transforms: [vec![broken.clone()], ring.to_vec()].concat() };
-        assert_eq!(extrinsics.learn(&told), Err(MessageError::NotFinite));
-        broken.transform.translation.x = 0.0;
-        broken.transform.rotation.w = 0.0;
-        assert_eq!(
-            extrinsics.learn(&TfMessage { transforms: vec![broken] }),
-            Err(MessageError::NotARotation)
-        );
-        assert_is(extrinsics.lookup("b").unwrap(), (0.0, 0.0, 0.0));
+    /// Whether `frame` is the base frame; an empty frame is, too.
+    fn is_base(&self, frame: &str) -> bool {
+        self.base.as_deref().is_some_and(|base| frame.is_empty() || frame == base)
     }
 }

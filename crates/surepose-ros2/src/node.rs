@@ -38,6 +38,9 @@ pub use settings::NodeSettings;
 /// Period of the timer that checks the wall clock.
 const TIMER_PERIOD: Duration = Duration::from_millis(100);
 
+/// Time after which an unknown mounting of a sensor causes a warning.
+const MOUNTING_TIMEOUT: Duration = Duration::from_secs(10);
+
 /// Timer periods per diagnostics message.
 const DIAGNOSTICS_EVERY: u32 = 10;
 
@@ -63,6 +66,7 @@ pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&st
         deliveries: FuturesUnordered::new(),
         diagnostics: Diagnostics::new(settings.warnings.clone()),
         last_rolled: None,
+        waiting_since: None,
         timer_ticks: 0,
         settings,
         say,
@@ -82,6 +86,8 @@ struct Run<Say> {
     diagnostics: Diagnostics,
     /// Wall-clock time of the last odometry.
     last_rolled: Option<Instant>,
+    /// Since when the mounting of a sensor is unknown by the wall clock, and whether a warning was printed; `None` if all are known.
+    waiting_since: Option<(Instant, bool)>,
     timer_ticks: u32,
     settings: NodeSettings,
     say: Say,
@@ -147,10 +153,12 @@ impl<Say: FnMut(&str)> Run<Say> {
                 Ok(())
             }
         };
-        if let Err((topic, refused)) = handled
-            && self.diagnostics.refuse(topic, &refused)
-        {
-            self.say(&format!("{topic}: message rejected: {refused}"));
+        if let Err((topic, refused)) = handled {
+            let is_first = self.diagnostics.refuse(topic, &refused);
+            // Each goal has an answer; other messages come many times a second.
+            if is_first || matches!(refused, MessageError::Goal(_)) {
+                self.say(&format!("{topic}: message rejected: {refused}"));
+            }
         }
     }
 
@@ -178,18 +186,41 @@ impl<Say: FnMut(&str)> Run<Say> {
 
     fn seen(&mut self, scan: LaserScan) -> Result<(), (&'static str, MessageError)> {
         let refused = |why| ("scan", why);
-        let laser_extrinsics = self.extrinsics.lookup(&scan.header.frame_id).map_err(refused)?;
+        let Some(laser_extrinsics) = self.extrinsics.laser(&scan.header.frame_id).map_err(refused)? else {
+            self.diagnostics.drop_unplaced();
+            return Ok(());
+        };
+        self.restart_if_moved();
         if let Some(source) = self.extrinsics.take_source_message() {
             self.say(&source);
         }
-        self.driver.add_measurement(sense::scan(scan, laser_extrinsics).map_err(refused)?);
+        self.driver.add_measurement(sense::scan(scan, laser_extrinsics));
         Ok(())
     }
 
     fn turned(&mut self, imu: &Imu) -> Result<(), (&'static str, MessageError)> {
-        let compass = self.settings.driver.config.compass();
-        self.driver.add_measurement(sense::heading(imu, &compass).map_err(|why| ("imu", why))?);
+        let Some(mounting) = self.extrinsics.compass(&imu.header.frame_id) else {
+            self.diagnostics.drop_unplaced();
+            return Ok(());
+        };
+        self.restart_if_moved();
+        let refused = |why| ("imu", why);
+        if self.settings.driver.gyroscope {
+            self.driver.add_measurement(sense::yaw_rate(imu, &mounting).map_err(refused)?);
+        }
+        if self.settings.driver.compass {
+            let compass = self.settings.driver.config.compass();
+            self.driver.add_measurement(sense::heading(imu, &mounting, &compass).map_err(refused)?);
+        }
         Ok(())
+    }
+
+    /// Restarts the estimate if a sensor's mounting differs from that of its previous measurements.
+    fn restart_if_moved(&mut self) {
+        if self.extrinsics.take_change() {
+            self.driver.on_mounting_changed();
+            self.say("/tf_static: the mounting of a sensor has changed; the estimate restarts");
+        }
     }
 
     /// Handles a goal by topic: RViz's "2D Goal Pose".
@@ -205,7 +236,13 @@ impl<Say: FnMut(&str)> Run<Say> {
             Err(refused) => {
                 self.say(&format!("navigate_to_pose: goal rejected: {refused}"));
                 self.diagnostics.refuse("navigate_to_pose", &refused);
-                self.action.reject(handle).await;
+                if matches!(refused, MessageError::Goal(_)) {
+                    // A rejected goal has no message, an aborted one has.
+                    let refusal = self.action.refuse(handle, refused.to_string()).await;
+                    self.deliveries.extend(refusal.map(ResultDelivery::made));
+                } else {
+                    self.action.reject(handle).await;
+                }
             }
         }
     }
@@ -283,10 +320,30 @@ impl<Say: FnMut(&str)> Run<Say> {
             self.stop_wheels();
         }
         self.finish(ended);
+        let waiting = self.waiting();
         if self.timer_ticks.is_multiple_of(DIAGNOSTICS_EVERY) {
-            let array = self.diagnostics.array(&self.driver, age);
+            let array = self.diagnostics.array(&self.driver, age, waiting.as_deref());
             self.publishers.diagnose(array);
         }
+    }
+
+    /// Line about a sensor whose mounting is unknown, with the remedy after a while; `None` if all are known.
+    fn waiting(&mut self) -> Option<String> {
+        let Some(waiting) = self.extrinsics.waiting() else {
+            self.waiting_since = None;
+            return None;
+        };
+        let (since, has_warned) = self.waiting_since.unwrap_or((Instant::now(), false));
+        let is_late = since.elapsed() > MOUNTING_TIMEOUT;
+        self.waiting_since = Some((since, is_late));
+        if !is_late {
+            return Some(waiting);
+        }
+        let line = format!("{waiting}; {}", self.extrinsics.remedy());
+        if !has_warned {
+            self.say(&format!("warning: {line}"));
+        }
+        Some(line)
     }
 
     /// Age of the last odometry by the wall clock \[s]; before the first one, the time since the start.

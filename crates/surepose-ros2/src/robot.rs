@@ -80,6 +80,8 @@ pub fn run(settings: &RobotSettings, stops: impl Fn() -> bool) -> Result<(), Nod
 struct Robot {
     world: World,
     compass_std: f64,
+    /// Delays of compass and laser \[s]: the stamps are those of arrival.
+    latencies: (f64, f64),
     odometry: Pose<Odom, Body, f64>,
     cmd_vel: Twist<f64>,
     last_command: Instant,
@@ -92,6 +94,7 @@ impl Robot {
         Self {
             world: World::new(scenario.world(), scenario.start(), Seed(settings.seed)),
             compass_std: scenario.config.compass().std,
+            latencies: (scenario.config.compass().latency, scenario.config.laser().latency),
             odometry: Pose::identity(),
             cmd_vel: Twist::zero(),
             last_command: Instant::now(),
@@ -116,10 +119,14 @@ impl Robot {
             publishers.odometry(self.stamp(sensed.stamp), self.odometry, twist);
             publishers.truth(self.stamp(sensed.stamp), &self.world);
             for heading in &sensed.headings {
-                publishers.heading(self.stamp(heading.stamp), heading.value, self.compass_std);
+                publishers.heading(
+                    self.stamp(heading.stamp).after(self.latencies.0),
+                    heading.value,
+                    self.compass_std,
+                );
             }
             for scan in &sensed.scans {
-                publishers.scan(Stamped::new(self.stamp(scan.stamp), &scan.value));
+                publishers.scan(Stamped::new(self.stamp(scan.stamp).after(self.latencies.1), &scan.value));
             }
         }
     }

@@ -136,9 +136,15 @@ fn action_client_parks_the_simulated_robot() {
     let spinning = smol::spawn(async move { spinner.spin().await });
 
     smol::block_on(async {
-        // Unreachable goals are rejected.
         assert!(!ask(&client, request(2.0, 2.0, 30.0, "odom")).await.1, "a goal in another frame");
-        assert!(!ask(&client, request(50.0, 0.0, 0.0, "map")).await.1, "a goal outside the walls");
+        // Goals that the walls rule out end with the reason: outside of the room, and 8 cm from a wall.
+        for (x, y) in [(50.0, 0.0), (4.42, 1.0)] {
+            let (id, accepted) = ask(&client, request(x, y, 0.0, "map")).await;
+            assert!(accepted);
+            let (status, result) = within(10, client.async_request_result(id)).await.unwrap().unwrap();
+            assert_eq!(status, GoalStatusEnum::Aborted);
+            assert!(result.error_msg.starts_with("wall"), "{}", result.error_msg);
+        }
 
         // A canceled goal ends as canceled, and the wheels stop.
         let (id, accepted) = ask(&client, request(2.0, 2.0, 30.0, "map")).await;

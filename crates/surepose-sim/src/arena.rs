@@ -2,6 +2,7 @@
 
 use surepose::control::{InvalidPath, Path};
 use surepose::geometry::{Angle, Map, Point, Pose};
+use surepose::map::Wall;
 use surepose::param::{ArenaName, Choice};
 
 /// A flat wall segment, visible from both sides.
@@ -154,6 +155,11 @@ impl Arena {
     pub fn first_wall_crossed(&self, from: Point<Map, f64>, to: Point<Map, f64>) -> Option<&WallSegment> {
         self.walls.iter().find(|wall| wall.is_crossed_by(from, to))
     }
+}
+
+/// The walls of a map; one without length is left out.
+pub fn walls_from_segments(segments: &[WallSegment]) -> Vec<Wall<f64>> {
+    segments.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect()
 }
 
 /// Speed on the course of the loop world \[m/s].

@@ -1,11 +1,16 @@
 //! Laser range finder: ray casting against wall segments, with the noise of [Tran2012] Sec. 5.2.
 
-use core::f64::consts::{FRAC_PI_2, PI};
+mod sweep;
+
+use core::f64::consts::PI;
 
 use surepose::geometry::{Angle, Body, Laser, Map, Pose};
+use surepose::time::Stamp;
 
 use crate::arena::WallSegment;
 use crate::random::Stream;
+
+pub use sweep::{LaserSweep, PoseTrack};
 
 /// Parameters of a laser range finder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +33,8 @@ pub struct LaserModel {
     pub clutter: Clutter,
     /// Probability that a beam has no return.
     pub lost: f64,
+    /// Time that a scan takes.
+    pub sweep: LaserSweep,
 }
 
 /// Obstacles that are on no map, such as people; each hides several adjacent beams.
@@ -50,46 +57,80 @@ pub struct SimulatedScan {
     pub angle_increment: f64,
     /// Ranges of all beams \[m].
     pub ranges: Vec<f64>,
+    /// Time from one beam to the next \[s].
+    pub time_increment: f64,
 }
 
 impl LaserModel {
     /// The paper's laser with `beams` beams over 180°, at the body origin, facing forward.
     pub fn half_circle(beams: usize) -> Self {
+        Self::facing_forward(beams, PI)
+    }
+
+    /// As [`LaserModel::half_circle`], with another field of view \[rad].
+    pub fn facing_forward(beams: usize, field_of_view: f64) -> Self {
         Self {
             body_from_laser: Pose::identity(),
-            angle_min: -FRAC_PI_2,
-            angle_increment: PI / beams.saturating_sub(1).max(1) as f64,
+            angle_min: -0.5 * field_of_view,
+            angle_increment: field_of_view / beams.saturating_sub(1).max(1) as f64,
             beams,
             range_std: 0.030,
             bearing_std: 0.25_f64.to_radians(),
             max_range: 8.0,
             clutter: Clutter::default(),
             lost: 0.0,
+            sweep: LaserSweep::default(),
         }
     }
 
-    /// Simulates a scan of `walls` from the true pose.
+    /// Simulates a scan of `walls` whose beams are all measured at the true pose.
     pub fn scan(
         &self,
         walls: &[WallSegment],
         map_from_body: Pose<Map, Body, f64>,
         noise: &mut Stream,
     ) -> SimulatedScan {
-        let map_from_laser = map_from_body * self.body_from_laser;
-        let mut rays = Rays::from(map_from_laser, self.beams, |i| {
-            self.angle_min + self.angle_increment * i as f64 + self.bearing_std * noise.normal()
-        });
-        for wall in walls {
-            rays.meet(wall);
-        }
-        let mut ranges = rays.ranges;
+        let bearings = self.bearings(noise);
+        let rays = Rays::cast(map_from_body * self.body_from_laser, &bearings, walls);
+        self.finished(rays.ranges, 0.0, noise)
+    }
+
+    /// Simulates a scan whose last beam is measured at `end`, each beam at the pose of its time.
+    pub fn sweep(
+        &self,
+        walls: &[WallSegment],
+        track: &PoseTrack,
+        end: Stamp,
+        noise: &mut Stream,
+    ) -> SimulatedScan {
+        let bearings = self.bearings(noise);
+        let steps = self.beams.saturating_sub(1).max(1);
+        let time_increment = self.sweep.duration / steps as f64;
+        let range = |(number, bearing): (usize, &f64)| {
+            let before_end = time_increment * (steps as f64 - number as f64);
+            let map_from_laser = track.at(end.after(-before_end)) * self.body_from_laser;
+            Rays::cast(map_from_laser, core::slice::from_ref(bearing), walls).ranges.first().copied()
+        };
+        let ranges = bearings.iter().enumerate().filter_map(range).collect();
+        self.finished(ranges, time_increment, noise)
+    }
+
+    /// Direction of each beam, with its noise \[rad].
+    fn bearings(&self, noise: &mut Stream) -> Vec<f64> {
+        let nominal = |i: usize| self.angle_min + self.angle_increment * i as f64;
+        (0..self.beams).map(|i| nominal(i) + self.bearing_std * noise.normal()).collect()
+    }
+
+    /// Adds clutter, noise and missing returns to the distances of the walls.
+    fn finished(&self, mut ranges: Vec<f64>, time_increment: f64, noise: &mut Stream) -> SimulatedScan {
         self.clutter.hide(&mut ranges, noise);
         for range in &mut ranges {
             let read = *range + self.range_std * noise.normal();
             let back = *range <= self.max_range && !noise.bernoulli(self.lost);
             *range = if back { read.max(0.0) } else { f64::INFINITY };
         }
-        SimulatedScan { angle_min: self.angle_min, angle_increment: self.angle_increment, ranges }
+        let Self { angle_min, angle_increment, .. } = *self;
+        SimulatedScan { angle_min, angle_increment, ranges, time_increment }
     }
 }
 
@@ -128,20 +169,21 @@ struct Rays {
 }
 
 impl Rays {
-    fn from(
-        map_from_laser: Pose<Map, Laser, f64>,
-        beams: usize,
-        mut bearing: impl FnMut(usize) -> f64,
-    ) -> Self {
+    fn cast(map_from_laser: Pose<Map, Laser, f64>, bearings: &[f64], walls: &[WallSegment]) -> Self {
+        let beams = bearings.len();
         let (mut cos, mut sin) = (Vec::with_capacity(beams), Vec::with_capacity(beams));
-        for i in 0..beams {
-            let direction: Angle<f64> = map_from_laser.heading.rotated_by(bearing(i));
+        for bearing in bearings {
+            let direction: Angle<f64> = map_from_laser.heading.rotated_by(*bearing);
             let (s, c) = direction.sin_cos();
             cos.push(c);
             sin.push(s);
         }
         let origin = (map_from_laser.x, map_from_laser.y);
-        Self { origin, cos, sin, ranges: vec![f64::INFINITY; beams] }
+        let mut rays = Self { origin, cos, sin, ranges: vec![f64::INFINITY; beams] };
+        for wall in walls {
+            rays.meet(wall);
+        }
+        rays
     }
 
     /// Shortens the rays that intersect `wall`.

@@ -26,7 +26,7 @@ pub use compass::CompassModel;
 pub use errors::{ErrorAccumulator, ErrorSummary};
 pub use fault::{Fault, FaultKind, ScanFault, Sensor};
 pub use gyroscope::GyroscopeModel;
-pub use laser::{Clutter, LaserModel, SimulatedScan};
+pub use laser::{Clutter, LaserModel, LaserSweep, PoseTrack, SimulatedScan};
 pub use motor::MotorModel;
 pub use plant::{Plant, PlantModel, WheelResponse};
 pub use random::{Seed, Stream};

@@ -1,21 +1,25 @@
 //! The simulated robot: the core's [`Navigator`](surepose::navigator::Navigator) in a simulated [`World`].
 
+mod invalid_end;
 mod scenario;
 mod sensors;
 
 use surepose::estimation::Belief;
 use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::WheelPair;
+use surepose::lidar::ScanTiming;
 use surepose::map::Wall;
-use surepose::navigator::{NoRoomAtGoal, StepReport};
+use surepose::navigator::StepReport;
 use surepose::time::Stamp;
 use surepose_config::{CompassParameters, RobotNavigator};
-use surepose_io::owned_map::OwnedMap;
+use surepose_io::owned_map::{GoalProblem, OwnedMap};
 use surepose_io::wall_map::{MapWall, WallMap};
 
 use crate::{Arena, Seed, WallSegment, World};
 
-pub use scenario::{InsufficientClearance, Scenario, Sensors};
+pub use crate::arena::walls_from_segments;
+pub use invalid_end::{InvalidEnd, InvalidEndReason, ScenarioEnd};
+pub use scenario::{Scenario, Sensors};
 pub use sensors::{scan_view, with_sensor_input};
 
 /// A robot in its world, with its navigator and its map.
@@ -23,6 +27,7 @@ pub use sensors::{scan_view, with_sensor_input};
 pub struct SimulatedRobot {
     world: World,
     compass: CompassParameters,
+    timing: ScanTiming,
     navigator: Box<RobotNavigator>,
     map: OwnedMap,
 }
@@ -38,6 +43,7 @@ impl SimulatedRobot {
         Self {
             world: World::new(scenario.world(), scenario.true_start(), seed),
             compass: scenario.config.compass(),
+            timing: scenario.config.laser().timing,
             navigator: scenario.config.navigator(&setup, Stamp::default(), initial),
             map: OwnedMap::from_walls(walls_from_segments(scenario.arena.walls())),
         }
@@ -46,16 +52,20 @@ impl SimulatedRobot {
     /// Sends the navigator to `goal`.
     ///
     /// # Errors
-    /// [`NoRoomAtGoal`], where a wall is too close.
-    pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<(), NoRoomAtGoal<f64>> {
-        self.navigator.set_goal(&self.map.view(), goal).map(|_| ())
+    /// [`GoalProblem`], if the walls rule the goal out.
+    pub fn set_goal(&mut self, goal: Pose<Map, Goal, f64>) -> Result<(), GoalProblem> {
+        let here = self.navigator.localizer().belief().pose.origin();
+        self.map.check_goal(&self.navigator.config().collision, Some(here), goal)?;
+        // The navigator repeats the check of the clearance, which has passed.
+        let _previous = self.navigator.set_goal(&self.map.view(), goal);
+        Ok(())
     }
 
     /// Turns the wheels at `wheels` \[rad/s] for `period` \[s], and steps the navigator with what the sensors reported.
     pub fn advance(&mut self, wheels: WheelPair<f64>, period: f64) -> StepReport<f64> {
         let output = self.world.step(wheels, period);
-        let Self { navigator, map, compass, .. } = self;
-        with_sensor_input(&output, compass, |input| navigator.step(&map.view(), input))
+        let Self { navigator, map, compass, timing, .. } = self;
+        with_sensor_input(&output, compass, timing, |input| navigator.step(&map.view(), input))
     }
 
     /// The world, with the truth in it.
@@ -83,11 +93,6 @@ pub fn wall_map_from_arena(arena: &Arena) -> WallMap {
         covariance: None,
     });
     WallMap { name: Some(arena.name().to_owned()), walls: walls.collect() }
-}
-
-/// The walls of a map; one without length is left out.
-pub fn walls_from_segments(segments: &[WallSegment]) -> Vec<Wall<f64>> {
-    segments.iter().filter_map(|wall| Wall::between(wall.start, wall.end).ok()).collect()
 }
 
 /// `pose` with errors of these standard deviations: x \[m], y \[m], heading \[rad].

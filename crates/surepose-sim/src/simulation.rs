@@ -14,7 +14,7 @@ use surepose::localization::LocalizationMonitor;
 use surepose::navigator::{AbortReason, GoalResult, StepReport};
 use surepose::optimal::fastest;
 use surepose::param;
-use surepose::safety::{BlockReason, SafetyAction};
+use surepose::safety::{BlockReason, Health, SafetyAction};
 
 use crate::ErrorAccumulator;
 use crate::robot::{Scenario, SimulatedRobot};
@@ -54,7 +54,7 @@ pub struct Simulation {
 impl Simulation {
     /// The drive of `scenario` with everything random drawn from `seed`.
     ///
-    /// A goal without the required clearance ends the simulation at once: see [`Scenario::check_clearance`].
+    /// A goal that the walls rule out ends the simulation at once: see [`Scenario::check_clearance`].
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
         let controller = scenario.config.controller();
         let goal_from_start = scenario.goal().inverse() * scenario.start();
@@ -106,6 +106,11 @@ impl Simulation {
     /// What the supervisor decided in the last step.
     pub fn action(&self) -> SafetyAction {
         self.robot.navigator().localizer().action()
+    }
+
+    /// How far the estimate can be trusted after the last step.
+    pub fn health(&self) -> Health {
+        self.robot.navigator().localizer().health()
     }
 
     /// Why the goal was aborted; `None` where it was not.

@@ -10,7 +10,7 @@ use crate::arena::Arena;
 use crate::compass::CompassModel;
 use crate::fault::{Disturbance, Fault, FaultKind, Sensor, disturbance, held_wheels};
 use crate::gyroscope::{GyroscopeModel, GyroscopeState};
-use crate::laser::{LaserModel, SimulatedScan};
+use crate::laser::{LaserModel, PoseTrack, SimulatedScan};
 use crate::motor::{MotorModel, Wheel};
 use crate::plant::{Plant, PlantModel};
 use crate::random::{Seed, Stream};
@@ -114,13 +114,18 @@ pub struct World {
     scans: UnderWay<SimulatedScan>,
     /// Last scan before a fault of the laser, or the first one.
     scan_before: Option<SimulatedScan>,
+    /// True poses during the last sweep of the laser.
+    track: PoseTrack,
 }
 
 impl World {
     /// Creates a world with the robot at `start` and the time 0.
     pub fn new(model: WorldModel, start: Pose<Map, Body, f64>, seed: Seed) -> Self {
+        let mut track = PoseTrack::default();
+        track.record(Stamp::default(), start, 0.0);
         Self {
             model,
+            track,
             now: Stamp::default(),
             pose: start,
             twist: Twist::zero(),
@@ -214,6 +219,8 @@ impl World {
         self.turned += motion.turn;
         self.twist = Twist::new(motion.length / time, motion.turn / time);
         self.now = end;
+        let sweep = self.model.laser.as_ref().map_or(0.0, |(laser, _)| laser.sweep.duration);
+        self.track.record(end, self.pose, sweep);
     }
 
     /// Takes the measurements that became due after `before`.
@@ -227,7 +234,14 @@ impl World {
         if let Some((laser, timing)) = &self.model.laser
             && let Some(disturbance) = self.due(Sensor::Laser, timing, before)
         {
-            let mut scan = laser.scan(self.model.arena.walls(), self.pose, &mut self.laser);
+            let walls = self.model.arena.walls();
+            let mut scan = if laser.sweep.duration > 0.0 {
+                laser.sweep(walls, &self.track, self.now, &mut self.laser)
+            } else {
+                laser.scan(walls, self.pose, &mut self.laser)
+            };
+            let stamp_offset = disturbance.stamp_offset + laser.sweep.stamp_age();
+            let disturbance = Disturbance { stamp_offset, ..disturbance };
             for range in &mut scan.ranges {
                 *range += disturbance.offset;
             }

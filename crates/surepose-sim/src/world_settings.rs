@@ -68,19 +68,12 @@ impl WorldSettings {
 
     /// Returns the number of a parameter that only a world has, in SI units and radians; 0 for a choice.
     pub fn number(&self, parameter: &Parameter) -> f64 {
-        match self.value(parameter) {
-            Value::Number(number) => number * parameter.unit.to_si(),
-            Value::Choice(_) => 0.0,
-        }
+        self.value(parameter).number_of(parameter)
     }
 
     /// Returns the option of a parameter that only a world has and whose options are those of `C`.
     pub fn choice<C: Choice>(&self, parameter: &Parameter) -> C {
-        let given = match self.value(parameter) {
-            Value::Choice(name) => C::from_name(name),
-            Value::Number(_) => None,
-        };
-        given.unwrap_or(C::ALL[0])
+        self.value(parameter).option()
     }
 
     /// Returns the grip of the wheels.

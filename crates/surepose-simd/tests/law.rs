@@ -62,8 +62,8 @@ fn step<S: Scalar>(
 #[derive(Clone, Debug, PartialEq)]
 struct LawBatch<T: Element> {
     pose: [LaneArray<T, L>; 3],
-    /// local_mode, reverse, turn_direction, trim_ticks, drive_direction.
-    memory: [LaneArray<T, L>; 5],
+    /// local_mode, reverse, turn_direction, trim_ticks, drive_direction, sidestep, lateral.
+    memory: [LaneArray<T, L>; 7],
 }
 
 struct Run<T: Element>(LawBatch<T>, Which, usize);
@@ -76,8 +76,9 @@ impl<T: Element> Kernel for Run<T> {
         let Self(mut batch, which, periods) = self;
         let law = law::<Lanes<T, N>>(which);
         for _ in 0..periods {
-            let ([x, y, heading], [local_mode, reverse, turn_direction, trim_ticks, drive_direction]) =
-                (&mut batch.pose, &mut batch.memory);
+            let LawBatch { pose: [x, y, heading], memory } = &mut batch;
+            let [local_mode, reverse, turn_direction, trim_ticks, drive_direction, sidestep, lateral] =
+                memory;
             for k in LaneArray::<T, L>::rows::<N>() {
                 let pose = Pose::new(x.get(k), y.get(k), Angle::from_radians_unchecked(heading.get(k)));
                 let memory = HybridState {
@@ -86,6 +87,8 @@ impl<T: Element> Kernel for Run<T> {
                     turn_direction: turn_direction.get(k),
                     trim_ticks: trim_ticks.get(k),
                     drive_direction: drive_direction.get(k),
+                    sidestep: sidestep.get(k),
+                    lateral: lateral.get(k),
                 };
                 let (memory, _, pose) = step(&law, pose, memory);
                 x.set(k, pose.x);
@@ -96,6 +99,8 @@ impl<T: Element> Kernel for Run<T> {
                 turn_direction.set(k, memory.turn_direction);
                 trim_ticks.set(k, memory.trim_ticks);
                 drive_direction.set(k, memory.drive_direction);
+                sidestep.set(k, memory.sidestep);
+                lateral.set(k, memory.lateral);
             }
         }
         batch
@@ -120,7 +125,7 @@ fn starts<T: Element>() -> LawBatch<T> {
             at(|k| (0.01 + 3.0 * (k * 0.618).fract()) * (k * 2.4).sin()),
             at(|k| ((k * 0.37).fract() - 0.5) * TAU),
         ],
-        memory: [LaneArray::default(); 5],
+        memory: [LaneArray::default(); 7],
     }
 }
 

@@ -8,7 +8,7 @@ mod history;
 mod measurement;
 mod outcome;
 
-pub use delayed_ekf::DelayedEkf;
+pub use delayed_ekf::{DelayedEkf, SWEEP_KNOTS, SweepMotion};
 pub use ekf::{Belief, Correction, Ekf, WheelOdometry};
 pub use gate::Gate;
 pub use gyroscope::{Gyroscope, GyroscopeBias, GyroscopeTurn};

@@ -17,6 +17,8 @@
 //! [`BeamModelMatcher`] casts a ray for each beam to the first wall, and estimates the pose from all beams together. It
 //! serves cluttered rooms, where few walls are long enough for line extraction, and walls traced from a grid or a log.
 //!
+//! [`Deskewer`] moves the beams of a scan that took time to where they would be in a scan of one moment.
+//!
 //! [`ScanProcessor`] turns a scan into measurements for the filter by one of these two models.
 //!
 //! # Coordinates
@@ -31,6 +33,7 @@ mod beam_model_matcher;
 mod beam_stats;
 mod beam_subset;
 mod boundary;
+mod deskew;
 mod fit;
 mod fixed_vec;
 mod grow;
@@ -44,15 +47,18 @@ mod pose_normal_equations;
 mod scan;
 mod scan_event;
 mod scan_processor;
+mod scan_timing;
 mod segment;
 
 pub use beam_model_matcher::{BeamMatch, BeamModelMatcher};
 pub use beam_stats::BeamStats;
 pub use beam_subset::BeamSubset;
+pub use deskew::Deskewer;
 pub use line_associator::{Association, Associations, LineAssociator};
 pub use line_extractor::{ExtractedLine, LineExtraction, LineExtractor, MAX_LINES, RejectedLines};
 pub use missed_returns::MissedReturns;
 pub(crate) use pose_normal_equations::PoseNormalEquations;
-pub use scan::{LaserGeometry, RangeFinder, Scan, ScanError};
+pub use scan::{LaserGeometry, MAX_SWEEP_DURATION, RangeFinder, Scan, ScanError};
 pub use scan_event::ScanEvent;
 pub use scan_processor::{ScanModel, ScanObservation, ScanProcessor};
+pub use scan_timing::{ScanTiming, StampedBeam};

@@ -9,6 +9,7 @@
 
 mod config;
 mod goal;
+mod laser;
 mod observers;
 mod report;
 mod result;
@@ -24,7 +25,7 @@ use crate::geometry::{Body, Goal, Map, Pose};
 use crate::kinematics::{Twist, WheelPair};
 use crate::localization::{Localizer, LoopObserver, Odometry, SensorInput};
 use crate::map::MapView;
-use crate::safety::{BlockReason, FaultReason, Health, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
+use crate::safety::{FaultReason, Health, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
@@ -100,8 +101,10 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         input: &SensorInput<'_, S>,
         observer: &mut impl LoopObserver<S>,
     ) -> StepReport<S> {
+        let elapsed = self.advance_clock(input.stamp);
+
         // Estimate: odometry predicts; gated measurements and scans correct.
-        let belief = self.estimate(map, input, observer);
+        let belief = self.estimate(map, input, elapsed, observer);
 
         // Supervise: assess the estimate.
         let (health, action) = self.localizer.judge();
@@ -109,7 +112,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
 
         // How should it move, and how fast may it?
         let ended = if let Some(goal) = self.goal {
-            self.drive(goal, map, &mut report)
+            self.drive(goal, map, elapsed, &mut report)
         } else {
             report.command = self.brake(input.stamp);
             None
@@ -212,15 +215,15 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         &mut self,
         map: &MapView<'_, S>,
         input: &SensorInput<'_, S>,
+        elapsed: S,
         observer: &mut impl LoopObserver<S>,
     ) -> Belief<S> {
-        self.handle_clock_set_back(input.stamp);
-        let input = SensorInput { odometry: self.plausible(input), ..*input };
-        let commanded = self.commanded_odometry(&input);
+        let input = SensorInput { odometry: self.plausible(input.odometry, elapsed), ..*input };
+        let commanded = self.commanded_odometry(&input, elapsed);
         if self.goal.is_some() {
-            let elapsed = S::from_f64(input.stamp.since(self.localizer.stamp()));
             self.commands.compare(&self.config, input.odometry, elapsed);
         }
+        self.watch_laser(map, &input);
         let mut observers = Observers { obstacles: &mut self.obstacles, observer };
         let belief = self.localizer.update(&input, commanded, map, &mut observers);
         self.obstacles.expire(input.stamp);
@@ -232,6 +235,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         &mut self,
         mut goal: ActiveGoal<S>,
         map: &MapView<'_, S>,
+        elapsed: S,
         report: &mut StepReport<S>,
     ) -> Option<GoalResult> {
         let controller = &self.config.controller;
@@ -264,7 +268,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         // A stop invalidates the pose, and with it the controller state.
         let is_stopped = matches!(report.action, SafetyAction::Stop(_));
         goal.state = if is_stopped { ControllerState::new() } else { step.state };
-        goal.note(&self.config, report, &step, cap.blocked_by);
+        goal.note(&self.config, report, &step, cap.blocked_by, elapsed);
         let ended = goal.result(&self.config, step.limited, self.commands.motion_fault(&self.config));
 
         self.goal = Some(goal);
@@ -291,8 +295,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
             // The pose is invalid, and the robot at most turns in place.
             return SpeedCap::unlimited();
         }
-        if map.is_known() && self.obstacles.is_timed_out(report.stamp) {
-            return SpeedCap::stop(BlockReason::LaserTimeout);
+        if let Some(reason) = self.laser_fault(map, report.stamp) {
+            return SpeedCap::stop(reason);
         }
         let intent = Intent {
             drive: &controller.drive,
@@ -348,33 +352,34 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         }
     }
 
-    /// Starts time anew where stamps went back: the goal is over, the wheels brake, the belief stays.
-    fn handle_clock_set_back(&mut self, now: Stamp) {
-        if now.since(self.localizer.stamp()) >= -CLOCK_SET_BACK_THRESHOLD {
-            return;
+    /// Time since the previous step \[s]. Where stamps went back, time starts anew: the goal is over, the wheels brake, the belief
+    /// stays.
+    fn advance_clock(&mut self, now: Stamp) -> S {
+        let elapsed = now.since(self.localizer.stamp());
+        if elapsed >= -CLOCK_SET_BACK_THRESHOLD {
+            return S::from_f64(elapsed.max(0.0));
         }
         self.result = self.end_goal(GoalResult::Aborted(AbortReason::ClockSetBack));
         self.rest_until = self.rest_until.map(|_| now.after(REST_TIME));
         let is_lost = self.localizer.health() == Health::Lost;
         self.start(now, (!is_lost).then_some(self.localizer.belief()));
+        S::from_f64(0.0)
     }
 
     /// The odometry of this step, or NaN, which the filter rejects and counts, where no wheel can have turned so fast.
-    fn plausible(&self, input: &SensorInput<'_, S>) -> Odometry<S> {
-        let Odometry::WheelTravel(travel) = input.odometry else { return input.odometry };
+    fn plausible(&self, odometry: Odometry<S>, elapsed: S) -> Odometry<S> {
+        let Odometry::WheelTravel(travel) = odometry else { return odometry };
         let controller = &self.config.controller;
-        let elapsed = S::from_f64(input.stamp.since(self.localizer.stamp()));
         let fastest = controller.limits.wheel_speed * S::from_f64(MAX_SPEED_RATIO);
         let is_plausible = travel.max_abs() <= fastest * elapsed.max(controller.period);
         let nan = S::from_f64(f64::NAN);
-        if is_plausible { input.odometry } else { Odometry::WheelTravel(WheelPair::new(nan, nan)) }
+        if is_plausible { odometry } else { Odometry::WheelTravel(WheelPair::new(nan, nan)) }
     }
 
     /// What the wheels were commanded since the last step, in case odometry is missing or rejected. Wheels that belong to another
     /// controller may have done what odometry reports, or anything within their limits.
-    fn commanded_odometry(&self, input: &SensorInput<'_, S>) -> WheelOdometry<S> {
+    fn commanded_odometry(&self, input: &SensorInput<'_, S>, elapsed: S) -> WheelOdometry<S> {
         let controller = &self.config.controller;
-        let elapsed = S::from_f64(input.stamp.since(self.localizer.stamp()).max(0.0));
         if self.goal.is_some() || self.rest_until.is_some() {
             let speeds = self.commands.expected_rims(&self.config);
             return WheelOdometry::from_command(speeds.scaled(elapsed));

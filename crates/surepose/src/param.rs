@@ -7,7 +7,7 @@ mod choice;
 mod table;
 
 pub(crate) use choice::impl_choice;
-pub use choice::{ArenaName, BrakingMode, Choice, LawName};
+pub use choice::{ArenaName, BrakingMode, Choice, LawName, MountingSource};
 pub use table::*;
 
 /// A constant that the user may set.
@@ -47,6 +47,11 @@ pub enum Kind {
     Choice {
         /// The names, those of a [`Choice`].
         options: &'static [&'static str],
+    },
+    /// A polygon of 3 to [`MAX_VERTICES`](crate::safety::MAX_VERTICES) points \[m] around the origin; by default none.
+    Polygon {
+        /// The bounds of each coordinate.
+        range: Range,
     },
 }
 
@@ -149,12 +154,12 @@ impl Unit {
 }
 
 impl Parameter {
-    /// Returns the default in SI units and radians; 0 for a choice and for a derived value.
+    /// Returns the default in SI units and radians; 0 for a choice, a polygon and a derived value.
     pub const fn default_si(&self) -> f64 {
         match self.kind {
             Kind::Number { default: Some(default), .. } => default * self.unit.to_si(),
             Kind::Integer { default, .. } => default as f64,
-            Kind::Number { default: None, .. } | Kind::Choice { .. } => 0.0,
+            Kind::Number { default: None, .. } | Kind::Choice { .. } | Kind::Polygon { .. } => 0.0,
         }
     }
 }
@@ -206,6 +211,7 @@ mod tests {
                 }
                 Kind::Integer { default, range } => assert!(range.contains(default.into()), "{}", p.key),
                 Kind::Choice { options } => assert!(!options.is_empty() && p.unit == Unit::One),
+                Kind::Polygon { range } => assert!(range.contains(0.0) && p.unit == Unit::Meter),
             }
         }
     }

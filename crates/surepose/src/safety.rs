@@ -8,10 +8,13 @@
 //! The [`MotionMonitor`] compares commands with odometry, and the [`ProgressMonitor`] watches the Lyapunov function: both end
 //! a goal that cannot be reached.
 //!
+//! The [`LaserMonitor`] detects a laser whose scans show nothing, before its silence is taken for free space.
+//!
 //! The laser sees one plane. Nothing here replaces a certified safety scanner.
 
 mod collision;
 mod footprint;
+mod laser_monitor;
 mod motion_monitor;
 mod obstacle_monitor;
 mod progress_monitor;
@@ -19,6 +22,7 @@ mod supervisor;
 
 pub use collision::{BlockReason, CollisionConfig, Intent, SpeedCap};
 pub use footprint::{Footprint, InvalidFootprint, MAX_VERTICES, Polygon};
+pub use laser_monitor::{LaserMonitor, LaserMonitorConfig};
 pub use motion_monitor::{MotionChannel, MotionFault, MotionMonitor};
 pub use obstacle_monitor::{ObstacleConfig, ObstacleMonitor};
 pub use progress_monitor::{LyapunovValue, ProgressMonitor};

@@ -1,5 +1,7 @@
 //! The hybrid law: it descends, it does not change its mind on noise, and it parks, noise or not.
 
+#![allow(clippy::float_cmp, reason = "legs are exact values")]
+
 use proptest::prelude::*;
 use surepose::control::{
     BrakingProfile, Controller, ControllerState, Deadband, Direction, Gains, HybridLaw, HybridState, Law,
@@ -286,11 +288,56 @@ fn trimming_averages_the_measurements() {
     let gain = |trim_ticks: f64| {
         let n = navigation(0.0, 0.0, 0.01);
         let step = law.compute(&n, HybridState { trim_ticks, ..memory(true, false, -1.0) });
-        assert!((step.state.trim_ticks - trim_ticks - 1.0).abs() < 1e-9);
+        assert!((step.state.trim_ticks - (trim_ticks + 1.0).min(25.0)).abs() < 1e-9);
         -step.twist.omega / 0.01 * 0.1
     };
     for n in 0..7 {
         assert!((gain(f64::from(n)) - 1.0 / f64::from(n + 1)).abs() < 1e-9, "tick {n}");
     }
     assert!(gain(1e6) > 0.1, "an error that grows again is followed");
+}
+
+/// A goal abeam: the robot turns by 45°, drives to the axis of the goal, and returns, without getting farther away.
+#[test]
+fn sidestep_reduces_the_lateral_error() {
+    let law: HybridLaw<f64> = law(0.02, Direction::Auto);
+    for (side, reverse) in [(-1.0, false), (1.0, false), (-1.0, true), (1.0, true)] {
+        let offset = 0.02;
+        let mut pose: Pose<Goal, Body, f64> = Pose::new(0.0, side * offset, Angle::zero());
+        let mut state = memory(true, reverse, 1.0);
+        let (mut largest_turn, mut largest_distance, mut legs) = (0.0_f64, 0.0_f64, Vec::new());
+        for _ in 0..150 {
+            let output = law.compute(&NavigationVariables::from_goal_frame(pose), state);
+            if output.state.sidestep != state.sidestep {
+                legs.push(output.state.sidestep.abs());
+            }
+            let twist = limits(f64::INFINITY).limit_speed(&drive(), output.twist);
+            pose = pose.integrate(twist.integrate_for(0.02), Integration::Arc);
+            state = output.state;
+            largest_turn = largest_turn.max(pose.heading.degrees().abs());
+            largest_distance = largest_distance.max(pose.x.hypot(pose.y));
+        }
+        assert_eq!(legs, [1.0, 0.5, 0.0], "out, back, none");
+        assert!((43.0..47.0).contains(&largest_turn), "turned by {largest_turn}°");
+        assert!(largest_distance < offset + 1e-4, "{largest_distance} m from the goal");
+        assert!(pose.y.abs() < 0.15 * offset && pose.x.abs() < 1e-3, "ended at {pose:?}");
+        assert!(pose.heading.degrees().abs() < 0.1, "ended at {pose:?}");
+    }
+}
+
+/// Estimates that scatter across the threshold start no sidestep: their mean decides.
+#[test]
+fn noise_alone_starts_no_sidestep() {
+    let law: HybridLaw<f64> = law(0.02, Direction::Auto);
+    let mut noise = Noise(5);
+    let mut state = memory(true, false, 1.0);
+    let mut beyond = 0;
+    for _ in 0..10_000 {
+        let seen: Pose<Goal, Body, f64> =
+            Pose::new(0.0, 0.003 + 0.005 * noise.draw(), Angle::from_radians(0.002 * noise.draw()));
+        beyond += u32::from(seen.y > 0.25 * law.capture_radius);
+        state = law.compute(&NavigationVariables::from_goal_frame(seen), state).state;
+        assert!(state.local_mode && state.sidestep == 0.0);
+    }
+    assert!(beyond > 1000, "the noise is too small to test anything: {beyond}");
 }

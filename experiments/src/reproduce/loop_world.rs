@@ -4,6 +4,7 @@ use surepose::control::{InvalidPath, Path};
 use surepose::estimation::{Belief, WheelOdometry};
 use surepose::geometry::{Angle, Body, Map, Pose};
 use surepose::kinematics::{Integration, Motion, Twist, WheelPair};
+use surepose::lidar::ScanTiming;
 use surepose::localization::LoopObserver;
 use surepose::map::{MapView, Wall};
 use surepose::time::{Stamp, Stamped};
@@ -138,7 +139,7 @@ impl Run<'_> {
     ) -> Belief<f64> {
         // There is no command here, and the encoders are never rejected.
         let commanded = WheelOdometry::from_command(WheelPair::zero());
-        with_sensor_input(sensed, &self.world.robot.compass(), |sensed| {
+        with_sensor_input(sensed, &self.world.robot.compass(), &ScanTiming::default(), |sensed| {
             robot.update(sensed, commanded, &MapView::from_walls(&self.world.walls), observer)
         })
     }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use surepose::param::Choice;
 use surepose_config::Config;
 use surepose_io::mines_rover::{self, ROVER};
 use surepose_mapping::calibrate::{CalibrationError, CalibrationRecording, Options, STAGES, calibrate};
@@ -77,7 +78,10 @@ impl CalibrateCommand {
             folder.text("calibration.toml", &found.configuration())?;
         }
         let parameters = found.parameters();
-        output.result(&object(&parameters), || {
+        let mut report = object(&parameters);
+        let stamped = found.laser_stamp().map(Choice::name);
+        report.extend(stamped.map(|name| ("laser_stamp".to_owned(), name.into())));
+        output.result(&report, || {
             let mut table = table(&["parameter", "value", "standard error", "unit"]);
             for (name, estimate) in &parameters {
                 let number =
@@ -90,6 +94,9 @@ impl CalibrateCommand {
                     number(estimate.std_error),
                     estimate.unit.to_owned(),
                 ]);
+            }
+            if let Some(name) = stamped {
+                table.add_row(["laser_stamp".to_owned(), name.to_owned(), String::new(), String::new()]);
             }
             wrapped(table)
         })?;

@@ -50,6 +50,9 @@ pub(crate) struct ReplayCommand {
     /// Use the absolute heading of the topic imu (mcap only)
     #[arg(long)]
     compass: bool,
+    /// Use the yaw rate of the topic imu (mcap only)
+    #[arg(long)]
+    gyroscope: bool,
     /// Rename a topic (mcap only), for example odom:=/base/odom; needed if the topics are not odom, scan, imu and truth and their type is not unique. May be repeated
     #[arg(long, value_name = "FROM:=TO")]
     remap: Vec<String>,
@@ -161,6 +164,7 @@ impl ReplayCommand {
             scan_method,
             start: self.start.map(|start| Belief::new(start.pose(), START_STD)),
             compass: self.compass,
+            gyroscope: self.gyroscope,
             safety_radius: 0.0,
             hold: false,
         };
@@ -197,9 +201,9 @@ impl ReplayCommand {
                 usage("--start: only wean and mcap recordings take a start pose", "leave out --start")
             }
             Format::Mcap => Ok(()),
-            _ if self.compass || !self.remap.is_empty() => usage(
-                "--compass, --remap: only mcap recordings have topics",
-                "leave out --compass and --remap",
+            _ if self.compass || self.gyroscope || !self.remap.is_empty() => usage(
+                "--compass, --gyroscope, --remap: only mcap recordings have topics",
+                "leave out --compass, --gyroscope and --remap",
             ),
             _ => Ok(()),
         }

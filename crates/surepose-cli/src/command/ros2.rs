@@ -29,14 +29,15 @@ use crate::{certification, interrupt};
   surepose ros2 --config robot.toml --remap odom:=/diff_drive/odom --cmd-vel twist
 
 Subscribes to odom (nav_msgs/Odometry), goal_pose and initialpose (as RViz publishes them); with --map to scan \
-(sensor_msgs/LaserScan) and /tf_static, which gives the pose of the laser unless [laser] sets it; with --compass to imu \
-(sensor_msgs/Imu, absolute heading). Serves the action navigate_to_pose (nav2_msgs) and the service \
+(sensor_msgs/LaserScan); with --compass to imu (sensor_msgs/Imu, absolute heading), with --gyroscope to its yaw rate; with either to /tf_static, which gives \
+the mounting of laser and compass unless [laser] or compass.offset_deg sets it. Serves the action navigate_to_pose (nav2_msgs) and the service \
 reinitialize_global_localization (std_srvs/Empty). Publishes cmd_vel while a goal is active, pose, walls, /tf (map to the \
 odometry frame) and /diagnostics. ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE have their usual meaning. No ROS \
 installation is needed.
 
 Exit codes: 0 stopped by Ctrl-C, after a stop command to the wheels; 2 usage, configuration or environment error; \
 3 map unreadable or malformed.")]
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
 pub(crate) struct Ros2Command {
     /// A wall map (.toml), or an occupancy grid of map_server (.yaml) from which walls are extracted; without it, the map frame starts at the first pose of odometry
     #[arg(long, value_name = "FILE")]
@@ -47,10 +48,13 @@ pub(crate) struct Ros2Command {
     /// Use the absolute heading of imu; 0 is east or the x axis of the map, corrected by compass.offset_deg
     #[arg(long)]
     compass: bool,
+    /// Use the yaw rate of imu, so that the heading between scans does not depend on wheels that may slip
+    #[arg(long)]
+    gyroscope: bool,
     /// Hold the reached pose, also after a disturbance, until a new goal or a cancel request
     #[arg(long)]
     hold: bool,
-    /// The distance from the path of the robot center at which unmapped obstacles seen by the laser stop the robot; default half the wheel separation plus 10 cm, 0 disables
+    /// The distance from the path of the robot center at which unmapped obstacles seen by the laser stop the robot; default the radius of the footprint plus 8 cm, 0 disables
     #[arg(long, value_name = "M", alias = "room", value_parser = safety_radius, allow_negative_numbers = true)]
     safety_radius: Option<f64>,
     /// The message type of cmd_vel, from geometry_msgs
@@ -150,12 +154,14 @@ impl Ros2Command {
                     scan_method,
                     start: None,
                     compass,
+                    gyroscope: false,
                     safety_radius,
                     hold: false,
                 }
             }
         };
         driver.hold = self.hold;
+        driver.gyroscope = self.gyroscope;
         driver.safety_radius = self.safety_radius.unwrap_or(driver.safety_radius);
         driver.start = self.start.map(|start| Belief::new(start.pose(), START_STD)).or(driver.start);
         let simulated = scenario.map(|scenario| {

@@ -6,7 +6,7 @@ use clap::Args;
 use surepose::param::{self, ArenaName, Choice};
 use surepose_config::{Config, describe_abort};
 use surepose_figures::{self as picture, Picture};
-use surepose_sim::robot::{InsufficientClearance, Scenario};
+use surepose_sim::robot::{InvalidEnd, Scenario, ScenarioEnd};
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
 use surepose_sim::world_parameters::world_parameters;
 use surepose_sim::{WallSegment, WorldSettings};
@@ -87,15 +87,15 @@ impl RunCommand {
         for said in certification::warnings(&scenario.config) {
             warning(&said);
         }
+        for said in scenario.config.stall_warnings(&scenario.world_settings.over(&scenario.config)) {
+            warning(&said);
+        }
         if let Some(wall) = scenario.wall_on_straight_path() {
             let WallSegment { start: a, end: b } = wall;
             warning(&format!(
                 "scenario: the wall from ({}, {}) to ({}, {}) crosses the straight line to the goal; the law does not plan around obstacles",
                 a.x, a.y, b.x, b.y
             ));
-        }
-        if let Some(said) = cramped(&scenario) {
-            warning(&said);
         }
         // Checked before the run: an output directory that is not writable must not discard a finished run.
         let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
@@ -176,34 +176,22 @@ impl RunCommand {
         }
         let mut scenario = Scenario::configured(config);
         scenario.world_settings = WorldSettings::from_options(self.world.iter().map(String::as_str))?;
-        scenario.check_clearance().map_err(|problem| no_room(&problem, &scenario))?;
+        scenario.check_clearance().map_err(|problem| invalid_end(&problem, &scenario))?;
         Ok(scenario)
     }
 }
 
-/// Warns about a goal so near to a wall that a wheel would touch it; the simulation checks the robot center only.
-fn cramped(scenario: &Scenario) -> Option<String> {
-    let (clearance, half) =
-        (scenario.arena.clearance(scenario.goal().origin()), 0.5 * scenario.config.drive().wheel_separation);
-    (clearance <= half).then(|| {
-        format!(
-            "the goal is {clearance:.2} m from a wall, but the wheels are {half} m from the robot center; the simulation does not \
-             check that the robot has room to turn"
-        )
-    })
-}
-
-/// Builds the usage error of a pose without clearance: names the option to change and the origin of the pose.
-fn no_room(problem: &InsufficientClearance, scenario: &Scenario) -> CliError {
-    let (key, parameter) = match problem.end {
-        "start" => ("start", &param::START_X),
-        _ => ("goal", &param::GOAL_X),
+/// Builds the usage error of an invalid pose: names the option to change and the origin of the pose.
+fn invalid_end(problem: &InvalidEnd, scenario: &Scenario) -> CliError {
+    let key = problem.end.name();
+    let parameter = match problem.end {
+        ScenarioEnd::Start => &param::START_X,
+        ScenarioEnd::Goal => &param::GOAL_X,
     };
     let [low, high] = scenario.arena.corners();
     let help = format!(
-        "set --{key} at least {:.2} m from every wall and plate; the arena '{}' \
-         extends from ({}, {}) to ({}, {}); this {key} comes from: {}",
-        problem.needed,
+        "set --{key} to a pose with room for the robot (robot.footprint_radius_m or robot.footprint_m, safety.wall_clearance_m); \
+         the arena '{}' extends from ({}, {}) to ({}, {}); this {key} comes from: {}",
         scenario.arena.name(),
         low.0,
         low.1,

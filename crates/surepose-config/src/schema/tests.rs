@@ -23,6 +23,7 @@ fn accepts(schema: &Json, value: &Json) -> bool {
                 Some("object") => value.is_object(),
                 Some("string") => value.is_string(),
                 Some("number") => value.is_number(),
+                Some("array") => value.is_array(),
                 Some("integer") => value.as_f64().is_some_and(|number| number.fract() == 0.0),
                 other => panic!("unknown type {other:?}"),
             },
@@ -30,6 +31,14 @@ fn accepts(schema: &Json, value: &Json) -> bool {
             "minimum" => number(|value, bound| value >= bound),
             "exclusiveMinimum" => number(|value, bound| value > bound),
             "maximum" => number(|value, bound| value <= bound),
+            "minItems" => {
+                value.as_array().is_none_or(|items| items.len() as u64 >= rule.as_u64().expect("a size"))
+            }
+            "maxItems" => {
+                value.as_array().is_none_or(|items| items.len() as u64 <= rule.as_u64().expect("a size"))
+            }
+            "items" => value.as_array().into_iter().flatten().all(|item| accepts(rule, item)),
+            "anyOf" => rule.as_array().expect("an array").iter().any(|schema| accepts(schema, value)),
             "properties" => value
                 .as_object()
                 .into_iter()
@@ -63,6 +72,7 @@ fn schema_accepts_the_defaults() {
         let value = match &setting.value {
             Value::Number(number) => json!(number),
             Value::Choice(name) => json!(name),
+            Value::Polygon(points) => json!(points),
         };
         let property = &schema["properties"][setting.parameter.section]["properties"][setting.parameter.key];
         if let Some(default) = property.get("default") {
@@ -88,6 +98,17 @@ fn schema_and_parser_agree() {
                     let step = 1.0_f64.max(bound.abs()) * 1e-6;
                     values.extend([bound - step, bound, bound + step].map(|at| format!("{at:?}")));
                 }
+            }
+            Kind::Polygon { range } => {
+                let square = |size: f64| format!("[[{size:?}, 1], [-1, 1], [-1.0, -1.0], [1, -1.5]]");
+                values.extend([range.high, range.high + 1e-6, 1.0].map(square));
+                values.extend([3, 8, 9].map(|corners| {
+                    let corner = |k: usize| (std::f64::consts::TAU * k as f64 / corners as f64).sin_cos();
+                    format!("{:?}", (0..corners).map(corner).map(<[f64; 2]>::from).collect::<Vec<_>>())
+                }));
+                values
+                    .extend(["[[1, 0], [0, 1]]", "[[1, 0, 0], [-1, 1, 0], [-1, -1, 0]]"].map(str::to_owned));
+                values.extend(["[1, 2, 3]", "[[1, 1], [-1, \"1\"], [-1, -1]]"].map(str::to_owned));
             }
             Kind::Choice { options } => values.extend(options.iter().map(|name| format!("\"{name}\""))),
         }

@@ -1,14 +1,12 @@
 //! Lines extracted from single scans.
 
-use core::f64::consts::TAU;
-
 use surepose::geometry::{Angle, Laser, Line, Point};
 use surepose::lidar::{LineExtractor, RangeFinder, Scan};
 use surepose_io::recording::ScanRecord as Recorded;
 
 use super::model::{during, known_pose, motion};
 use super::options::Options;
-use super::parameter::Geometry;
+use super::parameter::{CalibrationParameter, Geometry};
 use super::recording::{OdometryStep, locate};
 
 /// Maximum number of beams of a scan.
@@ -47,7 +45,7 @@ pub(super) fn line_observations(
     let mut found = Vec::new();
     let mut ranges = Vec::new();
     for (number, scan) in scans.iter().enumerate() {
-        stand_still(scan, steps, nominal, options.sweep_period, &mut ranges);
+        stand_still(scan, steps, nominal, options.sweep, &mut ranges);
         let still = Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &ranges);
         let Ok(extracted) = extractor.extract(&laser, &still) else { continue };
         found.extend(extracted.lines.iter().filter_map(|seen| {
@@ -79,21 +77,23 @@ fn stand_still(
     scan: &Recorded,
     steps: &[OdometryStep],
     nominal: &Geometry<f64>,
-    sweep_period: f64,
+    sweep: f64,
     ranges: &mut Vec<f64>,
 ) {
     ranges.clear();
     ranges.extend_from_slice(&scan.ranges);
-    let Some((first, fraction)) = (sweep_period > 0.0).then(|| locate(steps, scan.time)) else { return };
+    let middle = scan.time - nominal.get(CalibrationParameter::LaserLatency);
+    let Some((first, fraction)) = (sweep != 0.0).then(|| locate(steps, middle)) else { return };
     let Some(step) = steps.get(first) else { return };
     let motion = motion(nominal, step.turned);
     let origin = known_pose([0.0; 3]);
     let end = origin.integrate(motion, surepose::kinematics::Integration::Arc);
     let ahead = during(origin, end, fraction) * nominal.body_from_laser();
     let mut ends = Vec::with_capacity(scan.ranges.len());
+    let steps = scan.ranges.len().saturating_sub(1).max(1) as f64;
     for (beam, range) in scan.ranges.iter().enumerate().filter(|(_, range)| range.is_finite()) {
         let bearing = scan.angle(beam);
-        let later = bearing / TAU * sweep_period * scan.angle_increment.signum();
+        let later = (beam as f64 / steps - 0.5) * sweep;
         let then = during(origin, end, fraction + later / step.duration) * nominal.body_from_laser();
         let (sin, cos) = bearing.sin_cos();
         let at = ahead.inverse() * (then * Point::new(range * cos, range * sin));

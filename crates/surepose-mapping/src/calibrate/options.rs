@@ -26,8 +26,12 @@ pub struct Options {
     pub wall_distance_std: f64,
     /// Standard deviation of a wall's direction from scan to scan, beyond the noise of the beams \[rad].
     pub wall_direction_std: f64,
-    /// Duration of one mirror turn \[s]; 0 if all beams of a scan are taken at once.
-    pub sweep_period: f64,
+    /// Time from the first beam of a scan to its last \[s], negative for beams in reverse order; 0 if all beams of a scan are
+    /// taken at once.
+    pub sweep: f64,
+    /// Whether the latency of the laser is relative to the beam that the driver stamps, which is then determined; otherwise it
+    /// is relative to the middle one.
+    pub finds_stamp: bool,
     /// Whether scans are evenly spaced in time although their stamps, taken by the host, are not.
     pub scans_are_even: bool,
     /// Standard deviation of the compass \[rad].
@@ -60,7 +64,8 @@ impl Options {
             range_max: 50.0,
             wall_distance_std: 0.0,
             wall_direction_std: 0.0,
-            sweep_period: 0.0,
+            sweep: 0.0,
+            finds_stamp: false,
             scans_are_even: false,
             compass_std: compass.std,
             start_heading: None,
@@ -90,7 +95,8 @@ impl Options {
             range_max: 5.6,
             wall_distance_std: 0.01,
             wall_direction_std: 0.5_f64.to_radians(),
-            sweep_period: 0.1,
+            // 682 of the 1024 steps of a mirror turn of 0.1 s.
+            sweep: 0.1 * 681.0 / 1024.0,
             scans_are_even: true,
             ..Self::from_config(&Config::default())
         }
@@ -105,7 +111,7 @@ impl Options {
             self.range_std,
             self.compass_std,
         ];
-        let rest = [self.bearing_std, self.wall_distance_std, self.wall_direction_std, self.sweep_period];
+        let rest = [self.bearing_std, self.wall_distance_std, self.wall_direction_std, self.sweep.abs()];
         positive.iter().all(|v| v.is_finite() && *v > 0.0)
             && rest.iter().all(|v| v.is_finite() && *v >= 0.0)
             && self.nominal.0.iter().all(|v| v.is_finite())

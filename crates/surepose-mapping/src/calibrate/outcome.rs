@@ -6,7 +6,8 @@ use std::fmt::Write as _;
 use nalgebra::DMatrix;
 use serde::Serialize;
 use surepose::kinematics::WheelPair;
-use surepose::param::{self, Kind, Unit};
+use surepose::lidar::StampedBeam;
+use surepose::param::{self, Choice, Kind, Unit};
 
 use super::parameter::{COUNT, CalibrationParameter, Geometry};
 
@@ -33,6 +34,8 @@ pub struct Calibration {
     delta: f64,
     log_delta_std: f64,
     knows_heading: bool,
+    /// Duration of the sweep \[s]; `None` where the latency of the laser is relative to its middle beam.
+    sweep: Option<f64>,
     /// Variance of the walls over the variance expected from beams and walls: 1 if both noise levels are as
     /// stated.
     pub wall_scatter: f64,
@@ -50,6 +53,7 @@ impl Calibration {
         nominal: Geometry<f64>,
         (delta, log_delta_std): (f64, f64),
         knows_heading: bool,
+        sweep: Option<f64>,
         wall_scatter: f64,
         (scans, line_observations): (usize, usize),
     ) -> Self {
@@ -60,6 +64,7 @@ impl Calibration {
             delta,
             log_delta_std,
             knows_heading,
+            sweep,
             wall_scatter,
             scans,
             line_observations,
@@ -73,10 +78,29 @@ impl Calibration {
         let std = self.covariance[(i, i)].sqrt();
         let known = parameter != CalibrationParameter::CompassOffset || self.knows_heading;
         if known && parameter.is_excited(std, &self.nominal) {
-            estimate(self.geometry.0[i], std, unit)
+            estimate(self.geometry.0[i] - self.stamp_offset(parameter), std, unit)
         } else {
             not_excited(unit, parameter.excitation())
         }
+    }
+
+    /// Returns the beam that the driver stamps: the nearest one, if the sweep and the latency are known.
+    ///
+    /// The latency of the laser is relative to this beam, and thus at most a quarter of the sweep, unless the stamp is
+    /// earlier than the first beam or later than the last.
+    pub fn laser_stamp(&self) -> Option<StampedBeam> {
+        let latency = CalibrationParameter::LaserLatency;
+        let std = self.covariance[(latency as usize, latency as usize)].sqrt();
+        let sweep = self.sweep.filter(|_| latency.is_excited(std, &self.nominal))?;
+        let late = self.geometry.get(latency);
+        let off = |beam: &StampedBeam| (late - (beam.fraction() - 0.5) * sweep).abs();
+        StampedBeam::ALL.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+
+    /// Returns the time from the middle beam to the stamped one \[s], for the latency of the laser; 0 for other parameters.
+    fn stamp_offset(&self, parameter: CalibrationParameter) -> f64 {
+        let stamped = self.laser_stamp().filter(|_| parameter == CalibrationParameter::LaserLatency);
+        stamped.zip(self.sweep).map_or(0.0, |(beam, sweep)| (beam.fraction() - 0.5) * sweep)
     }
 
     /// Returns the mean radius of the two wheels.
@@ -155,6 +179,9 @@ impl Calibration {
             } else {
                 let what = estimate.not_excited.unwrap_or("unknown");
                 let _ = writeln!(text, "# {}: not excited; it takes {what}", key.key);
+            }
+            if let (Some(stamped), true) = (self.laser_stamp(), key == &param::LASER_LATENCY) {
+                let _ = writeln!(text, "{} = \"{}\"", param::LASER_STAMP.key, stamped.name());
             }
         }
         text

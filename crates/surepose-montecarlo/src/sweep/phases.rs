@@ -144,6 +144,8 @@ impl<T: Element> TrialBatch<T> {
             turn_direction: self.turn_direction.get(k),
             trim_ticks: self.trim_ticks.get(k),
             drive_direction: self.drive_direction.get(k),
+            sidestep: self.sidestep.get(k),
+            lateral: self.lateral.get(k),
         }
     }
 
@@ -200,6 +202,8 @@ impl Step for SelectMode {
         batch.local_mode.set_mask(k, state.local_mode);
         batch.turn_direction.set(k, state.turn_direction);
         batch.trim_ticks.set(k, state.trim_ticks);
+        batch.sidestep.set(k, state.sidestep);
+        batch.lateral.set(k, state.lateral);
     }
 }
 

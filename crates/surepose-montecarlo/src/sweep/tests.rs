@@ -1,6 +1,9 @@
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use surepose::control::{Direction, Gains, Law, Tran2012Law};
 use surepose::geometry::Angle;
 use surepose_sim::CancelToken;
+use surepose_simd::uniform;
 
 use super::{PoseSource, Precision, Quantiles, Start, Starts, Sweep, SweepNoise, SweepReport, fitted_law};
 
@@ -41,6 +44,34 @@ fn the_default_law_meets_its_required_figures() {
         assert!(cusps <= if noise == SweepNoise::NONE { 0.3 } else { 2.0 }, "{case}");
         assert!(some(report.final_position_error_m).p95 <= 0.0045, "{case}");
         assert!(some(report.final_heading_error_deg).p95 <= 0.2, "{case}");
+    }
+}
+
+/// Starts 1 to 4 cm from the goal, `around` it or exactly beside it, with headings within ±`heading_deg`.
+fn starts_aside(count: usize, around: bool, heading_deg: f64) -> Starts {
+    let draw = |k: usize| uniform(17, k as u64);
+    let start = |k: usize| {
+        let (distance, angle) = (0.01 + 0.03 * draw(3 * k), TAU * draw(3 * k + 1));
+        let angle = if around { angle } else { FRAC_PI_2.copysign(angle - PI) };
+        let heading = Angle::from_degrees(heading_deg * (2.0 * draw(3 * k + 2) - 1.0));
+        Start::new(distance * angle.cos(), distance * angle.sin(), heading)
+    };
+    Starts::Given((0..count).map(start).collect())
+}
+
+/// A goal a little aside needs one sidestep, not a series of approaches.
+#[test]
+fn a_goal_a_little_aside_is_reached_soon() {
+    for (around, heading_deg) in [(false, 10.0), (true, 10.0), (true, 180.0)] {
+        for known in [SweepNoise::NONE, SweepNoise::BENCH] {
+            let law = fitted_law(0.02, Direction::Auto, known);
+            let starts = starts_aside(2000, around, heading_deg);
+            let report = run(&Sweep { starts, law, ..sweep(0, 0.02, SweepNoise::BENCH) });
+            let time = report.time_s.expect("successful trials");
+            let case = format!("around: {around}, ±{heading_deg}°, {known:?}: {time:?}");
+            assert_eq!(report.success_rate, Some(1.0), "{case}");
+            assert!(time.p95 <= 8.0 && time.max <= 15.0, "{case}");
+        }
     }
 }
 

@@ -31,6 +31,8 @@ pub(super) struct TrialBatch<T: Element> {
     pub(super) turn_direction: BatchArray<T>,
     pub(super) trim_ticks: BatchArray<T>,
     pub(super) drive_direction: BatchArray<T>,
+    pub(super) sidestep: BatchArray<T>,
+    pub(super) lateral: BatchArray<T>,
     /// Estimated distance, direction and heading error of the goal in this period.
     pub(super) rho: BatchArray<T>,
     pub(super) bearing: BatchArray<T>,
@@ -93,6 +95,8 @@ impl<T: Element> TrialBatch<T> {
             &mut self.turn_direction,
             &mut self.trim_ticks,
             &mut self.drive_direction,
+            &mut self.sidestep,
+            &mut self.lateral,
         ];
         let zeros = memory.into_iter().chain([
             &mut score.path,

@@ -44,7 +44,7 @@ fn narrow(law: &Law<f64>) -> bool {
 
 #[test]
 fn the_result_is_faster_certified_and_reproducible() {
-    let run = || tune(fitted(), 4).run(&narrow, &TuneProgress::default());
+    let run = || tune(fitted(), 6).run(&narrow, &TuneProgress::default());
     let tuned = run();
     let best = tuned.best.expect("certified initial gains");
     assert!(narrow(&best.with(&fitted())) && best != tuned.start, "{best:?}");

@@ -43,6 +43,8 @@ impl BagIndex {
                 }
             })?;
         }
+        // A recording holds all transforms: a mounting that is not among them stays unknown.
+        bag_index.extrinsics.assume_identity();
         bag_index.poses.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(bag_index)
     }

@@ -4,14 +4,16 @@ use core::f64::consts::TAU;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use nalgebra::UnitQuaternion;
 use surepose::control::Controller;
 use surepose::estimation::{HeadingMeasurement, Measurement};
 use surepose::geometry::Angle;
 use surepose::kinematics::WheelPair;
+use surepose::lidar::ScanTiming;
 use surepose::time::{Stamp, Stamped};
 use surepose_config::{CompassParameters, Config};
 use surepose_io::recording::{ScanRecord, SensorPose, StampedTicks};
-use surepose_mapping::calibrate::{CalibrationRecording, Options, StampedHeading};
+use surepose_mapping::calibrate::{CalibrationParameter, CalibrationRecording, Options, StampedHeading};
 
 use crate::convert::MessageError;
 use crate::driver::{OdometryAccumulator, SensorMessage};
@@ -29,9 +31,6 @@ const TICKS_PER_TURN: f64 = 1e5;
 
 /// Standard deviation of a wall's distance \[m] and direction \[rad] beyond the usual laser noise.
 const WALL_STD: (f64, f64) = (0.01, 0.5 * TAU / 360.0);
-
-/// Longest sweep time of a scan \[s].
-const MAX_SWEEP_TIME: f64 = 1.0;
 
 /// Calibration data of a recording, with the initial values.
 #[derive(Clone, Debug)]
@@ -66,14 +65,15 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
     options.start_heading =
         start.map(|start| HeadingMeasurement { heading: start.heading, std: REFERENCE_STD[2] });
     let mut gathering = Gathering::new(config, options, bag_index.extrinsics, skipped);
-    // The compass offset is estimated.
-    let laser_extrinsics = CompassParameters { offset: Angle::zero(), ..config.compass() };
+    // The compass offset is estimated; it includes the mounting, as the configured offset does.
+    let compass_parameters = CompassParameters { offset: Angle::zero(), ..config.compass() };
     bag.messages(|said| {
         let refused = match said {
             BagMessage::Odometry(odometry) => gathering.roll(&odometry),
             BagMessage::Scan(scan) => gathering.see(scan),
             BagMessage::Imu(imu) if compass => {
-                sense::heading(&imu, &laser_extrinsics).map(|message| gathering.turn(&message))
+                let identity = UnitQuaternion::identity();
+                sense::heading(&imu, &identity, &compass_parameters).map(|message| gathering.turn(&message))
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
@@ -90,6 +90,7 @@ struct Gathering {
     recorded: Recorded,
     extrinsics: ExtrinsicsResolver,
     controller: Controller<f64>,
+    timing: ScanTiming,
     odometry_accumulator: Option<OdometryAccumulator>,
     /// Wheel angles since the first odometry \[rad].
     turned: WheelPair<f64>,
@@ -112,6 +113,7 @@ impl Gathering {
             recorded: Recorded { recording, options, skipped, mounted: None, truncations: Vec::new() },
             extrinsics,
             controller: config.controller(),
+            timing: config.laser().timing,
             odometry_accumulator: None,
             turned: WheelPair::zero(),
         }
@@ -143,17 +145,26 @@ impl Gathering {
     }
 
     fn see(&mut self, message: LaserScan) -> Result<(), MessageError> {
-        let sweep = f64::from(message.time_increment) * message.ranges.len() as f64;
-        let laser_extrinsics = self.extrinsics.lookup(&message.header.frame_id)?;
-        let stamped = sense::scan(message, laser_extrinsics)?;
+        let Some(laser_extrinsics) = self.extrinsics.laser(&message.header.frame_id)? else { return Ok(()) };
+        let stamped = sense::scan(message, laser_extrinsics);
         let Stamped { stamp, value: SensorMessage::Scan(scan) } = stamped else { return Ok(()) };
+        if !scan.angle_min.is_finite() || !scan.angle_increment.is_finite() {
+            return Err(MessageError::NotFinite);
+        }
         let time = stamp.seconds();
         let Recorded { recording, options, .. } = &mut self.recorded;
         if recording.scans.is_empty() {
             (options.range_min, options.range_max) = (scan.range_min.max(options.range_min), scan.range_max);
             options.nominal = options.nominal.with_laser(scan.body_from_laser);
-            options.sweep_period =
-                Some(sweep).filter(|sweep| (0.0..MAX_SWEEP_TIME).contains(sweep)).unwrap_or(0.0);
+            let steps = scan.ranges.len().saturating_sub(1) as f64;
+            let sweep = self.timing.sweep.unwrap_or(scan.time_increment * steps);
+            // Beams of a clockwise scan are reversed below.
+            options.sweep = sweep.copysign(scan.angle_increment);
+            options.finds_stamp = sweep > 0.0;
+            // The fit starts at the latency of the middle beam.
+            let latency = options.nominal.get(CalibrationParameter::LaserLatency);
+            let middle = latency + (self.timing.stamped.fraction() - 0.5) * sweep;
+            options.nominal.0[CalibrationParameter::LaserLatency as usize] = middle;
         }
         let reach = scan.range_min..scan.range_max;
         let returned = |range: f64| if reach.contains(&range) { range } else { f64::INFINITY };

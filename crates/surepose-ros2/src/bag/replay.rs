@@ -35,7 +35,7 @@ pub fn replay(
     mut notify: impl FnMut(Notice),
 ) -> Result<ReplayReport, BagError> {
     let begun = Instant::now();
-    let required = [(Role::Scan, settings.map.is_some()), (Role::Imu, settings.compass)];
+    let required = [(Role::Scan, settings.map.is_some()), (Role::Imu, settings.hears_imu())];
     let required: Vec<_> =
         required.into_iter().filter_map(|(role, is_required)| is_required.then_some(role)).collect();
     let bag = Bag::open(path, names, &required)?;
@@ -48,7 +48,8 @@ pub fn replay(
     }
     let BagIndex { poses, mut extrinsics, .. } = bag_index;
     let compass = settings.config.compass();
-    let (has_map, hears_compass) = (settings.map.is_some(), settings.compass);
+    let (has_map, hears_compass, hears_gyroscope) =
+        (settings.map.is_some(), settings.compass, settings.gyroscope);
     let mut set_filter_errors = Judge::new(&poses);
     let mut driver = NodeDriver::new(settings);
     bag.messages(|said| {
@@ -63,16 +64,26 @@ pub fn replay(
             }),
             BagMessage::Scan(_) if !has_map => Ok(()),
             BagMessage::Scan(scan) => {
-                let laser_extrinsics = extrinsics.lookup(&scan.header.frame_id);
+                let laser_extrinsics = extrinsics.laser(&scan.header.frame_id);
                 if let Some(line) = extrinsics.take_source_message() {
                     notify(Notice::LaserMount(line));
                 }
-                laser_extrinsics
-                    .and_then(|laser_extrinsics| sense::scan(scan, laser_extrinsics))
-                    .map(|message| driver.add_measurement(message))
+                laser_extrinsics.map(|laser_extrinsics| {
+                    if let Some(laser_extrinsics) = laser_extrinsics {
+                        driver.add_measurement(sense::scan(scan, laser_extrinsics));
+                    }
+                })
             }
-            BagMessage::Imu(imu) if hears_compass => {
-                sense::heading(&imu, &compass).map(|message| driver.add_measurement(message))
+            BagMessage::Imu(imu) if hears_compass || hears_gyroscope => {
+                extrinsics.compass(&imu.header.frame_id).map_or(Ok(()), |mounting| {
+                    if hears_gyroscope {
+                        driver.add_measurement(sense::yaw_rate(&imu, &mounting)?);
+                    }
+                    if hears_compass {
+                        driver.add_measurement(sense::heading(&imu, &mounting, &compass)?);
+                    }
+                    Ok(())
+                })
             }
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };

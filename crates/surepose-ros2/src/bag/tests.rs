@@ -10,8 +10,9 @@ use flate2::write::GzEncoder;
 use recorder::{File, Recorder, Robot, recorded_by, round, winding};
 use surepose::geometry::Pose;
 use surepose::kinematics::{DiffDrive, Twist};
-use surepose::param;
+use surepose::param::{self, Choice};
 use surepose::time::Stamp;
+use surepose_config::Config;
 use surepose_mapping::calibrate::calibrate;
 use surepose_replay::ReplayReport;
 use surepose_sim::robot::Scenario;
@@ -235,7 +236,8 @@ fn base_with_wrong_wheel_parameters_is_calibrated() {
     let robot = Robot { scenario: scenario.clone(), base, hangs: false };
     let mut recorder = recorded_by(&robot, 120.0, "/odom", winding);
     // Scans without a stamp are skipped.
-    let unstamped = SimulatedScan { angle_min: -1.5, angle_increment: 0.05, ranges: vec![1.0; 61] };
+    let unstamped =
+        SimulatedScan { angle_min: -1.5, angle_increment: 0.05, ranges: vec![1.0; 61], time_increment: 0.0 };
     for _ in 0..50 {
         let scan = messages::scan(Stamp::default(), &unstamped);
         recorder.write("/scan", "sensor_msgs/msg/LaserScan", Stamp::from_seconds(1.7e9 + 120.0), &scan);
@@ -263,6 +265,25 @@ fn base_with_wrong_wheel_parameters_is_calibrated() {
         let (value, std) = (estimate.value.unwrap(), estimate.std_error.unwrap());
         let off = (value - truth).abs();
         assert!(off < nearer_than && off < 3.0 * std, "{name}: {value} ± {std}, truth {truth}");
+    }
+}
+
+/// A driver that states the sweep and stamps another beam than the first.
+#[test]
+fn the_stamped_beam_is_found() {
+    for stamped in ["middle", "last"] {
+        let options = ["laser.sweep_s=0.1", &format!("laser.stamp={stamped}")];
+        let add = |config: Config, option: &&str| config.with_option(option).unwrap();
+        let scenario = Scenario::configured(options.iter().fold(Config::default(), add));
+        let robot = Robot { scenario: scenario.clone(), base: scenario.world().drive, hangs: false };
+        let file = File::new(stamped, &recorded_by(&robot, 120.0, "/odom", winding).finished());
+        let Recorded { recording, options, .. } =
+            recorded(&file.0, &Config::default(), &Names::default(), true).unwrap();
+        let found = calibrate(&recording, &options, &CancelToken::default()).unwrap();
+        assert_eq!(found.laser_stamp().map(Choice::name), Some(stamped));
+        let latency = found.parameters()["laser_latency_s"].value.unwrap();
+        assert!(latency.abs() < 0.02, "{stamped}: {latency} s");
+        assert!(found.configuration().contains(&format!("stamp = \"{stamped}\"")));
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use surepose::estimation::Measurement;
 use surepose::geometry::{Angle, Body, Laser, Pose};
-use surepose::lidar::{LaserGeometry, Scan};
+use surepose::lidar::{LaserGeometry, MAX_SWEEP_DURATION, Scan, ScanTiming};
 use surepose::localization::SensorReading;
 use surepose::time::{Stamp, Stamped};
 
@@ -15,6 +15,8 @@ pub enum SensorMessage {
     Measurement(Measurement<f64>),
     /// A scan.
     Scan(LaserScan),
+    /// Yaw rate of a gyroscope \[rad/s].
+    YawRate(f64),
 }
 
 /// Scan with the geometry of its laser.
@@ -24,6 +26,8 @@ pub struct LaserScan {
     pub angle_min: f64,
     /// Angle between adjacent beams \[rad].
     pub angle_increment: f64,
+    /// Time between adjacent beams \[s]; 0 for beams that were all measured at the stamp.
+    pub time_increment: f64,
     /// Range of each beam \[m]; infinite without a return.
     pub ranges: Vec<f64>,
     /// Shortest valid range \[m].
@@ -39,12 +43,14 @@ impl SensorMessage {
     pub(super) fn reading(message: &Stamped<Self>) -> Stamped<SensorReading<'_, f64>> {
         let reading = match &message.value {
             Self::Measurement(measurement) => SensorReading::Measurement(*measurement),
+            Self::YawRate(rate) => SensorReading::YawRate(*rate),
             Self::Scan(scan) => {
                 let LaserScan { body_from_laser, range_min, range_max, .. } = *scan;
                 let geometry = LaserGeometry { body_from_laser, range_min, range_max };
                 let angle_min = Angle::from_radians(scan.angle_min);
-                let scan = Scan::new(angle_min, scan.angle_increment, &scan.ranges);
-                SensorReading::Scan(scan.with_geometry(geometry))
+                let beams = Scan::new(angle_min, scan.angle_increment, &scan.ranges);
+                let beams = beams.with_time_increment(scan.time_increment);
+                SensorReading::Scan(beams.with_geometry(geometry))
             }
         };
         Stamped::new(message.stamp, reading)
@@ -54,13 +60,35 @@ impl SensorMessage {
     pub(super) fn scan(&self) -> Option<&LaserScan> {
         match self {
             Self::Scan(scan) => Some(scan),
-            Self::Measurement(_) => None,
+            Self::Measurement(_) | Self::YawRate(_) => None,
         }
     }
 }
 
-/// Largest number of queued messages: 1 s of headings at 100 Hz and scans at 40 Hz.
-const CAPACITY: usize = 140;
+impl LaserScan {
+    /// Time from the first beam to the last \[s].
+    fn sweep_duration(&self) -> f64 {
+        self.time_increment * self.ranges.len().saturating_sub(1) as f64
+    }
+
+    /// Sets the time increment by the configuration, and returns the time of the first beam.
+    pub(super) fn resolve(&mut self, stamp: Stamp, timing: &ScanTiming) -> Stamp {
+        let scan = Scan::new(Angle::zero(), 1.0, &self.ranges).with_time_increment(self.time_increment);
+        let resolved = timing.resolve(Stamped::new(stamp, scan));
+        let (first, time_increment) = (resolved.stamp, resolved.value.time_increment);
+        self.time_increment = time_increment;
+        first
+    }
+}
+
+/// Time of the last measurement of a message, which odometry must reach. A sweep that is invalid does not count.
+fn complete_at(message: &Stamped<SensorMessage>) -> Stamp {
+    let duration = message.value.scan().map_or(0.0, LaserScan::sweep_duration);
+    if (0.0..=MAX_SWEEP_DURATION).contains(&duration) { message.stamp.after(duration) } else { message.stamp }
+}
+
+/// Largest number of queued messages: 1 s of headings at 100 Hz, yaw rates at 200 Hz and scans at 40 Hz.
+const CAPACITY: usize = 340;
 
 /// Messages with stamps later than the odometry.
 #[derive(Clone, Debug, Default)]
@@ -79,9 +107,11 @@ impl MeasurementQueue {
         self.waiting.push_back(message);
     }
 
-    /// Removes and returns the messages up to `stamp`, in the order of arrival.
+    /// Removes and returns the messages that are complete at `stamp`, in the order of arrival: a scan once its last beam
+    /// was measured.
     pub(super) fn until(&mut self, stamp: Stamp) -> Vec<Stamped<SensorMessage>> {
-        let (due, early) = self.waiting.drain(..).partition::<Vec<_>, _>(|message| message.stamp <= stamp);
+        let (due, early) =
+            self.waiting.drain(..).partition::<Vec<_>, _>(|message| complete_at(message) <= stamp);
         self.waiting = early.into();
         due
     }
@@ -112,6 +142,33 @@ mod tests {
         let due = measurement_queue.until(Stamp::from_seconds(0.2));
         assert_eq!(due, [heading(0.1), heading(0.2)]);
         assert_eq!(measurement_queue.until(Stamp::from_seconds(1.0)), [heading(0.3)]);
+    }
+
+    #[test]
+    fn a_scan_waits_for_its_last_beam() {
+        let scan = |time_increment| LaserScan {
+            angle_min: 0.0,
+            angle_increment: 0.01,
+            time_increment,
+            ranges: vec![1.0; 101],
+            range_min: 0.05,
+            range_max: 30.0,
+            body_from_laser: Pose::identity(),
+        };
+        let stamped = |scan| Stamped::new(Stamp::from_seconds(1.0), SensorMessage::Scan(scan));
+        let mut measurement_queue = MeasurementQueue::default();
+        measurement_queue.put(stamped(scan(1e-3)));
+        assert!(measurement_queue.until(Stamp::from_seconds(1.09)).is_empty());
+        assert_eq!(measurement_queue.until(Stamp::from_seconds(1.1)).len(), 1);
+        // An invalid sweep is passed on at once, to be counted.
+        for time_increment in [f64::NAN, -1.0, 1.0] {
+            measurement_queue.put(stamped(scan(time_increment)));
+            assert_eq!(measurement_queue.until(Stamp::from_seconds(1.0)).len(), 1);
+        }
+        let timing = ScanTiming { sweep: Some(0.2), stamped: surepose::lidar::StampedBeam::Middle };
+        let mut resolved = scan(0.0);
+        assert_eq!(resolved.resolve(Stamp::from_seconds(1.0), &timing), Stamp::from_seconds(0.9));
+        assert!((resolved.sweep_duration() - 0.2).abs() < 1e-12);
     }
 
     #[test]

@@ -34,6 +34,16 @@ impl OdometryAccumulator {
         Self { last: at, ticked: at.stamp, rims: WheelPair::zero() }
     }
 
+    /// Last odometry pose.
+    pub(crate) fn pose(&self) -> Pose<Odom, Body, f64> {
+        self.last.value
+    }
+
+    /// Stamp of the last odometry.
+    pub(crate) fn stamp(&self) -> Stamp {
+        self.last.stamp
+    }
+
     /// Whether `stamp` means that the clock was set back.
     pub(crate) fn is_set_back(&self, stamp: Stamp) -> bool {
         stamp.since(self.last.stamp) < -CLOCK_SET_BACK

@@ -20,6 +20,8 @@ pub struct NodeDriverSettings {
     pub start: Option<Belief<f64>>,
     /// Whether the driver uses headings of a compass.
     pub compass: bool,
+    /// Whether the yaw rate of a gyroscope is used.
+    pub gyroscope: bool,
     /// Distance from the path of the robot's center at which unmapped obstacles stop it \[m]; 0 disables the check.
     pub safety_radius: f64,
     /// Whether the robot holds a reached goal pose until the next goal or a cancel.
@@ -36,9 +38,15 @@ impl NodeDriverSettings {
             scan_method: scenario.scan_method,
             start: Some(Belief::new(scenario.start(), scenario.start_std)),
             compass: true,
+            gyroscope: false,
             safety_radius: scenario.config.default_safety_radius(),
             hold: false,
         }
+    }
+
+    /// Whether messages of an inertial measurement unit are used.
+    pub(crate) fn hears_imu(&self) -> bool {
+        self.compass || self.gyroscope
     }
 
     /// Setup of the navigator.

@@ -4,6 +4,7 @@ mod ride;
 
 use ride::Ride;
 use surepose::geometry::{Angle, Body, Point, Pose};
+use surepose_io::wall_map::MapWall;
 
 use super::*;
 
@@ -79,8 +80,68 @@ fn goal_in_a_wall_is_rejected() {
     let mut ride = Ride::new(true, 0.05);
     let inside_a_wall = ride.driver.settings.map.as_ref().unwrap().walls[0].from;
     let goal = Pose::new(inside_a_wall[0], inside_a_wall[1], Angle::zero());
-    assert!(matches!(ride.driver.set_goal(goal), Err(MessageError::InsufficientClearance { .. })));
+    assert!(matches!(
+        ride.driver.set_goal(goal),
+        Err(MessageError::Goal(GoalProblem::TooClose { clearance: 0.0, .. }))
+    ));
     assert!(!ride.driver.is_driving());
+}
+
+/// Adds a box of walls around (3, 3) to the map of the arena.
+fn with_box(settings: &mut NodeDriverSettings) {
+    let corners = [[2.6, 2.6], [3.4, 2.6], [3.4, 3.4], [2.6, 3.4], [2.6, 2.6]];
+    let walls =
+        corners.windows(2).map(|ends| MapWall { name: None, from: ends[0], to: ends[1], covariance: None });
+    settings.map.get_or_insert_default().walls.extend(walls);
+}
+
+/// The goal has room for the robot, but a closed box separates it from the robot. A lost robot checks once it is localized.
+#[test]
+fn goal_in_a_closed_box_is_rejected() {
+    let in_the_box = Pose::new(3.0, 3.0, Angle::zero());
+    for goal in [in_the_box, Pose::new(6.0, 1.0, Angle::zero())] {
+        let mut ride = Ride::new(true, 0.05);
+        ride.configure(with_box);
+        ride.live(0.2);
+        let refused = ride.driver.set_goal(goal);
+        assert!(matches!(refused, Err(MessageError::Goal(GoalProblem::Separated { .. }))), "{refused:?}");
+        assert!(
+            refused
+                .unwrap_err()
+                .to_string()
+                .starts_with("wall: the goal is separated from the robot by walls")
+        );
+    }
+    let mut ride = Ride::new(false, 0.05);
+    // The walls of the box are not in the simulated world, far away from the robot.
+    ride.configure(with_box);
+    ride.live(0.2);
+    assert_eq!(ride.driver.set_goal(in_the_box), Ok(None));
+    ride.live(30.0);
+    assert_eq!(ride.ended, Some(GoalResult::Aborted(AbortReason::Blocked(BlockReason::Wall))));
+}
+
+/// Scans with a wrong mounting have corrupted the estimate: it restarts from the start pose, moved along by odometry.
+#[test]
+fn changed_mounting_restarts_the_estimate() {
+    let mut ride = Ride::new(true, 0.05);
+    ride.live(0.2);
+    ride.driver.set_goal(goal()).unwrap();
+    ride.live(3.0);
+    let wrong = Belief::new(Pose::new(1.0, -1.0, Angle::from_degrees(90.0)), [0.01; 3]);
+    ride.driver.navigator.set_belief(Stamped::new(ride.driver.belief_stamp(), wrong));
+    ride.driver.on_mounting_changed();
+    let (belief, truth) = (ride.driver.belief(), ride.world.pose());
+    assert!(belief.pose.origin().distance(truth.origin()) < 0.05, "{belief:?}, truth {truth:?}");
+    assert!(belief.nees(truth) < 11.3 && belief.covariance.std(0) > 0.01, "{belief:?}, truth {truth:?}");
+    ride.live(60.0);
+    assert_eq!(ride.ended, Some(GoalResult::Reached));
+
+    // Without a given pose, the robot is localized globally.
+    let mut lost = Ride::new(false, 0.05);
+    lost.live(0.2);
+    lost.driver.on_mounting_changed();
+    assert_eq!(lost.driver.navigator.localizer().health(), Health::Lost);
 }
 
 #[test]
@@ -244,6 +305,54 @@ fn robot_with_obstacle_check_stops_without_scans() {
         ride.live(60.0);
         assert_eq!(ride.ended, Some(end));
     }
+}
+
+#[test]
+fn robot_with_a_blind_laser_stops_and_resumes() {
+    for range in [f64::INFINITY, f64::NAN, 0.0, -1.0] {
+        let mut ride = Ride::new(true, 0.05);
+        ride.driver.set_goal(goal()).unwrap();
+        ride.live(4.0);
+        assert!(ride.cmd_vel.v > 0.2, "the robot moves");
+        ride.range = Some(range);
+        ride.live(1.0);
+        assert!(ride.cmd_vel == Twist::zero(), "{range}: {:?}", ride.cmd_vel);
+        assert_eq!(ride.blocked_by, Some(BlockReason::LaserBlind), "{range}");
+        let mut again = Ride { range: None, ..ride.clone() };
+        again.live(60.0);
+        assert_eq!(again.ended, Some(GoalResult::Reached), "{range}");
+        ride.live(60.0);
+        let aborted = GoalResult::Aborted(AbortReason::Blocked(BlockReason::LaserBlind));
+        assert_eq!(ride.ended, Some(aborted), "{range}");
+    }
+}
+
+/// Stamps that are late or early by a configured latency do not disturb the estimate.
+#[test]
+fn configured_latencies_are_subtracted_from_the_stamps() {
+    let errors = |configured: bool| {
+        let mut ride = Ride::new(true, 0.05);
+        ride.latencies = (-0.2, 0.25);
+        if configured {
+            ride.configure(|settings| {
+                let options = ["compass.latency_s=-0.2", "laser.latency_s=0.25"];
+                let configured = options
+                    .iter()
+                    .fold(settings.config.clone(), |config, option| config.with_option(option).unwrap());
+                settings.config = configured;
+            });
+        }
+        let mut worst = 0.0_f64;
+        for step in 0..200 {
+            ride.cmd_vel = Twist::new(0.0, if step < 100 { 0.8 } else { -0.8 });
+            if let Some(report) = ride.step().filter(|_| step > 40) {
+                worst = worst.max((report.belief.pose.heading - ride.world.pose().heading).radians().abs());
+            }
+        }
+        worst
+    };
+    let (right, wrong) = (errors(true), errors(false));
+    assert!(right < 0.01 && wrong > 0.05, "{right} rad, without the latencies {wrong} rad");
 }
 
 #[test]

@@ -98,6 +98,16 @@ impl NavigateAction {
         let _sent = self.server.reject_goal(handle).await;
     }
 
+    /// Accepts a goal and aborts it at once, so that its result has a message; an active goal stays active.
+    ///
+    /// Returns `None` if the client has left.
+    pub(super) async fn refuse(&self, handle: NewGoal, message: String) -> Option<ResultDelivery> {
+        let accepted = self.server.accept_goal(handle).await.ok()?;
+        let handle = self.server.start_executing_goal(accepted).await.ok()?;
+        let result = NavigateToPoseResult { error_code: UNKNOWN, error_msg: message };
+        Some(ResultDelivery { server: self.server(), handle, status: GoalEndStatus::Aborted, result })
+    }
+
     /// Answers a cancel request, and returns whether it cancels the active goal.
     pub(super) async fn cancels(&self, request: &CancelRequest) -> bool {
         let goal = self.current.as_ref().map(|current| current.handle.goal_id());

@@ -24,6 +24,10 @@ const TOO_SLOW: f64 = 1.25;
 pub(super) struct Diagnostics {
     warnings: Vec<String>,
     refused: BTreeMap<(&'static str, &'static str), u64>,
+    /// Reason of the last goal that the walls ruled out; `None` before one.
+    refused_goal: Option<String>,
+    /// Measurements of sensors with an unknown mounting.
+    unplaced: u64,
     last: Option<Stamp>,
     /// Mean odometry period \[s]; `None` before the second message.
     odometry_period: Option<f64>,
@@ -45,6 +49,10 @@ impl State {
             (_, Some(BlockReason::Obstacle)) => "stopped: unmapped obstacle on the path".to_owned(),
             (_, Some(BlockReason::LaserTimeout)) => {
                 "stopped: no scan, obstacle check unavailable; --safety-radius 0 disables the check"
+                    .to_owned()
+            }
+            (_, Some(BlockReason::LaserBlind)) => {
+                "stopped: scans without a valid return, frozen or malformed; obstacle check unavailable"
                     .to_owned()
             }
             (_, Some(BlockReason::Wall)) => "stopped: wall of the map on the path".to_owned(),
@@ -78,7 +86,15 @@ impl Diagnostics {
 
     /// Counts a rejected message, and returns whether it is the first one with this reason.
     pub(super) fn refuse(&mut self, topic: &'static str, why: &MessageError) -> bool {
+        if let MessageError::Goal(_) = why {
+            self.refused_goal = Some(why.to_string());
+        }
         self.count(topic, why.name()) == 1
+    }
+
+    /// Counts a measurement of a sensor whose mounting is unknown.
+    pub(super) fn drop_unplaced(&mut self) {
+        self.unplaced = self.unplaced.saturating_add(1);
     }
 
     /// Counts a message that cannot be decoded.
@@ -92,9 +108,9 @@ impl Diagnostics {
         *count
     }
 
-    /// Builds the message, `age` \[s] after the last odometry.
-    pub(super) fn array(&self, driver: &NodeDriver, age: f64) -> DiagnosticArray {
-        let (level, message) = self.judged(driver, age);
+    /// Builds the message, `age` \[s] after the last odometry. `waiting` names a sensor with an unknown mounting.
+    pub(super) fn array(&self, driver: &NodeDriver, age: f64, waiting: Option<&str>) -> DiagnosticArray {
+        let (level, message) = self.judged(driver, age, waiting);
         let tally = driver.measurement_stats();
         let belief = driver.belief();
         let position = (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt();
@@ -117,6 +133,8 @@ impl Diagnostics {
                 .map(|why| value(&format!("measurements rejected, {}", why.name()), &tally.rejected(why))),
         );
         values.push(value("messages dropped, not reached by odometry", &driver.dropped()));
+        values.push(value("messages dropped, unknown mounting", &self.unplaced));
+        values.extend(self.refused_goal.as_ref().map(|why| value("last rejected goal", why)));
         let refused = self.refused.iter();
         values.extend(refused.map(|((topic, why), count)| value(&format!("{topic} rejected, {why}"), count)));
         let status = DiagnosticStatus {
@@ -130,9 +148,12 @@ impl Diagnostics {
         DiagnosticArray { header, status: vec![status] }
     }
 
-    fn judged(&self, driver: &NodeDriver, age: f64) -> (u8, String) {
+    fn judged(&self, driver: &NodeDriver, age: f64, waiting: Option<&str>) -> (u8, String) {
         if driver.is_odometry_timed_out(age) {
             return (ERROR, format!("no odometry for {age:.1} s"));
+        }
+        if let Some(waiting) = waiting {
+            return (WARN, waiting.to_owned());
         }
         match self.state {
             None => return (WARN, "waiting for odometry".to_owned()),

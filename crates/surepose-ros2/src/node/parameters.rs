@@ -16,6 +16,8 @@ pub(super) fn declared(config: &Config) -> NodeOptions {
             let value = match &setting.value {
                 Value::Number(number) => ParameterValue::Double(*number),
                 Value::Choice(choice) => ParameterValue::String((*choice).to_owned()),
+                // x and y of each point in turn: ROS has no lists of lists.
+                Value::Polygon(points) => ParameterValue::DoubleArray(points.concat()),
             };
             (name, value)
         })

@@ -56,16 +56,13 @@ impl Subscriptions {
                 }
                 None => None,
             },
-            static_transforms: match &settings.driver.map {
-                Some(_) => Some(subscribe(
-                    node,
-                    &global_name("tf_static")?,
-                    ("tf2_msgs", "TFMessage"),
-                    latched(100),
-                )?),
-                None => None,
+            static_transforms: if settings.driver.map.is_some() || settings.driver.hears_imu() {
+                let name = global_name("tf_static")?;
+                Some(subscribe(node, &name, ("tf2_msgs", "TFMessage"), latched(100))?)
+            } else {
+                None
             },
-            imu: if settings.driver.compass {
+            imu: if settings.driver.hears_imu() {
                 Some(subscribe(node, &names.of("imu")?, ("sensor_msgs", "Imu"), sensor(50))?)
             } else {
                 None

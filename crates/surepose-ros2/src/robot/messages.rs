@@ -63,7 +63,7 @@ pub(crate) fn heading(stamp: Stamp, heading: Angle<f64>, std: f64) -> Imu {
 }
 
 pub(crate) fn scan(stamp: Stamp, scan: &SimulatedScan) -> LaserScan {
-    let SimulatedScan { angle_min, angle_increment, ranges } = scan;
+    let SimulatedScan { angle_min, angle_increment, ranges, time_increment } = scan;
     let last = angle_min + angle_increment * ranges.len().saturating_sub(1) as f64;
     let [range_min, range_max] = REACH;
     LaserScan {
@@ -71,7 +71,7 @@ pub(crate) fn scan(stamp: Stamp, scan: &SimulatedScan) -> LaserScan {
         angle_min: *angle_min as f32,
         angle_max: last as f32,
         angle_increment: *angle_increment as f32,
-        time_increment: 0.0,
+        time_increment: *time_increment as f32,
         scan_time: 0.0,
         range_min,
         range_max,

@@ -1,14 +1,17 @@
 //! Scenario of a simulation: arena, robot, start, goal, sensors and faults.
 
-use surepose::geometry::{Body, Goal, Map, Point, Pose};
+use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::WheelPair;
 use surepose::param::{self, ArenaName, Parameter};
 use surepose_config::{Config, NavigatorSetup, ScanMethod, ValueSource};
+use surepose_io::owned_map::OwnedMap;
 
+use super::invalid_end::{InvalidEnd, InvalidEndReason, ScenarioEnd};
+use crate::arena::walls_from_segments;
 use crate::world_parameters::{self as world, MotorKind};
 use crate::{
-    Arena, Clutter, CompassModel, Fault, LaserModel, MotorModel, PlantModel, Slip, Timing, WallSegment,
-    WorldModel, WorldSettings,
+    Arena, Clutter, CompassModel, Fault, LaserModel, LaserSweep, MotorModel, PlantModel, Slip, Timing,
+    WallSegment, WorldModel, WorldSettings,
 };
 
 /// Measurement period of compass and laser \[s]: the paper's ΔT, [Tran2012] Sec. 5.2.
@@ -32,38 +35,6 @@ impl Sensors {
 
 /// Start of the course in the loop world: x \[m], y \[m], heading \[°].
 const LOOP_START: [f64; 3] = [2.0, 1.0, 0.0];
-
-/// Smallest distance from start and goal to any wall \[m].
-const MIN_CLEARANCE: f64 = 0.05;
-
-/// Start or goal too close to a wall.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{}", self.message())]
-pub struct InsufficientClearance {
-    /// `start` or `goal`.
-    pub end: &'static str,
-    /// Its position.
-    pub at: Point<Map, f64>,
-    /// Distance to the nearest wall \[m]; negative outside the arena.
-    pub clearance: f64,
-    /// Required distance \[m].
-    pub needed: f64,
-    /// Nearest wall.
-    pub wall: WallSegment,
-}
-
-impl InsufficientClearance {
-    fn message(&self) -> String {
-        let Self { end, at, clearance, needed, wall: WallSegment { start: a, end: b } } = self;
-        let wall = format!("the wall from ({}, {}) to ({}, {})", a.x, a.y, b.x, b.y);
-        let where_ = format!("the {end} ({}, {})", at.x, at.y);
-        if *clearance < 0.0 {
-            format!("{where_} lies outside the arena, {:.2} m beyond {wall}", clearance.abs())
-        } else {
-            format!("{where_} is {clearance:.2} m from {wall}, and the robot's middle needs {needed:.2} m")
-        }
-    }
-}
 
 /// Configures a simulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,25 +101,43 @@ impl Scenario {
         Self::in_arena(arena, config.with_preset("loop", &values))
     }
 
-    /// Checks that start and goal have the required clearance.
+    /// Checks that the footprint has room at start and goal, and that walls do not separate them.
     ///
     /// # Errors
-    /// [`InsufficientClearance`], which names the wall.
-    pub fn check_clearance(&self) -> Result<(), InsufficientClearance> {
-        let (start, goal, true_start) =
-            (self.start().origin(), self.goal().origin(), self.true_start().origin());
-        let world = self.true_arena();
-        for (arena, end, at) in
-            [(&self.arena, "start", start), (&self.arena, "goal", goal), (&world, "start", true_start)]
-        {
-            let (clearance, needed) = (arena.clearance(at), MIN_CLEARANCE);
+    /// [`InvalidEnd`], which names the wall.
+    pub fn check_clearance(&self) -> Result<(), InvalidEnd> {
+        let (start, goal, true_start) = (self.start(), self.goal(), self.true_start());
+        let (world, collision) = (self.true_arena(), self.config.collision(None));
+        let ends = [
+            (&self.arena, ScenarioEnd::Start, start.origin()),
+            (&self.arena, ScenarioEnd::Goal, goal.origin()),
+            (&world, ScenarioEnd::Start, true_start.origin()),
+        ];
+        for (arena, end, at) in ends {
+            let distance = -arena.clearance(at);
             if let Some(wall) = arena.nearest_wall(at)
-                && clearance < needed
+                && distance > 0.0
             {
-                return Err(InsufficientClearance { end, at, clearance, needed, wall: *wall });
+                let reason = InvalidEndReason::OutsideArena { distance, wall: *wall };
+                return Err(InvalidEnd { end, at, reason });
             }
         }
-        Ok(())
+        for (arena, pose) in [(&self.arena, start), (&world, true_start)] {
+            let distance = collision.distance_to_walls(pose, &walls_from_segments(arena.walls()));
+            if let Some(wall) = arena.nearest_wall(pose.origin())
+                && distance.is_some_and(|distance| distance <= 0.0)
+            {
+                let reason = InvalidEndReason::InContact { wall: *wall };
+                return Err(InvalidEnd { end: ScenarioEnd::Start, at: pose.origin(), reason });
+            }
+        }
+        let map = OwnedMap::from_walls(walls_from_segments(self.arena.walls()));
+        let checked = map.check_goal(&collision, Some(start.origin()), goal);
+        checked.map_err(|problem| InvalidEnd {
+            end: ScenarioEnd::Goal,
+            at: goal.origin(),
+            reason: problem.into(),
+        })
     }
 
     /// First wall on the straight line from start to goal, which the control law does not avoid.
@@ -193,7 +182,8 @@ impl Scenario {
             range_std: laser.range_std,
             bearing_std: laser.bearing_std,
             clutter: self.clutter,
-            ..LaserModel::half_circle(laser.beams)
+            sweep: LaserSweep { duration: laser.timing.sweep.unwrap_or(0.0), stamped: laser.timing.stamped },
+            ..LaserModel::facing_forward(laser.beams, laser.field_of_view)
         };
         let timing = |latency| Timing { period: SENSOR_PERIOD, latency };
         let geared = MotorModel::for_max_speed(

@@ -1,12 +1,12 @@
-use surepose::geometry::Point;
+use surepose::geometry::{Angle, Point, Pose};
 use surepose::param::{GOAL_HEADING, GOAL_X, GOAL_Y, START_HEADING, START_X, START_Y};
 use surepose::safety::SafetyAction;
 use surepose_config::Config;
 
-use crate::robot::{Scenario, Sensors};
+use crate::robot::{Scenario, ScenarioEnd, Sensors, walls_from_segments};
 use crate::{Arena, Fault, FaultKind, Seed, Sensor};
 
-use super::{Simulation, SimulationOutcome, SimulationSummary, simulate};
+use super::{Sample, Simulation, SimulationOutcome, SimulationSummary, simulate};
 
 fn assert_parked(summary: &SimulationSummary, what: &str) {
     assert_eq!(summary.outcome, SimulationOutcome::Reached, "{what}: {summary:?}");
@@ -194,7 +194,7 @@ fn robot_center_stops_before_walls_and_plates() {
             ([2.5, 0.0, 0.0], [4.0, 1.6, 90.0]),
             ([0.0, 1.2, 180.0], [-1.5, 1.4, 180.0]),
             ([1.2, 0.0, -90.0], [1.2, -1.6, -90.0]),
-            ([1.0, 0.2, 30.0], [4.2, 1.6, 0.0]),
+            ([1.0, 0.2, 30.0], [4.1, 1.6, 0.0]),
         ] {
             let scenario = between(start, goal, options);
             for seed in 1..=3 {
@@ -220,10 +220,10 @@ fn robot_center_stops_before_walls_and_plates() {
 #[test]
 fn goals_with_required_clearance_are_reached() {
     for (start, goal) in [
-        ([0.0, 0.0, 0.0], [3.29, 1.0, 0.0]),
-        ([0.0, 0.0, 0.0], [4.19, 4.19, 45.0]),
-        ([-1.69, -1.69, -135.0], [1.0, 1.0, 0.0]),
-        ([0.2, -1.55, 0.0], [3.0, -1.55, 0.0]),
+        ([0.0, 0.0, 0.0], [3.21, 1.0, 0.0]),
+        ([0.0, 0.0, 0.0], [4.11, 4.11, 45.0]),
+        ([-1.67, -1.67, -135.0], [1.0, 1.0, 0.0]),
+        ([0.2, -1.6, 0.0], [3.0, -1.6, 0.0]),
     ] {
         let scenario = between(start, goal, &[]);
         assert_eq!(scenario.check_clearance(), Ok(()));
@@ -236,24 +236,60 @@ fn goals_with_required_clearance_are_reached() {
 #[test]
 fn start_and_goal_clearance_and_blocking_walls_are_checked() {
     let origin = [0.0; 3];
-    for (start, goal, short) in [
+    let (invalid_start, invalid_goal) = (Some(ScenarioEnd::Start), Some(ScenarioEnd::Goal));
+    // The circle around the wheels has a radius of 0.32 m.
+    for (start, goal, invalid) in [
         (origin, [2.0, 2.0, 30.0], None),
-        (origin, [3.6, 1.0, 0.0], Some("goal")),
-        (origin, [3.56, 1.0, 0.0], Some("goal")),
-        (origin, [3.54, 1.0, 0.0], None),
-        (origin, [-3.0, 0.0, 0.0], Some("goal")),
-        ([3.6, 1.0, 0.0], origin, Some("start")),
-        ([-1.0, 1.0, 0.0], origin, Some("start")),
-        ([-1.96, 0.0, 0.0], origin, Some("start")),
-        ([-1.94, 0.0, 0.0], origin, None),
+        (origin, [3.6, 1.0, 0.0], invalid_goal),
+        (origin, [3.24, 1.0, 0.0], invalid_goal),
+        (origin, [3.22, 1.0, 0.0], None),
+        (origin, [-3.0, 0.0, 0.0], invalid_goal),
+        ([3.6, 1.0, 0.0], origin, invalid_start),
+        ([-1.0, 1.0, 0.0], origin, invalid_start),
+        ([-1.69, 0.0, 0.0], origin, invalid_start),
+        ([-1.67, 0.0, 0.0], origin, None),
     ] {
         let found = between(start, goal, &[]).check_clearance().err().map(|problem| problem.end);
-        assert_eq!(found, short, "{start:?} to {goal:?}");
+        assert_eq!(found, invalid, "{start:?} to {goal:?}");
     }
+    let point = ["robot.footprint_radius_m=0"];
+    assert_eq!(between(origin, [3.54, 1.0, 0.0], &point).check_clearance(), Ok(()));
+    assert!(between(origin, [3.56, 1.0, 0.0], &point).check_clearance().is_err());
     assert!(between(origin, [4.1, 1.0, 0.0], &[]).wall_on_straight_path().is_some());
     assert!(Scenario::default().wall_on_straight_path().is_none());
     let in_the_loop = Config::default().with_option("scenario.arena=loop").unwrap();
     assert_eq!(Scenario::configured(in_the_loop).check_clearance(), Ok(()));
+}
+
+/// Distance from a polygonal footprint at the true pose to the nearest wall \[m].
+fn least_clearance(scenario: &Scenario, samples: &[Sample]) -> f64 {
+    let (collision, walls) = (scenario.config.collision(None), walls_from_segments(scenario.arena.walls()));
+    let at = |sample: &Sample| {
+        let pose = Pose::new(sample.x_m, sample.y_m, Angle::from_degrees(sample.heading_deg));
+        collision.distance_to_walls(pose, &walls).unwrap()
+    };
+    samples.iter().map(at).fold(f64::INFINITY, f64::min)
+}
+
+/// A long robot beside a wall never touches it: it stops, or arrives where it has room to turn.
+#[test]
+fn long_robot_beside_a_wall_never_touches_it() {
+    let long = "robot.footprint_m=[[0.7, 0.32], [-0.1, 0.32], [-0.1, -0.32], [0.7, -0.32]]";
+    for (start, goal, outcome) in [
+        // Along the wall y = −2, then with a turn of the front into it, then in free space.
+        ([0.2, -1.6, 0.0], [2.2, -1.6, 0.0], SimulationOutcome::Reached),
+        ([-0.5, -1.5, -8.0], [-1.2, -1.5, 180.0], SimulationOutcome::Stopped),
+        ([0.0, 0.0, 0.0], [2.0, 2.0, 30.0], SimulationOutcome::Reached),
+    ] {
+        let scenario = between(start, goal, &[long, "law.direction=forward"]);
+        assert_eq!(scenario.check_clearance(), Ok(()), "{start:?} to {goal:?}");
+        for seed in 1..=3 {
+            let (samples, summary) = simulate(&scenario, seed);
+            let clearance = least_clearance(&scenario, &samples);
+            assert!(clearance > 0.0, "{start:?} to {goal:?}: {clearance} m");
+            assert_eq!(summary.outcome, outcome, "{start:?} to {goal:?}: {summary:?}");
+        }
+    }
 }
 
 /// The outcome depends on the true pose, not on the belief.

@@ -28,7 +28,9 @@ fn every_parameter_of_robot_and_sensors_describes_the_world() {
             // The noise of the wheels is of the world, the other keys of the filter are not.
             "filter" => parameter == &param::DELTA,
             // The simulated robot is a point to its walls.
-            "robot" => parameter != &param::FOOTPRINT_RADIUS,
+            "robot" => ![&param::FOOTPRINT_RADIUS, &param::FOOTPRINT].contains(&parameter),
+            // What the ROS 2 node knows of its sensors.
+            "compass" | "laser" if parameter.key == "mounting" => false,
             "scenario" => parameter == &param::ARENA || parameter.key.starts_with("start_"),
             _ => true,
         };

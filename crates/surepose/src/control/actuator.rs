@@ -13,7 +13,7 @@ use crate::scalar::Float;
 use super::limits::Limits;
 
 pub use pending_commands::MAX_PENDING;
-pub use speed_modulator::MinSpeeds;
+pub use speed_modulator::{MinSpeeds, PulseTicks};
 
 use pending_commands::PendingCommands;
 use speed_modulator::SpeedModulator;

@@ -28,4 +28,10 @@ impl<S: Scalar> DirectedError<S> {
         let (cos, sinc) = goal.alpha.radians().cos_sinc_bounded();
         Self { goal, cos, sinc, heading_error: navigation.heading_error(), reverse }
     }
+
+    /// ρ sin α: lateral distance of the goal \[m], positive on the left of the leading end.
+    #[inline(always)]
+    pub(super) fn aside(&self) -> S {
+        self.goal.rho * (self.goal.alpha.radians() * self.sinc)
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::kinematics::{DiffDrive, Twist};
 use crate::param;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 use super::braking::BrakingProfile;
 use super::deadband::Deadband;
@@ -14,9 +14,10 @@ use super::limits::Limits;
 use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
 use super::output::{ActiveMode, ControlOutput};
+use super::sidestep;
 use super::tuning::{
-    APPROACH_RADIUS, ARRIVED_RADIUS, ENTER_RADIUS, FULL_GAIN_ALPHA, FULL_GAIN_THETA, MAX_LEAVE_RADIUS,
-    MIN_LEAVE_RADIUS, MIN_TURN_FACTOR, TRIM_THRESHOLD, TRIM_TICKS_TO_LEAVE,
+    APPROACH_RADIUS, ARRIVED_RADIUS, ENTER_RADIUS, FULL_GAIN_ALPHA, FULL_GAIN_THETA, LEAVE_RADIUS,
+    MIN_TURN_FACTOR, TRIM_THRESHOLD,
 };
 
 /// Hybrid law of [Tran2012] Sec. 4, for wheels with limits, a sampled loop and a noisy estimate.
@@ -29,12 +30,13 @@ use super::tuning::{
 /// | ρ < ε | (23) as above with ω·(ρ/ε)²: the path becomes straight; where cos α < 0, v is scaled by 1 − (ρ/ε)²: the robot backs up |
 /// | ρ < 0.23ε | (28) with k_θ → k_θ/n at the n-th tick of trimming and ω·max(0.1, 1 − (ρ cos α/0.35ε)²); full ω where the heading error is below 0.02 rad |
 ///
-/// The local law stays active until ρ > 0.85ε. While it trims the heading, the squared exit radius decreases linearly to
-/// (0.58ε)² in 20 ticks. In reverse, α, φ and v are those of a robot whose front and rear are exchanged.
+/// The local law stays active until ρ > 0.85ε. A start below that distance begins with the local law. If a lateral error above
+/// 0.25ε remains, the local law removes it by a sidestep: an S-shaped maneuver with the commanded heading rotated by 45°, and back. In
+/// reverse, α, φ and v are those of a robot whose front and rear are exchanged.
 ///
 /// # Guarantee
 /// Without noise and in continuous time W = c·ln ρ + ½(α² + h_w·φ²) falls for ρ > ε with c = 2 and h_w = 0.1, at the fitted
-/// gains. V_l of (26) does not grow while the local law is active. In the transition between them nothing is proved.
+/// gains. V_l of (26) does not grow while the local law is active, except in a sidestep, where |y| does not grow. In the transition between them nothing is proved.
 /// Tested by `hybrid::global_law_descends`, `hybrid::local_law_descends`. The
 /// certificate covers the sampled loop with noise.
 ///
@@ -50,6 +52,7 @@ use super::tuning::{
 /// - With limited acceleration, gains shrink with the remaining distance: see [`BrakingProfile`].
 /// - h grows with ρ: Ẇ with h(ρ) has the further term −½h′(ρ)·v·cos α·φ² ≤ 0.
 /// - The paper's Ω_l has no hysteresis: at ρ < ε_P with a large heading error the global law rotates with the noise.
+/// - A lateral error is an equilibrium of (28). A mean of 10 estimates detects it, and a sidestep removes it.
 /// - The turning side and the direction of approach have hysteresis: see [`HybridState`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 ///
@@ -114,24 +117,37 @@ impl<S: Scalar> HybridLaw<S> {
     #[inline(always)]
     pub fn select_mode(&self, directed: &DirectedError<S>, state: HybridState<S>) -> ActiveMode<S> {
         let (ahead, reverse) = (&directed.goal, directed.reverse);
-        let local_mode = self.radii_squared(ahead.rho).lt(handover(state.local_mode, state.trim_ticks));
-        let error = S::select(local_mode, -directed.heading_error.radians(), ahead.alpha.radians());
+        let was_near = state.local_mode.or(state.is_undecided());
+        let local_mode = self.radii_squared(ahead.rho).lt(handover(was_near));
+        let sidestep = sidestep::select_leg(local_mode, &state, self.capture_radius);
+        let local_error = sidestep::heading(sidestep) - directed.heading_error.radians();
+        let error = S::select(local_mode, local_error, ahead.alpha.radians());
         let (error, turn_direction) = hysteresis::unwrap_toward(error, state.turn_direction);
-        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         // Compared only in local mode: elsewhere it would add an undecided comparison of intervals.
-        let trimming = S::select(local_mode, error.abs(), one).lt(S::from_f64(FULL_GAIN_THETA));
-        let trim_ticks = S::select(trimming, state.trim_ticks + one, zero);
-        ActiveMode { error, state: HybridState { local_mode, reverse, turn_direction, trim_ticks, ..state } }
+        let trims = S::select(local_mode, error.abs(), S::from_f64(1.0)).lt(S::from_f64(FULL_GAIN_THETA));
+        let (trim_ticks, lateral) = sidestep::observe(trims, directed.aside(), &state);
+        ActiveMode {
+            error,
+            state: HybridState {
+                local_mode,
+                reverse,
+                turn_direction,
+                trim_ticks,
+                sidestep,
+                lateral,
+                ..state
+            },
+        }
     }
 
     /// Computes the twist of the active mode.
     #[inline(always)]
     pub fn compute_for_mode(&self, directed: &DirectedError<S>, mode: ActiveMode<S>) -> ControlOutput<S> {
         let (ahead, reverse, ActiveMode { error, state }) = (&directed.goal, directed.reverse, mode);
-        let goal = self.goal_in_body(directed);
+        let goal = self.goal_in_body(directed, &state);
         let Twist { v, omega } = Twist::select(
             state.local_mode,
-            self.local_twist(&goal, -error, state.trim_ticks),
+            self.local_twist(&goal, -error, &state),
             self.global_twist(&goal, ahead, error),
         );
         let onward = |along: S| S::select(reverse, -along, along);
@@ -173,13 +189,17 @@ impl<S: Scalar> HybridLaw<S> {
     }
 
     #[inline(always)]
-    fn goal_in_body(&self, directed: &DirectedError<S>) -> GoalInBody<S> {
+    fn goal_in_body(&self, directed: &DirectedError<S>, state: &HybridState<S>) -> GoalInBody<S> {
         let DirectedError { goal, cos, sinc, .. } = *directed;
         let radii_squared = self.radii_squared(goal.rho);
         GoalInBody {
             cos,
             sinc,
-            ahead: goal.rho * cos,
+            ahead: S::select(
+                state.local_mode,
+                goal.rho * cos + sidestep::direction(state.sidestep) * directed.aside(),
+                goal.rho * cos,
+            ),
             radii_squared,
             per_radius: S::from_f64(1.0) / self.capture_radius,
         }
@@ -207,22 +227,26 @@ impl<S: Scalar> HybridLaw<S> {
         Twist::new(twist.v, twist.omega * fade)
     }
 
-    /// Computes (28) with scheduled gains; `heading_error` is unwrapped beyond ±π.
+    /// Computes (28) with scheduled gains; `heading_error` is unwrapped beyond ±π, and relative to the sidestep.
     #[inline(always)]
-    fn local_twist(&self, goal: &GoalInBody<S>, heading_error: S, trim_ticks: S) -> Twist<S> {
+    fn local_twist(&self, goal: &GoalInBody<S>, heading_error: S, state: &HybridState<S>) -> Twist<S> {
         // `trim_ticks` is n at the n-th tick of trimming, and 0 outside trimming.
         let one = S::from_f64(1.0);
         let full = self.gains.k_theta;
         let local = LocalLaw {
             k_v: self.gains.k_v,
-            k_theta: (full / trim_ticks.max(one)).max(self.actuator_limits.small_error_gain_theta.min(full)),
+            k_theta: (full / state.trim_ticks.max(one))
+                .max(self.actuator_limits.small_error_gain_theta.min(full)),
         };
         let twist = local.twist_toward(goal.ahead, heading_error);
         let limit = self.actuator_limits.turn_rate;
         let omega = twist.omega.clamp(-limit, limit);
         let arrived = one - (goal.ahead * (goal.per_radius * S::from_f64(1.0 / ARRIVED_RADIUS))).squared();
         let trimming = (S::from_f64(2.0) - heading_error.abs() * S::from_f64(1.0 / TRIM_THRESHOLD)).min(one);
-        Twist::new(twist.v, omega * arrived.max(trimming).max(S::from_f64(MIN_TURN_FACTOR)))
+        // In a sidestep the robot turns in place at full rate, and drives at the heading of the leg only.
+        let sidesteps = sidestep::activity(state.sidestep);
+        let turn = arrived.max(trimming).max(S::from_f64(MIN_TURN_FACTOR)).max(sidesteps);
+        Twist::new(twist.v * trimming.max(one - sidesteps), omega * turn)
     }
 }
 
@@ -237,7 +261,7 @@ fn small_error_gain<S: Scalar>(error: S, knee: f64, full: S, small: S) -> S {
 struct GoalInBody<S> {
     cos: S,
     sinc: S,
-    /// ρ·cos α \[m].
+    /// Remaining distance ρ·cos α \[m]; in a sidestep ρ·(cos α ± sin α), to the axis of the goal.
     ahead: S,
     /// ρ² in units of ε².
     radii_squared: S,
@@ -245,12 +269,8 @@ struct GoalInBody<S> {
     per_radius: S,
 }
 
-/// Returns the squared switching radius in units of ε², for the previous mode and the trimming time.
+/// Returns the squared switching radius in units of ε²; `was_near` is the previous mode.
 #[inline(always)]
-fn handover<S: Scalar>(was: S::Mask, trim_ticks: S) -> S {
-    const MIN_SQUARED: f64 = MIN_LEAVE_RADIUS * MIN_LEAVE_RADIUS;
-    const PER_TRIM: f64 = (MAX_LEAVE_RADIUS * MAX_LEAVE_RADIUS - MIN_SQUARED) / TRIM_TICKS_TO_LEAVE;
-    let leave = (S::from_f64(MAX_LEAVE_RADIUS * MAX_LEAVE_RADIUS) - trim_ticks * S::from_f64(PER_TRIM))
-        .max(S::from_f64(MIN_SQUARED));
-    S::select(was, leave, S::from_f64(ENTER_RADIUS * ENTER_RADIUS))
+fn handover<S: Scalar>(was_near: S::Mask) -> S {
+    S::select(was_near, S::from_f64(LEAVE_RADIUS * LEAVE_RADIUS), S::from_f64(ENTER_RADIUS * ENTER_RADIUS))
 }

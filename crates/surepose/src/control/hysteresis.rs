@@ -30,10 +30,14 @@ pub struct HybridState<S: Scalar> {
     pub reverse: S::Mask,
     /// Direction of rotation near ±π: ±1; 0 before the first decision.
     pub turn_direction: S,
-    /// Number of ticks for which the local law has trimmed a small heading error.
+    /// Number of ticks for which the local law has trimmed a small heading error, at most 25.
     pub trim_ticks: S,
     /// Last travel direction: 1 forward, −1 backward; 0 before the first motion and without a [`Deadband`](super::Deadband).
     pub drive_direction: S,
+    /// Sidestep: ±1 on its out leg, with the commanded heading rotated by ±45°; ½ on its way back; else 0.
+    pub sidestep: S,
+    /// Mean lateral distance of the goal over the ticks of trimming \[m]: positive on the left of the leading end.
+    pub lateral: S,
 }
 
 impl<S: Scalar> Default for HybridState<S> {
@@ -46,7 +50,15 @@ impl<S: Scalar> HybridState<S> {
     /// State before the first decision.
     pub fn new() -> Self {
         let (no, zero) = (S::Mask::splat(false), S::from_f64(0.0));
-        Self { local_mode: no, reverse: no, turn_direction: zero, trim_ticks: zero, drive_direction: zero }
+        Self {
+            local_mode: no,
+            reverse: no,
+            turn_direction: zero,
+            trim_ticks: zero,
+            drive_direction: zero,
+            sidestep: zero,
+            lateral: zero,
+        }
     }
 
     /// State before the first decision.
@@ -65,7 +77,7 @@ const DIRECTION_HYSTERESIS: f64 = 1.3;
 ///
 /// The first decision selects the smaller rotation: |α| + |φ| forward, 2π − |α| − |φ| in reverse. Later the direction
 /// changes only where |α| + h|φ| exceeds the other direction by a margin. Then W = c·ln ρ + ½(α² + hφ²) decreases by
-/// π times that margin, so that the change is itself a descent.
+/// π times that margin, so that the change is itself a descent. In local mode the direction stays: there α is noise.
 #[inline(always)]
 pub(super) fn select_reverse<S: Scalar>(
     direction: Direction,
@@ -84,7 +96,9 @@ pub(super) fn select_reverse<S: Scalar>(
             let undecided = state.is_undecided();
             let (share, most) =
                 (S::select(undecided, S::from_f64(1.0), h), S::select(undecided, S::from_f64(PI), kept));
-            (alpha + share * phi).gt(most)
+            // Compared outside of local mode only: there it would add an undecided comparison of intervals.
+            let rotation = S::select(state.local_mode, S::from_f64(0.0), alpha + share * phi);
+            state.local_mode.and(state.reverse).or(rotation.gt(most))
         }
     }
 }

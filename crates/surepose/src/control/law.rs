@@ -1,7 +1,7 @@
 //! Control law selection, and the three steps from the goal to a twist.
 
 use crate::kinematics::Twist;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 
 use super::braking::BrakingProfile;
 use super::deadband::Deadband;
@@ -13,6 +13,7 @@ use super::hysteresis::HybridState;
 use super::local::LocalLaw;
 use super::navigation_variables::NavigationVariables;
 use super::output::{ActiveMode, ControlOutput};
+use super::sidestep;
 use super::tran2012::Tran2012Law;
 
 /// Control law selected by the configuration.
@@ -98,13 +99,25 @@ impl<S: Scalar> Law<S> {
 
     /// Evaluates the Lyapunov function of the active law for the current direction of travel.
     ///
-    /// It is V_l of [Tran2012] Eq. (26) near the goal and V_g of Eq. (19) elsewhere. The value jumps at the switch.
+    /// It is that of [`Law::lyapunov_by_mode`] except on the out leg of a sidestep, where it is ½y² + ½(θ_e − r)², with the lateral
+    /// error y and the heading r of the leg.
     pub fn lyapunov(&self, navigation: &NavigationVariables<S>, state: &HybridState<S>) -> S {
+        let ahead = NavigationVariables::select(state.reverse, navigation.reversed(), *navigation);
+        let sidesteps = state.local_mode.and(S::from_f64(0.5).lt(sidestep::direction(state.sidestep).abs()));
+        let lateral = ahead.rho * ahead.phi.sin_cos().0;
+        let turn = ahead.heading_error().radians() - sidestep::heading(state.sidestep);
+        let sidestep = (lateral.squared() + turn.squared()) * S::from_f64(0.5);
+        S::select(sidesteps, sidestep, self.lyapunov_by_mode(navigation, state))
+    }
+
+    /// V_l of [Tran2012] Eq. (26) near the goal and V_g of Eq. (19) elsewhere, for the current direction of travel. The value jumps at the
+    /// switch, and V_l may grow during a sidestep.
+    pub fn lyapunov_by_mode(&self, navigation: &NavigationVariables<S>, state: &HybridState<S>) -> S {
         let Gains { k_v, k_alpha, h, k_theta } = self.gains();
         let ahead = NavigationVariables::select(state.reverse, navigation.reversed(), *navigation);
-        let local_mode = LocalLaw { k_v, k_theta }.lyapunov(&ahead);
+        let near = LocalLaw { k_v, k_theta }.lyapunov(&ahead);
         let far = GlobalLaw { k_v, k_alpha, h }.lyapunov(&ahead);
-        S::select(state.local_mode, local_mode, far)
+        S::select(state.local_mode, near, far)
     }
 }
 

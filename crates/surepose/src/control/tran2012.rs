@@ -39,7 +39,7 @@ impl<S: Scalar> Tran2012Law<S> {
         LocalLaw { k_v: self.gains.k_v, k_theta: self.gains.k_theta }
     }
 
-    /// Computes the twist for the goal; sets only `local_mode` of the state, for plots of the switch.
+    /// Computes the twist for the goal; of the state it sets only `local_mode`, for plots of the switch.
     #[inline(always)]
     pub fn compute(&self, navigation: &NavigationVariables<S>, state: HybridState<S>) -> ControlOutput<S> {
         let directed = self.select_direction(navigation);
@@ -58,7 +58,7 @@ impl<S: Scalar> Tran2012Law<S> {
         let (goal, heading_error) = (&directed.goal, directed.heading_error.radians());
         let local_mode = goal.rho.lt(self.capture_radius).and(heading_error.abs().lt(self.capture_heading));
         let error = S::select(local_mode, -heading_error, goal.alpha.radians());
-        ActiveMode { error, state: HybridState { local_mode, ..state } }
+        ActiveMode { error, state: HybridState { local_mode, trim_ticks: S::from_f64(0.0), ..state } }
     }
 
     /// Computes the twist of the active law.

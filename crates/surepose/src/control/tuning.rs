@@ -22,12 +22,14 @@ pub(super) const APPROACH_WEIGHT: f64 = 0.3;
 pub(super) const ACCELERATION_FRACTION: f64 = 0.7;
 /// Radius \[ε] below which the local law takes over: well below the exit radii, so that noise does not switch back.
 pub(super) const ENTER_RADIUS: f64 = 0.23;
-/// Radius \[ε] above which the local law ends at once: noise at the entry cannot cause an immediate switch back.
-pub(super) const MAX_LEAVE_RADIUS: f64 = 0.85;
-/// Radius \[ε] above which the local law ends after trimming: a robot displaced by noise still returns to the goal.
-pub(super) const MIN_LEAVE_RADIUS: f64 = 0.58;
-/// Trimming time \[ticks] over which the squared exit radius decreases linearly from the maximum to the minimum.
-pub(super) const TRIM_TICKS_TO_LEAVE: f64 = 20.0;
+/// Radius \[ε] above which the local law ends: noise at the entry cannot cause an immediate switch back.
+pub(super) const LEAVE_RADIUS: f64 = 0.85;
+/// Mean lateral error \[ε] above which a sidestep begins: 8 mm by default, within the usual tolerance of 1 cm.
+pub(super) const SIDESTEP_THRESHOLD: f64 = 0.25;
+/// Trimming time \[ticks] after which a sidestep or its out leg ends: a mean over fewer estimates is too noisy.
+pub(super) const SIDESTEP_TICKS: f64 = 10.0;
+/// Maximum number of trimming ticks \[ticks] in a mean: the law still observes an error that grows later.
+pub(super) const MAX_TRIM_TICKS: f64 = 25.0;
 /// Longitudinal error \[ε] below which the local law starts to turn faster than the minimum.
 pub(super) const ARRIVED_RADIUS: f64 = 0.35;
 /// Minimum factor \[1] of the local turn rate: noise that hides the arrival does not prevent the turn.

@@ -1,5 +1,7 @@
 //! Kalman filter with history: checks and gates measurements, rewinds for late ones, and counts rejections.
 
+mod sweep_motion;
+
 use crate::kinematics::WheelPair;
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
@@ -10,6 +12,8 @@ use super::gyroscope::{FilterState, Gyroscope, GyroscopeBias, GyroscopeTurn};
 use super::history::{Entry, Event, History, OdometryInterval};
 use super::measurement::{Measurement, finite};
 use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
+
+pub use sweep_motion::{SWEEP_KNOTS, SweepMotion};
 
 /// Belief that odometry predicts and measurements correct, including late measurements.
 ///
@@ -116,9 +120,9 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             return None;
         }
         match self.history.get(count) {
-            Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
+            Some(&Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
                 let part = odometry.fraction(fraction(start, stamp, end));
-                Some(self.advance(state, part, stamp.since(start)).belief)
+                Some(self.advance(*state, part, [start, stamp]).belief)
             }
             _ => Some(state.belief),
         }
@@ -154,7 +158,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         }
         self.reset(stamp, belief);
         for index in past.count_until(stamp)..past.len() {
-            if let Some(Entry { stamp: end, event: Event::Odometry(odometry), .. }) = past.get(index) {
+            if let Some(&Entry { stamp: end, event: Event::Odometry(odometry), .. }) = past.get(index) {
                 // Only the part after `stamp` of the interval that contains it.
                 let before = fraction(past.after(index).0.min(stamp), stamp, end);
                 let rest = odometry.fraction(S::from_f64(1.0) - before);
@@ -244,7 +248,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             self.reset(stamp, self.belief());
         }
         let interval = OdometryInterval { wheels: odometry, turn };
-        let after = self.advance(self.state(), interval, stamp.since(self.stamp()));
+        let after = self.advance(self.state(), interval, [self.stamp(), stamp]);
         self.history.insert(self.history.len(), Entry { stamp, event: Event::Odometry(interval), after });
         self.history.drop_before(stamp.after(-self.history_length));
         Ok(())
@@ -264,16 +268,21 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     }
 
     fn state(&self) -> FilterState<S> {
-        self.history.after(self.history.len()).1
+        *self.history.after(self.history.len()).1
     }
 
-    /// State after an interval of `duration` \[s].
-    fn advance(&self, state: FilterState<S>, interval: OdometryInterval<S>, duration: f64) -> FilterState<S> {
+    /// State after an interval between two stamps.
+    fn advance(
+        &self,
+        state: FilterState<S>,
+        interval: OdometryInterval<S>,
+        [from, to]: [Stamp; 2],
+    ) -> FilterState<S> {
         let OdometryInterval { wheels, turn } = interval;
         match &self.gyroscope {
             None => FilterState { belief: self.ekf.predict(state.belief, wheels), ..state },
             Some(gyroscope) => {
-                let duration = S::from_f64(duration.max(0.0));
+                let duration = S::from_f64(to.since(from).max(0.0));
                 self.ekf.predict_with_gyroscope(gyroscope, state, wheels, turn, duration)
             }
         }
@@ -299,13 +308,14 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     fn apply(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
         let Stamped { stamp, value: measurement } = measured;
         let count = self.history.count_until(stamp);
-        let (start, mut state) = self.history.after(count);
+        let (start, state) = self.history.after(count);
+        let mut state = *state;
         // A measurement inside an odometry interval splits the interval.
         let split = match self.history.get(count) {
-            Some(Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
+            Some(&Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
                 let part = fraction(start, stamp, end);
                 let (first, rest) = (odometry.fraction(part), odometry.fraction(S::from_f64(1.0) - part));
-                state = self.advance(state, first, stamp.since(start));
+                state = self.advance(state, first, [start, stamp]);
                 let rest = Entry { stamp: end, event: Event::Odometry(rest), after };
                 Some((Entry { stamp, event: Event::Odometry(first), after: state }, rest))
             }
@@ -329,11 +339,10 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     /// Applies the entries from `index` on to `state`.
     fn replay(&mut self, index: usize, mut state: FilterState<S>) {
         for i in index..self.history.len() {
-            if let Some(mut entry) = self.history.get(i) {
+            if let Some(mut entry) = self.history.get(i).copied() {
                 state = match &entry.event {
                     Event::Odometry(odometry) => {
-                        let duration = entry.stamp.since(self.history.after(i).0);
-                        self.advance(state, *odometry, duration)
+                        self.advance(state, *odometry, [self.history.after(i).0, entry.stamp])
                     }
                     Event::Measurement(measurement) => self.correct(state, measurement).0,
                 };

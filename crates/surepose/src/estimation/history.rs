@@ -59,15 +59,15 @@ impl<S: Float, const N: usize> History<S, N> {
     }
 
     /// Time and state after the first `count` entries.
-    pub(super) fn after(&self, count: usize) -> (Stamp, FilterState<S>) {
+    pub(super) fn after(&self, count: usize) -> (Stamp, &FilterState<S>) {
         match count.checked_sub(1).and_then(|i| self.get(i)) {
-            Some(entry) => (entry.stamp, entry.after),
-            None => self.base,
+            Some(entry) => (entry.stamp, &entry.after),
+            None => (self.base.0, &self.base.1),
         }
     }
 
-    pub(super) fn get(&self, index: usize) -> Option<Entry<S>> {
-        if index < self.len { self.ring[self.slot(index)] } else { None }
+    pub(super) fn get(&self, index: usize) -> Option<&Entry<S>> {
+        if index < self.len { self.ring[self.slot(index)].as_ref() } else { None }
     }
 
     pub(super) fn set(&mut self, index: usize, entry: Entry<S>) {
@@ -121,10 +121,9 @@ impl<S: Float, const N: usize> History<S, N> {
     }
 
     fn drop_oldest(&mut self) {
-        if let Some(oldest) = self.get(0) {
+        let slot = self.slot(0);
+        if let Some(oldest) = self.ring[slot].take() {
             self.base = (oldest.stamp, oldest.after);
-            let slot = self.slot(0);
-            self.ring[slot] = None;
             self.first = (self.first + 1) % N;
             self.len -= 1;
         }

@@ -46,6 +46,9 @@ pub(super) fn read_returns<S: Float>(
     scan: &Scan<'_, S>,
     beams: &mut [Beam<S>],
 ) -> usize {
+    if scan.bearings.is_some() {
+        return read_uneven_returns(laser, scan, beams);
+    }
     let (step_sin, step_cos) = scan.angle_increment.sin_cos();
     let mut count = 0;
     let (mut sin, mut cos) = (S::from_f64(0.0), S::from_f64(1.0));
@@ -59,6 +62,19 @@ pub(super) fn read_returns<S: Float>(
             count += 1;
         }
         (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+    }
+    count
+}
+
+/// As [`read_returns`], for beams whose directions have uneven steps.
+fn read_uneven_returns<S: Float>(laser: &RangeFinder<S>, scan: &Scan<'_, S>, beams: &mut [Beam<S>]) -> usize {
+    let mut count = 0;
+    for (number, range) in scan.ranges.iter().copied().enumerate() {
+        if let (true, Some(slot)) = (laser.is_return(range), beams.get_mut(count)) {
+            let (sin, cos) = scan.angle(number).sin_cos();
+            *slot = Beam { cos, sin, range, inverse: S::from_f64(1.0) / range, number: number as u16 };
+            count += 1;
+        }
     }
     count
 }

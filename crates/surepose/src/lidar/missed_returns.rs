@@ -26,13 +26,30 @@ impl<S: Float, const BEAMS: usize> MissedReturns<S, BEAMS> {
     /// # Errors
     /// [`ScanError`]; a scan may have any number of beams.
     pub fn from_scan(laser: &RangeFinder<S>, scan: &Scan<'_, S>) -> Result<Self, ScanError> {
+        Self::select(laser, scan, |range| range > laser.range_max)
+    }
+
+    /// Selects all beams of `scan` without a return, whether it is missing or invalid.
+    ///
+    /// # Errors
+    /// [`ScanError`]; a scan may have any number of beams.
+    pub fn without_return(laser: &RangeFinder<S>, scan: &Scan<'_, S>) -> Result<Self, ScanError> {
+        Self::select(laser, scan, |_| true)
+    }
+
+    /// Selects the beams without a return whose range fulfills a condition.
+    fn select(
+        laser: &RangeFinder<S>,
+        scan: &Scan<'_, S>,
+        is_selected: impl Fn(S) -> bool,
+    ) -> Result<Self, ScanError> {
         laser.check()?;
         scan.check(usize::MAX)?;
         let mut beams = BeamSubset::new(laser);
         for (number, range) in BeamSubset::<S, BEAMS>::sampled(scan) {
             if laser.is_return(range) {
                 beams.max_range = beams.max_range.max(range);
-            } else if range > laser.range_max {
+            } else if is_selected(range) {
                 let (sin, cos) = scan.angle(number).sin_cos();
                 let zero = S::from_f64(0.0);
                 beams.push(Beam { cos, sin, range, inverse: zero, number: number as u16 });
@@ -46,14 +63,20 @@ impl<S: Float, const BEAMS: usize> MissedReturns<S, BEAMS> {
     /// The range of the laser is taken from the returns of the same scan. A scan without any return counts 0: it
     /// indicates a broken laser rather than a wrong pose.
     pub fn count(&self, belief: &Belief<S>, walls: &[Wall<S>]) -> u16 {
-        let max_distance =
-            S::from_f64(1.0).div_or_zero(S::from_f64(MAX_RANGE_FRACTION) * self.beams.max_range);
+        self.count_within(S::from_f64(MAX_RANGE_FRACTION) * self.beams.max_range, belief, walls)
+    }
+
+    /// Number of beams that a wall within `distance` \[m] should have returned, given the belief; 0 for a distance of 0.
+    pub fn count_within(&self, distance: S, belief: &Belief<S>, walls: &[Wall<S>]) -> u16 {
+        let max_distance = S::from_f64(1.0).div_or_zero(distance);
         if max_distance <= S::from_f64(0.0) {
             return 0;
         }
-        let uncertainty = self.beams.uncertainty(&belief.covariance);
-        let expected_hits = self.beams.ray_cast(belief.pose, &uncertainty, walls);
-        expected_hits[..self.beams.beams()].iter().filter(|expected| expected.certain > max_distance).count()
+        let mut beams = self.beams;
+        beams.max_range = beams.max_range.max(distance);
+        let uncertainty = beams.uncertainty(&belief.covariance);
+        let expected_hits = beams.ray_cast(belief.pose, &uncertainty, walls);
+        expected_hits[..beams.beams()].iter().filter(|expected| expected.certain > max_distance).count()
             as u16
     }
 }

@@ -29,6 +29,11 @@ pub struct Scan<'a, S> {
     pub angle_increment: S,
     /// Range of each beam \[m].
     pub ranges: &'a [S],
+    /// Time from one beam to the next \[s], for a laser that sweeps; the stamp of the scan is that of the first beam. 0 for
+    /// beams that were all measured at the stamp.
+    pub time_increment: f64,
+    /// Direction of each beam from the laser's x axis; `None` for even steps from `angle_min`.
+    pub bearings: Option<&'a [Angle<S>]>,
     /// Range limits and mounting of the laser; `None` uses those of the scan processor.
     pub geometry: Option<LaserGeometry<S>>,
 }
@@ -47,7 +52,18 @@ pub struct LaserGeometry<S> {
 impl<'a, S> Scan<'a, S> {
     /// Scan of the configured laser.
     pub fn new(angle_min: Angle<S>, angle_increment: S, ranges: &'a [S]) -> Self {
-        Self { angle_min, angle_increment, ranges, geometry: None }
+        Self { angle_min, angle_increment, ranges, time_increment: 0.0, bearings: None, geometry: None }
+    }
+
+    /// Sets the time from one beam to the next \[s].
+    #[must_use]
+    pub fn with_time_increment(self, time_increment: f64) -> Self {
+        Self { time_increment, ..self }
+    }
+
+    /// Time from the first beam to the last \[s]; 0 for beams that were all measured at the stamp.
+    pub fn sweep_duration(&self) -> f64 {
+        self.time_increment * self.ranges.len().saturating_sub(1) as f64
     }
 
     /// Sets the range limits and the mounting of the laser that took the scan.
@@ -67,7 +83,12 @@ pub enum ScanError {
     InvalidAngles,
     /// The scan has more beams than the capacity of the extractor.
     TooManyBeams,
+    /// The time increment is negative or not finite, or the sweep takes longer than [`MAX_SWEEP_DURATION`].
+    InvalidSweep,
 }
+
+/// Maximum time from the first beam of a scan to the last \[s].
+pub const MAX_SWEEP_DURATION: f64 = 1.0;
 
 impl ScanError {
     /// The name used in reports and JSON.
@@ -76,6 +97,7 @@ impl ScanError {
             Self::InvalidLaser => "bad_laser",
             Self::InvalidAngles => "bad_bearings",
             Self::TooManyBeams => "too_many_beams",
+            Self::InvalidSweep => "bad_sweep",
         }
     }
 }
@@ -90,6 +112,7 @@ impl core::fmt::Display for ScanError {
                 "bearings must be finite, steps between 0 and 45°, all beams within one turn"
             }
             Self::TooManyBeams => "the scan has more beams than the extractor has room for",
+            Self::InvalidSweep => "the time increment must not be negative, and a sweep takes at most 1 s",
         })
     }
 }
@@ -99,14 +122,17 @@ impl core::error::Error for ScanError {}
 impl<S: Float> Scan<'_, S> {
     /// Direction of a beam from the x axis of the laser.
     pub fn angle(&self, number: usize) -> Angle<S> {
-        self.angle_min.rotated_by(self.angle_increment * S::from_f64(number as f64))
+        let bearing = self.bearings.and_then(|bearings| bearings.get(number));
+        bearing
+            .copied()
+            .unwrap_or_else(|| self.angle_min.rotated_by(self.angle_increment * S::from_f64(number as f64)))
     }
 }
 
 impl<S: Float> RangeFinder<S> {
     /// Whether a beam of this range has a return.
     #[inline]
-    pub(super) fn is_return(&self, range: S) -> bool {
+    pub fn is_return(&self, range: S) -> bool {
         // A NaN compares false on both sides.
         range > self.range_min && range <= self.range_max && range.is_finite()
     }
@@ -135,11 +161,14 @@ impl<S: Float> Scan<'_, S> {
         let is_valid = self.angle_min.radians().is_finite()
             && step > S::from_f64(0.0)
             && step <= S::from_f64(FRAC_PI_4)
-            && turn <= S::from_f64(TAU) + step * S::from_f64(1.5);
+            && turn <= S::from_f64(TAU) + step * S::from_f64(1.5)
+            && self.bearings.is_none_or(|bearings| bearings.len() == count);
         if !is_valid {
             Err(ScanError::InvalidAngles)
         } else if count > capacity {
             Err(ScanError::TooManyBeams)
+        } else if !(self.time_increment >= 0.0 && self.sweep_duration() <= MAX_SWEEP_DURATION) {
+            Err(ScanError::InvalidSweep)
         } else {
             Ok(())
         }

@@ -16,6 +16,11 @@ const LINEARIZATION_STD: [[f64; 3]; 4] =
 /// Headings at which the search after slip starts, relative to the belief \[rad].
 const SLIP_HEADINGS: [f64; 7] = [0.0, 0.15, -0.15, 0.3, -0.3, 0.45, -0.45];
 
+/// Largest displacement by slip, in its standard deviations: a larger one is no slip, and the global search decides.
+const MAX_SLIP_STD_DEVS: f64 = 2.5;
+/// Minimum fraction of explained beams after slip: the pose changes at once, without the further scans of a lost robot.
+const MIN_SLIP_HIT_RATIO: f64 = 0.85;
+
 /// Parameters of the detection of a displacement, and acceptance criteria for the new pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalSearch<S> {
@@ -75,14 +80,21 @@ impl<S: Float> LocalSearch<S> {
         belief: &Belief<S>,
         walls: &[Wall<S>],
     ) -> Option<Belief<S>> {
+        let strict = Self { min_hit_ratio: self.min_hit_ratio.max(S::from_f64(MIN_SLIP_HIT_RATIO)), ..*self };
         let starts = SLIP_HEADINGS.iter().map(|heading| S::from_f64(*heading));
         let within = starts.filter(|heading| heading.abs() <= self.prior_std[2] * S::from_f64(2.0));
         let found = within.filter_map(|heading| {
             let pose = belief.pose;
             let turned = Pose::new(pose.x, pose.y, pose.heading.rotated_by(heading));
-            let found = self.refine(ekf, beams, &Belief { pose: turned, ..*belief }, walls)?;
+            let found = strict.refine(ekf, beams, &Belief { pose: turned, ..*belief }, walls)?;
             Some((beams.evaluate(found.pose, &found.covariance, walls).neg2_log_likelihood, found))
         });
+        let is_slip = |found: &Belief<S>| {
+            let moved = found.error(belief.pose);
+            let limit = S::from_f64(MAX_SLIP_STD_DEVS);
+            moved.iter().zip(self.prior_std).all(|(moved, std)| moved.abs() <= std * limit)
+        };
+        let found = found.filter(|(_, found)| is_slip(found));
         let better = |a: (S, Belief<S>), b: (S, Belief<S>)| if b.0 < a.0 { b } else { a };
         let (likelihood, found) = found.reduce(better)?;
         let here = beams.evaluate(belief.pose, &found.covariance, walls).neg2_log_likelihood;

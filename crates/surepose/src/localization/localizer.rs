@@ -4,7 +4,7 @@ use crate::estimation::{
     Belief, DelayedEkf, GyroscopeTurn, Measurement, MeasurementOutcome, MeasurementStats, OdometryOutcome,
     RejectReason, WheelOdometry,
 };
-use crate::lidar::{Scan, ScanEvent, ScanProcessor};
+use crate::lidar::{Deskewer, Scan, ScanEvent, ScanProcessor};
 use crate::map::MapView;
 use crate::safety::{Health, SafetyAction};
 use crate::scalar::Float;
@@ -61,6 +61,9 @@ pub struct Localizer<
 > {
     estimator: DelayedEkf<S, HISTORY>,
     scan_processor: ScanProcessor<S, BEAMS>,
+    deskewer: Deskewer<S, BEAMS>,
+    /// Whether scans are rejected unread, because the laser is faulty.
+    ignores_scans: bool,
     /// `None` disables supervision and relocalization.
     monitor: Option<LocalizationMonitor<S, HYPOTHESES, KEYFRAMES>>,
 }
@@ -75,12 +78,13 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         monitor: MonitorConfig<S>,
     ) -> Self {
         let monitor = LocalizationMonitor::new(monitor, *estimator.ekf(), estimator.stamp());
-        Self { estimator, scan_processor, monitor: Some(monitor) }
+        Self { monitor: Some(monitor), ..Self::unsupervised(estimator, scan_processor) }
     }
 
     /// Localizer without supervision, for recordings that are evaluated against a reference.
     pub fn unsupervised(estimator: DelayedEkf<S, HISTORY>, scan_processor: ScanProcessor<S, BEAMS>) -> Self {
-        Self { estimator, scan_processor, monitor: None }
+        let deskewer = Deskewer::default();
+        Self { estimator, scan_processor, deskewer, ignores_scans: false, monitor: None }
     }
 
     /// The filter.
@@ -88,9 +92,19 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         &self.estimator
     }
 
+    /// The scan processor.
+    pub fn scan_processor(&self) -> &ScanProcessor<S, BEAMS> {
+        &self.scan_processor
+    }
+
     /// The scan processor, for a laser whose noise or mounting changes.
     pub fn scan_processor_mut(&mut self) -> &mut ScanProcessor<S, BEAMS> {
         &mut self.scan_processor
+    }
+
+    /// Sets whether scans are rejected unread, because the laser is faulty.
+    pub fn set_scans_ignored(&mut self, ignored: bool) {
+        self.ignores_scans = ignored;
     }
 
     /// Newest belief; meaningless while [`Localizer::health`] is [`Health::Lost`].
@@ -264,10 +278,26 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         map: &MapView<'_, S>,
         observer: &mut impl LoopObserver<S>,
     ) {
-        let Self { estimator, scan_processor, monitor } = self;
-        // A scan older than the history cannot be used. Such a scan is counted, as is an invalid one.
-        let Ok(belief) = estimator.belief_at_or_reject(stamp) else { return };
+        let Self { estimator, scan_processor, deskewer, monitor, ignores_scans } = self;
+        if *ignores_scans {
+            return estimator.reject(RejectReason::UnreadableScan);
+        }
         let laser = scan_processor.laser_of(scan);
+        // A scan older than the history cannot be used. Such a scan is counted, as is an invalid one.
+        let (stamp, scan) = if scan.sweep_duration() > 0.0 {
+            let motion = match estimator.motion_during(stamp, scan.sweep_duration()) {
+                Ok(motion) => motion,
+                Err(reason) => return estimator.reject(reason),
+            };
+            match deskewer.deskew(&laser, scan, &motion) {
+                Ok(scan) => (motion.reference, scan),
+                Err(_) => return estimator.reject(RejectReason::UnreadableScan),
+            }
+        } else {
+            (stamp, *scan)
+        };
+        let scan = &scan;
+        let Ok(belief) = estimator.belief_at_or_reject(stamp) else { return };
         let Ok(observation) = scan_processor.process(estimator.ekf(), &belief, scan, map.walls) else {
             return estimator.reject(RejectReason::UnreadableScan);
         };

@@ -10,7 +10,7 @@ const SLIP_RATIO: f64 = 0.5;
 const MIN_LENGTH: f64 = 0.01;
 const MIN_TURN: f64 = 0.02;
 /// Standard deviation of the displacement beyond slip, and its largest value: x and y \[m], heading \[rad].
-const BASE_STD: [f64; 2] = [0.05, 0.05];
+const BASE_STD: [f64; 2] = [0.02, 0.02];
 const MAX_STD: [f64; 2] = [0.3, 0.5];
 /// Time for which wheels that slipped are expected to slip again \[s].
 const SLIP_TIME: f64 = 1.0;

@@ -67,7 +67,7 @@ impl<S: Float> Wall<S> {
 
     /// Distance from `point` to the nearest point of the wall \[m].
     #[inline]
-    pub(crate) fn distance(&self, point: Point<Map, S>) -> S {
+    pub fn distance(&self, point: Point<Map, S>) -> S {
         (self.line.distance_from(point).squared() + self.distance_beyond_ends(point).squared()).sqrt()
     }
 

@@ -5,23 +5,22 @@ use crate::geometry::{Goal, Map, Pose};
 use crate::kinematics::Twist;
 use crate::safety::{BlockReason, FaultReason, LyapunovValue, MotionFault, ProgressMonitor, SafetyAction};
 use crate::scalar::Float;
-use crate::time::Stamp;
 
 use super::{AbortReason, GoalResult, NavigatorConfig, StepReport};
 
 /// Rate at which unimpeded time makes up for impeded time.
 const RECOVERY_RATE: f64 = 0.5;
+/// Longest time that a step counts \[s].
+const MAX_ELAPSED: f64 = 1.0;
 
 /// The goal that the robot drives to, or holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ActiveGoal<S: Float> {
     pub(super) map_from_goal: Pose<Map, Goal, S>,
     pub(super) state: ControllerState<S>,
-    /// Time of the last step with this goal.
-    stepped: Option<Stamp>,
     /// What stops the robot, and for how long \[s]. Two reasons that alternate share one time.
     impediment: Option<AbortReason>,
-    impeded_for: f64,
+    impeded_for: S,
     progress: ProgressMonitor<S>,
     /// A wall stopped the robot: it brakes, and the goal is over.
     is_stopped_by_wall: bool,
@@ -33,9 +32,8 @@ impl<S: Float> ActiveGoal<S> {
         Self {
             map_from_goal,
             state: ControllerState::new(),
-            stepped: None,
             impediment: None,
-            impeded_for: 0.0,
+            impeded_for: S::from_f64(0.0),
             progress: ProgressMonitor::new(),
             is_stopped_by_wall: false,
             has_arrived: false,
@@ -64,20 +62,22 @@ impl<S: Float> ActiveGoal<S> {
         report: &StepReport<S>,
         step: &ControlStep<S>,
         blocked: Option<BlockReason>,
+        elapsed: S,
     ) {
-        let elapsed = self.stepped.map_or(0.0, |stepped| report.stamp.since(stepped).max(0.0));
-        self.stepped = Some(report.stamp);
+        // A jump of the clock is no time in which something happened.
+        let elapsed = elapsed.min(S::from_f64(MAX_ELAPSED));
         let impediment = match report.action {
             SafetyAction::Stop(reason) => Some(AbortReason::Fault(reason)),
             _ => blocked.map(AbortReason::Blocked),
         };
         self.is_stopped_by_wall |= blocked == Some(BlockReason::Wall);
         if impediment.is_some() {
-            self.impeded_for += elapsed;
+            self.impeded_for = self.impeded_for + elapsed;
             self.impediment = impediment;
         } else {
-            self.impeded_for = (self.impeded_for - RECOVERY_RATE * elapsed).max(0.0);
-            self.note_progress(config, report, step, S::from_f64(elapsed));
+            let recovered = elapsed * S::from_f64(RECOVERY_RATE);
+            self.impeded_for = (self.impeded_for - recovered).max(S::from_f64(0.0));
+            self.note_progress(config, report, step, elapsed);
         }
         if report.action == SafetyAction::Stop(FaultReason::Lost) {
             self.progress.restart_from_new_pose();
@@ -114,7 +114,7 @@ impl<S: Float> ActiveGoal<S> {
             return;
         }
         let hybrid = &step.state.hybrid;
-        let value = controller.law.lyapunov(&step.navigation, hybrid);
+        let value = controller.law.lyapunov_by_mode(&step.navigation, hybrid);
         let value = LyapunovValue { value, is_local: hybrid.local_mode };
         self.progress.update(value, elapsed * report.action.speed_scale());
     }
@@ -128,7 +128,7 @@ impl<S: Float> ActiveGoal<S> {
         if self.is_stopped_by_wall && rests {
             return Some(AbortReason::Blocked(BlockReason::Wall));
         }
-        if self.impeded_for >= config.goal_timeout {
+        if self.impeded_for >= S::from_f64(config.goal_timeout) {
             return self.impediment;
         }
         if let Some(fault) = motion {

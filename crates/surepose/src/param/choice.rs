@@ -61,6 +61,19 @@ pub enum BrakingMode {
 
 impl_choice!(BrakingMode { Auto = "auto", Even = "even", Gains = "gains" });
 
+/// Source of the mounting of a sensor of a ROS 2 robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MountingSource {
+    /// The configuration where it differs from the default, else `/tf_static`.
+    Auto,
+    /// The configuration.
+    Config,
+    /// The topic `/tf_static`.
+    TfStatic,
+}
+
+impl_choice!(MountingSource { Auto = "auto", Config = "config", TfStatic = "tf_static" });
+
 /// Environment of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArenaName {

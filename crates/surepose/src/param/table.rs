@@ -2,8 +2,9 @@
 
 use crate::control::Direction;
 use crate::kinematics::Integration;
+use crate::lidar::StampedBeam;
 
-use super::{ArenaName, BrakingMode, Choice, Kind, LawName, Range};
+use super::{ArenaName, BrakingMode, Choice, Kind, LawName, MountingSource, Range};
 
 /// Kind of a number in \[`low`, `high`].
 pub const fn in_range(low: f64, high: f64, default: f64, reason: &'static str) -> Kind {
@@ -18,6 +19,15 @@ pub const fn positive(high: f64, default: f64, reason: &'static str) -> Kind {
 /// A positive number whose default is derived from other parameters.
 const fn derived(high: f64, reason: &'static str) -> Kind {
     Kind::Number { default: None, range: Range { low: 0.0, low_inclusive: false, high, reason } }
+}
+
+/// A number from 0 whose default is derived from other parameters.
+const fn derived_from_0(high: f64, reason: &'static str) -> Kind {
+    Kind::Number { default: None, range: Range { low: 0.0, low_inclusive: true, high, reason } }
+}
+
+const fn polygon(reach: f64, reason: &'static str) -> Kind {
+    Kind::Polygon { range: Range { low: -reach, low_inclusive: true, high: reach, reason } }
 }
 
 /// Kind of an integer in \[`low`, `high`].
@@ -51,7 +61,8 @@ macro_rules! parameters {
 }
 
 const SIGMA: &str = "a standard deviation is positive; 0 would mean a perfect sensor";
-const LATENCY: &str = "a measurement arrives after it was taken, and the history holds at most 10 s";
+const LATENCY: &str = "the history holds at most 10 s, and no stamp is a second early";
+const CAMERA_LATENCY_REASON: &str = "an image arrives after it was taken, and the history holds at most 10 s";
 const GAIN: &str = "the Lyapunov derivative is negative only for positive gains";
 const TIMEOUT_REASON: &str = "a time-out is positive";
 const PLACE: &str = "a coordinate beyond 10 km indicates a wrong unit";
@@ -64,6 +75,7 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("goal", "When the goal counts as reached."),
     ("filter", "Kalman filter."),
     ("compass", "Compass."),
+    ("gyroscope", "Gyroscope: the yaw rate of an inertial measurement unit."),
     ("laser", "Laser range finder."),
     ("camera", "Camera that observes landmarks, of the recordings in the format `mrclam`."),
     ("commands", "Response of a base to velocity commands, for recordings without wheel ticks."),
@@ -90,7 +102,7 @@ parameters! {
         positive(1000.0, 0.5, "at 0 the wheels cannot start");
     /// Maximum rim deceleration of a wheel. If unset, it equals the acceleration.
     WHEEL_DECELERATION_LIMIT = "robot" "wheel_deceleration_limit_m_s2", MeterPerSecondSquared,
-        positive(1000.0, 0.5, "at 0 the wheels cannot stop");
+        derived(1000.0, "at 0 the wheels cannot stop");
     /// Minimum rim speed that a wheel executes; the motor ignores slower commands. They are sent as short pulses at this
     /// speed, so that the distance over time is what the law asks for. 0 for a wheel that executes every speed.
     MIN_WHEEL_SPEED = "robot" "min_wheel_speed_m_s", MeterPerSecond,
@@ -109,9 +121,13 @@ parameters! {
     /// predicts the distance that the wheels still cover.
     MOTOR_TIME_CONSTANT = "robot" "motor_time_constant_s", Second,
         in_range(0.0, 2.0, 0.0, "a time constant is not negative, and a slower base cannot be controlled");
-    /// Radius of the robot's outline around the middle of its axle. 0 checks the middle alone.
+    /// Radius of the robot's outline around the middle of its axle, for walls and obstacles. If unset, it is half the wheel
+    /// separation plus 2 cm, which is a circle around both wheels. 0 checks the middle alone.
     FOOTPRINT_RADIUS = "robot" "footprint_radius_m", Meter,
-        in_range(0.0, 5.0, 0.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
+        derived_from_0(5.0, "a radius is not negative, and more than 5 m indicate a wrong unit");
+    /// Outline of the robot as a polygon of 3 to 8 points [x, y] around the middle of its axle, x forward and y left. It replaces
+    /// the circle of footprint_radius_m; `[]` is no polygon. Example: [[0.4, 0.2], [-0.1, 0.2], [-0.1, -0.2], [0.4, -0.2]].
+    FOOTPRINT = "robot" "footprint_m", Meter, polygon(5.0, "coordinates beyond 5 m indicate a wrong unit");
 
     /// Control law: `surepose`, or `paper` for the law of Tran et al. (2012) without the additions of Surepose.
     LAW_NAME = "law" "name", One, one_of::<LawName>();
@@ -166,8 +182,12 @@ parameters! {
     COMPASS_STD = "compass" "std_deg", Degree, positive(180.0, 0.1, SIGMA);
     /// Compass reading when the robot faces along the x axis of the map.
     COMPASS_OFFSET = "compass" "offset_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
-    /// Delay between a compass measurement and its arrival.
-    COMPASS_LATENCY = "compass" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
+    /// Source of the rotation of the compass relative to the robot, for ROS 2: included in offset_deg (`config`), or the transform
+    /// from the frame of the messages to the base frame (`tf_static`). `auto` is `config` unless offset_deg is 0.
+    COMPASS_MOUNTING = "compass" "mounting", One, one_of::<MountingSource>();
+    /// Delay between a compass measurement and its stamp, which is subtracted; negative for a stamp that is early. Simulated
+    /// measurements arrive with this delay.
+    COMPASS_LATENCY = "compass" "latency_s", Second, in_range(-1.0, 10.0, 0.0, LATENCY);
 
     /// Standard deviation of one reading of the gyroscope's yaw rate.
     GYROSCOPE_STD = "gyroscope" "std_deg_s", DegreePerSecond, positive(100.0, 0.3, SIGMA);
@@ -187,14 +207,27 @@ parameters! {
     LASER_Y = "laser" "y_m", Meter, in_range(-10.0, 10.0, 0.0, "the laser is mounted on the robot");
     /// Yaw of the laser relative to the robot, counter-clockwise: the direction of beam angle 0.
     LASER_HEADING = "laser" "heading_deg", Degree, in_range(-360.0, 360.0, 0.0, TURN);
-    /// Delay between a scan and its arrival.
-    LASER_LATENCY = "laser" "latency_s", Second, in_range(0.0, 10.0, 0.0, LATENCY);
-    /// Number of beams of the simulated laser over its 180° field of view.
+    /// Source of the pose of the laser, for ROS 2: x_m, y_m and heading_deg (`config`), or the transform from the frame of the scans
+    /// to the base frame (`tf_static`). `auto` is `config` unless all three are 0.
+    LASER_MOUNTING = "laser" "mounting", One, one_of::<MountingSource>();
+    /// Delay between a scan and its stamp, which is subtracted; negative for a stamp that is early. Simulated scans arrive
+    /// with this delay.
+    LASER_LATENCY = "laser" "latency_s", Second, in_range(-1.0, 10.0, 0.0, LATENCY);
+    /// Time from the first beam of a scan to its last. Each beam is moved by odometry to the middle of the sweep. If unset,
+    /// the time increment of each scan message counts; 0 takes all beams at the stamp.
+    LASER_SWEEP = "laser" "sweep_s", Second,
+        in_range(0.0, 1.0, 0.0, "a sweep takes time, and one of more than 1 s is not used");
+    /// Beam that the stamp of a scan belongs to: `first`, as in ROS, `middle` or `last`.
+    LASER_STAMP = "laser" "stamp", One, one_of::<StampedBeam>();
+    /// Field of view of the simulated laser, centered on its x axis.
+    LASER_FIELD_OF_VIEW = "laser" "field_of_view_deg", Degree,
+        positive(360.0, 180.0, "a laser sees something, and at most one turn");
+    /// Number of beams of the simulated laser over its field of view.
     LASER_BEAMS = "laser" "beams", One,
         integer(2.0, 4096.0, 181, "a line needs two beams, and a scan holds at most 4096");
 
     /// Delay between the true time of a landmark observation and its stamp.
-    CAMERA_LATENCY = "camera" "latency_s", Second, in_range(0.0, 10.0, 0.03, LATENCY);
+    CAMERA_LATENCY = "camera" "latency_s", Second, in_range(0.0, 10.0, 0.03, CAMERA_LATENCY_REASON);
     /// Ratio of the measured depth of a landmark to its true depth.
     CAMERA_SCALE = "camera" "scale", One,
         in_range(0.5, 2.0, 1.04, "a scale error by a factor of two means that the camera is not calibrated");
@@ -241,6 +274,11 @@ parameters! {
         in_range(0.0, 5.0, 0.05, "a drive does not respond before its command");
     /// Time without a scan after which the obstacle check counts as unavailable and the robot stops.
     SCAN_TIMEOUT = "safety" "scan_timeout_s", Second, positive(60.0, 1.0, TIMEOUT_REASON);
+    /// Time for which all scans are unusable, or empty where the map has walls, after which the robot stops as `laser_blind`.
+    LASER_BLIND_TIMEOUT = "safety" "laser_blind_timeout_s", Second, positive(60.0, 0.3, TIMEOUT_REASON);
+    /// Smallest fraction of the beams that must be valid, and of the beams at walls of the map that must return.
+    MIN_VALID_BEAMS = "safety" "min_valid_beams", One,
+        in_range(0.0, 1.0, 0.1, "a share lies between 0 and 1");
     /// Time without odometry after which the robot stops.
     ODOMETRY_TIMEOUT = "safety" "odometry_timeout_s", Second, positive(60.0, 0.5, TIMEOUT_REASON);
     /// Time without an accepted measurement of the pose after which the robot slows down.

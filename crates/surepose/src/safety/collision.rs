@@ -45,6 +45,8 @@ pub enum BlockReason {
     Obstacle,
     /// No scan arrived for the time-out, so that the obstacle check is unavailable.
     LaserTimeout,
+    /// The laser sends scans that show nothing, so that the obstacle check is unavailable.
+    LaserBlind,
 }
 
 impl BlockReason {
@@ -54,6 +56,7 @@ impl BlockReason {
             Self::Wall => "wall",
             Self::Obstacle => "obstacle",
             Self::LaserTimeout => "laser_timeout",
+            Self::LaserBlind => "laser_blind",
         }
     }
 }
@@ -141,17 +144,11 @@ impl<S: Float> CollisionConfig<S> {
         SpeedCap::stop(blocked_by)
     }
 
-    /// Distance from the footprint at `pose` to the nearest wall \[m]; 0 in contact and outside the rectangle around all
-    /// walls, `None` without walls.
+    /// Distance from the footprint at `pose` to the nearest wall \[m]: 0 in contact, `None` without walls.
+    ///
+    /// Walls have no inside: a pose beyond the walls of a room has a distance, too.
     pub fn distance_to_walls(&self, pose: Pose<Map, Body, S>, walls: &[Wall<S>]) -> Option<S> {
-        let distances = walls.iter().map(|wall| self.distance_to_wall(pose, wall));
-        let nearest = distances.reduce(S::min)?;
-        let ends = || walls.iter().flat_map(Wall::ends);
-        let is_between = |at: S, axis: &dyn Fn(Point<Map, S>) -> S| {
-            ends().any(|end| axis(end) < at) && ends().any(|end| axis(end) > at)
-        };
-        let is_inside = is_between(pose.x, &|end| end.x) && is_between(pose.y, &|end| end.y);
-        Some(if is_inside { nearest } else { S::from_f64(0.0) })
+        walls.iter().map(|wall| self.distance_to_wall(pose, wall)).reduce(S::min)
     }
 
     /// Motion of a robot that drives on with `twist` for a period and the response time, and then brakes to rest.
@@ -215,3 +212,6 @@ impl<S: Float> CollisionConfig<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,10 +1,14 @@
 //! Outline of the robot, for collision checks.
 
 use crate::geometry::{Body, Point};
+use crate::kinematics::DiffDrive;
 use crate::scalar::Float;
 
 /// The largest number of vertices of a polygonal footprint.
 pub const MAX_VERTICES: usize = 8;
+
+/// Distance from the middle of a wheel to the outline \[m], of a robot whose outline is not configured.
+const WHEEL_MARGIN: f64 = 0.02;
 
 /// Outline of the robot in its body frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +91,24 @@ impl<S: Float> Polygon<S> {
 }
 
 impl<S: Float> Footprint<S> {
+    /// Circle around both drive wheels: half the wheel separation and 2 cm for the width of a wheel.
+    ///
+    /// It is the smallest outline that a robot with this drive can have. A robot with a larger body needs its own outline.
+    pub fn from_drive(drive: &DiffDrive<S>) -> Self {
+        Self::Circle(drive.wheel_separation * S::from_f64(0.5) + S::from_f64(WHEEL_MARGIN))
+    }
+
+    /// Radius of the largest disc around the origin of the body frame within the footprint \[m].
+    pub fn inscribed_radius(&self) -> S {
+        match self {
+            Self::Circle(radius) => *radius,
+            Self::Polygon(polygon) => {
+                let distances = polygon.edges().map(|edge| point_to_segment(Point::default(), edge));
+                distances.fold(S::from_f64(f64::MAX), S::min)
+            }
+        }
+    }
+
     /// Radius of the smallest disc around the body frame's origin that contains the footprint \[m].
     pub fn circumscribed_radius(&self) -> S {
         match self {

@@ -71,10 +71,11 @@ impl<S: Float> MotionMonitor<S> {
         let (commanded, measured) = (channels(expected), channels(travel));
         let relevant = commanded.iter().fold(S::from_f64(0.0), |most, speed| most.max(speed.abs()))
             * S::from_f64(RELEVANT_FRACTION);
+        let kept = S::from_f64(MEMORY) / (S::from_f64(MEMORY) + elapsed);
         for (index, (_, channel)) in self.channels.iter_mut().enumerate() {
             let speed = commanded[index];
             let speed = if speed.abs() >= relevant { speed } else { S::from_f64(0.0) };
-            channel.update(speed, measured[index], elapsed);
+            channel.update(speed, measured[index], elapsed, kept);
         }
     }
 
@@ -103,7 +104,7 @@ impl<S: Float> Default for MotionMonitor<S> {
 /// One channel, as the rim travel of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ChannelMotion<S> {
-    /// Recent commanded travel, measured travel in its direction \[m], and time with a command \[s].
+    /// Recent commanded and measured travel without their signs \[m], and time with a command \[s].
     commanded: S,
     measured: S,
     active: S,
@@ -120,13 +121,11 @@ impl<S: Float> ChannelMotion<S> {
         Self { commanded: zero, measured: zero, active: zero, stuck_for: zero, least_moving }
     }
 
-    fn update(&mut self, speed: S, travel: S, elapsed: S) {
+    fn update(&mut self, speed: S, travel: S, elapsed: S, kept: S) {
         let zero = S::from_f64(0.0);
-        let kept = S::from_f64(MEMORY) / (S::from_f64(MEMORY) + elapsed);
         let is_active = speed.abs() > zero;
-        let along = if speed < zero { -travel } else { travel };
         self.commanded = (self.commanded + speed.abs() * elapsed) * kept;
-        self.measured = (self.measured + if is_active { along } else { zero }) * kept;
+        self.measured = (self.measured + if is_active { travel.abs() } else { zero }) * kept;
         self.active = (self.active + if is_active { elapsed } else { zero }) * kept;
         if self.commanded < S::from_f64(MIN_COMMANDED) {
             return;

@@ -8,6 +8,8 @@ use crate::param;
 use crate::scalar::Float;
 use crate::time::Stamp;
 
+use super::laser_monitor::{LaserMonitor, LaserMonitorConfig};
+
 /// Constants of the obstacle monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObstacleConfig<S> {
@@ -21,6 +23,10 @@ pub struct ObstacleConfig<S> {
     pub memory: f64,
     /// Time without a scan after which the laser counts as failed \[s].
     pub scan_timeout: f64,
+    /// Time for which the laser sends scans that show nothing, after which it counts as blind \[s].
+    pub blind_timeout: f64,
+    /// Minimum fraction of the beams that are valid, and of those at walls of the map that return, 0 to 1.
+    pub min_valid_beams: S,
 }
 
 impl<S: Float> Default for ObstacleConfig<S> {
@@ -32,6 +38,8 @@ impl<S: Float> Default for ObstacleConfig<S> {
             range: S::from_f64(3.0),
             memory: 0.5,
             scan_timeout: param::SCAN_TIMEOUT.default_si(),
+            blind_timeout: param::LASER_BLIND_TIMEOUT.default_si(),
+            min_valid_beams: S::from_f64(param::MIN_VALID_BEAMS.default_si()),
         }
     }
 }
@@ -44,6 +52,7 @@ pub struct ObstacleMonitor<S, const BEAMS: usize> {
     len: usize,
     /// When the last scan was taken; `None` before the first one.
     scanned: Option<Stamp>,
+    laser: LaserMonitor<S>,
 }
 
 impl<S: Float, const BEAMS: usize> ObstacleMonitor<S, BEAMS> {
@@ -52,12 +61,27 @@ impl<S: Float, const BEAMS: usize> ObstacleMonitor<S, BEAMS> {
         // Without beams there is no laser to wait for.
         let enabled = config.enabled && BEAMS > 0;
         let config = ObstacleConfig { enabled, ..config };
-        Self { config, points: [Point::default(); BEAMS], len: 0, scanned: None }
+        let laser = LaserMonitor::new(LaserMonitorConfig {
+            blind_timeout: config.blind_timeout,
+            scan_timeout: config.scan_timeout,
+            min_valid_beams: config.min_valid_beams,
+        });
+        Self { config, points: [Point::default(); BEAMS], len: 0, scanned: None, laser }
     }
 
     /// Points of the map frame on which obstacles were seen.
     pub fn points(&self) -> &[Point<Map, S>] {
         self.points.get(..self.len).unwrap_or(&[])
+    }
+
+    /// The monitor of the laser, which takes in all scans.
+    pub fn laser_mut(&mut self) -> &mut LaserMonitor<S> {
+        &mut self.laser
+    }
+
+    /// Whether obstacles stop the robot and the laser sends scans at `now` that show nothing.
+    pub fn is_laser_blind(&self, now: Stamp) -> bool {
+        self.config.enabled && self.laser.is_blind(now)
     }
 
     /// When the last scan was taken; `None` before the first one.

@@ -27,6 +27,10 @@ pub(super) struct Ride {
     pub(super) obstacle: Option<f64>,
     /// Whether scans are missing.
     pub(super) laser_fails: bool,
+    /// Range of all beams; `None` for that of the walls.
+    pub(super) range: Option<f64>,
+    /// Delays of the stamps of headings and scans \[s].
+    pub(super) latencies: (f64, f64),
 }
 
 impl Ride {
@@ -48,6 +52,8 @@ impl Ride {
             blocked_by: None,
             obstacle: None,
             laser_fails: false,
+            range: None,
+            latencies: (0.0, 0.0),
         }
     }
 
@@ -69,7 +75,8 @@ impl Ride {
         for heading in &sensed.headings {
             let compass = HeadingMeasurement { heading: heading.value, std: 0.1_f64.to_radians() };
             let message = SensorMessage::Measurement(Measurement::Heading(compass));
-            self.driver.add_measurement(Stamped::new(self.stamp(heading.stamp), message));
+            let stamp = self.stamp(heading.stamp).after(self.latencies.0);
+            self.driver.add_measurement(Stamped::new(stamp, message));
         }
         for scan in sensed.scans.iter().filter(|_| !self.laser_fails) {
             let mut ranges = scan.value.ranges.clone();
@@ -79,15 +86,20 @@ impl Ride {
                     *range = range.min(obstacle);
                 }
             }
+            if let Some(range) = self.range {
+                ranges.fill(range);
+            }
             let message = SensorMessage::Scan(LaserScan {
                 angle_min: scan.value.angle_min,
                 angle_increment: scan.value.angle_increment,
+                time_increment: scan.value.time_increment,
                 ranges,
                 range_min: 0.05,
                 range_max: 30.0,
                 body_from_laser: Pose::identity(),
             });
-            self.driver.add_measurement(Stamped::new(self.stamp(scan.stamp), message));
+            let stamp = self.stamp(scan.stamp).after(self.latencies.1);
+            self.driver.add_measurement(Stamped::new(stamp, message));
         }
         self.odometry = self.odometry.integrate(drive.motion_from_travel(sensed.rims), Integration::Arc);
         let odometry = Stamped::new(self.stamp(sensed.stamp), self.odometry);
