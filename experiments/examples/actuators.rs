@@ -18,12 +18,12 @@ fn main() -> ExitCode {
             judged += 1;
             failed += u32::from(!passes);
         }
-        let verdict = match (cell.is_feasible, passes) {
+        let result = match (cell.is_feasible, passes) {
             (false, _) => "not judged",
             (true, true) => "pass",
             (true, false) => "FAIL",
         };
-        println!("{verdict:<10} {line}");
+        println!("{result:<10} {line}");
     }
     for cell in overstated_cells() {
         let Some((report, line)) = measured(&cell, runs, threads) else { return ExitCode::FAILURE };

@@ -4,11 +4,11 @@
 
 use std::collections::BTreeMap;
 
-use surepose_experiments::actuators::{PERIODS, actuator_cells, overstated_cells};
+use surepose_experiments::actuators::{PERIODS, actuator_cells};
 
 /// Trials per cell.
 const RUNS: usize = 25;
-/// Success rate that the trials of one base must have. With 75 to 100 trials the required 99 % and 97 % cannot be told apart.
+/// Success rate that the trials of one base must have. With 75 to 100 trials the required 99 % and 97 % cannot be distinguished.
 const REQUIRED: f64 = 0.96;
 
 #[test]
@@ -37,13 +37,4 @@ fn bench_has_every_pair_of_factors() {
             && cell.factors.iter().any(|name| ["turn rate 5.7 °/s", "wheels 30 mm/s"].contains(name));
         assert_eq!(cell.is_feasible, !is_coarse, "{cell:?}");
     }
-}
-
-/// A factor that the robot does not know makes it fail: the bench can tell.
-#[test]
-fn robots_that_do_not_know_their_base_fail() {
-    let weak = overstated_cells().into_iter().next().expect("a cell");
-    let report = weak.run(40, 1, 7).expect("valid options");
-    assert!(report.figures.success_rate < Some(0.9), "{report:?}");
-    assert!(report.timeouts + report.aborted.values().sum::<usize>() > 4, "{report:?}");
 }

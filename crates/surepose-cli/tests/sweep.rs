@@ -249,15 +249,15 @@ fn sweep_without_success_is_reported() {
 #[test]
 fn trials_on_a_base_with_its_own_properties() {
     let runs = ["sweep", "--runs", "20", "--period", "0.1", "--json"];
-    let unknown = surepose(&[&runs[..], &["--world", "robot.min_wheel_speed_m_s=0.02"]].concat());
+    let unknown = surepose(&[&runs[..], &["--world", "robot.min_speed_m_s=0.03"]].concat());
     let json = unknown.json();
     assert_eq!(
         (unknown.code, &json["success_rate"], &json["aborted"]["stalled"]),
         (1, &0.0.into(), &20.into()),
         "{json}"
     );
-    assert_eq!(json["world"]["robot.min_wheel_speed_m_s"], 0.02, "{json}");
-    let known = surepose(&[&runs[..], &["--set", "robot.min_wheel_speed_m_s=0.02"]].concat());
+    assert_eq!(json["world"]["robot.min_speed_m_s"], 0.03, "{json}");
+    let known = surepose(&[&runs[..], &["--set", "robot.min_speed_m_s=0.03"]].concat());
     assert_eq!((known.code, &known.json()["success_rate"]), (0, &1.0.into()), "{}", known.stderr);
     assert!(!known.stderr.contains("Ignored"), "{}", known.stderr);
     let usual = surepose(&runs).json();

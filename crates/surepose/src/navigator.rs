@@ -11,6 +11,7 @@ mod config;
 mod goal;
 mod laser;
 mod observers;
+mod odometry;
 mod report;
 mod result;
 mod sent_commands;
@@ -20,10 +21,10 @@ use observers::Observers;
 use sent_commands::SentCommands;
 
 use crate::control::ControllerState;
-use crate::estimation::{Belief, WheelOdometry};
+use crate::estimation::Belief;
 use crate::geometry::{Body, Goal, Map, Pose};
-use crate::kinematics::{Twist, WheelPair};
-use crate::localization::{Localizer, LoopObserver, Odometry, SensorInput};
+use crate::kinematics::Twist;
+use crate::localization::{Localizer, LoopObserver, SensorInput};
 use crate::map::MapView;
 use crate::safety::{FaultReason, Health, Intent, ObstacleMonitor, SafetyAction, SpeedCap};
 use crate::scalar::Float;
@@ -38,9 +39,6 @@ pub const CLOCK_SET_BACK_THRESHOLD: f64 = 1.0;
 
 /// Duration of the zero command after the wheels have stopped \[s].
 const REST_TIME: f64 = 0.5;
-
-/// Maximum ratio of reported wheel speed to the wheel speed limit; faster odometry is faulty or was reset.
-const MAX_SPEED_RATIO: f64 = 5.0;
 
 /// Navigation of one robot: estimate, supervisor, controller, collision check and limits.
 ///
@@ -334,7 +332,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         Some(self.commands.send(&self.config, twist))
     }
 
-    /// Ends the goal; returns `result` unless the end of the goal was reported before.
+    /// Ends the goal; returns `result` unless its end was reported before.
     fn end_goal(&mut self, result: GoalResult) -> Option<GoalResult> {
         let goal = self.goal?;
         self.release_goal(self.localizer.stamp());
@@ -352,8 +350,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         }
     }
 
-    /// Time since the previous step \[s]. Where stamps went back, time starts anew: the goal is over, the wheels brake, the belief
-    /// stays.
+    /// Time since the previous step \[s]. Stamps that went back end the goal and start time anew; the belief stays.
     fn advance_clock(&mut self, now: Stamp) -> S {
         let elapsed = now.since(self.localizer.stamp());
         if elapsed >= -CLOCK_SET_BACK_THRESHOLD {
@@ -364,39 +361,5 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         let is_lost = self.localizer.health() == Health::Lost;
         self.start(now, (!is_lost).then_some(self.localizer.belief()));
         S::from_f64(0.0)
-    }
-
-    /// The odometry of this step, or NaN, which the filter rejects and counts, where no wheel can have turned so fast.
-    fn plausible(&self, odometry: Odometry<S>, elapsed: S) -> Odometry<S> {
-        let Odometry::WheelTravel(travel) = odometry else { return odometry };
-        let controller = &self.config.controller;
-        let fastest = controller.limits.wheel_speed * S::from_f64(MAX_SPEED_RATIO);
-        let is_plausible = travel.max_abs() <= fastest * elapsed.max(controller.period);
-        let nan = S::from_f64(f64::NAN);
-        if is_plausible { odometry } else { Odometry::WheelTravel(WheelPair::new(nan, nan)) }
-    }
-
-    /// What the wheels were commanded since the last step, in case odometry is missing or rejected. Wheels that belong to another
-    /// controller may have done what odometry reports, or anything within their limits.
-    fn commanded_odometry(&self, input: &SensorInput<'_, S>, elapsed: S) -> WheelOdometry<S> {
-        let controller = &self.config.controller;
-        if self.goal.is_some() || self.rest_until.is_some() {
-            let speeds = self.commands.expected_rims(&self.config);
-            return WheelOdometry::from_command(speeds.scaled(elapsed));
-        }
-        match input.odometry {
-            Odometry::WheelTravel(travel) if (travel.right + travel.left).is_finite() => {
-                self.localizer.estimator().wheel_odometry(input.stamp, travel)
-            }
-            Odometry::WithVariance(odometry)
-                if (odometry.travel.right + odometry.travel.left).is_finite() =>
-            {
-                odometry
-            }
-            _ => {
-                let most = (controller.limits.wheel_speed * elapsed).squared();
-                WheelOdometry { travel: WheelPair::zero(), variance: WheelPair::new(most, most) }
-            }
-        }
     }
 }

@@ -76,14 +76,20 @@ fn canceled_sweep_keeps_no_unfinished_trial() {
     assert_eq!((report.figures.runs, report.figures.success_rate, report.timeouts), (0, None, 0));
 }
 
-/// A dead band that the robot does not know stops it before the goal: the goal is aborted as `stalled`. Known, it parks.
+/// A dead band that the robot does not know stops it before the goal, which is then aborted as `stalled`. Known, it parks.
 #[test]
 fn unknown_dead_band_stalls_the_robot() {
-    let plant = PlantModel { min_wheel_speed: 0.02, ..PlantModel::default() };
+    let plant = PlantModel { min_speed: 0.03, ..PlantModel::default() };
     let unknown = PlantSweep { plant, ..ideal(20, 0.1, SweepNoise::NONE) };
     let report = run(&unknown);
-    assert_eq!((report.figures.success_rate, report.aborted.get("stalled")), (Some(0.0), Some(&20)));
+    let (stalled, success) = (report.aborted.get("stalled").copied(), report.figures.success_rate);
+    assert!(success < Some(0.5), "{report:?}");
+    assert_eq!(
+        stalled.map(|stalled| 1.0 - stalled as f64 / 20.0),
+        success,
+        "every other goal stalls: {report:?}"
+    );
     let mut known = unknown;
-    known.actuator.min_speeds.wheel = 0.02;
+    known.actuator.min_speeds.v = 0.03;
     assert_eq!(run(&known).figures.success_rate, Some(1.0));
 }

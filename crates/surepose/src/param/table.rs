@@ -286,7 +286,7 @@ parameters! {
     /// Time after which a stopped or blocked robot gives its goal up.
     GOAL_TIMEOUT = "safety" "goal_timeout_s", Second, positive(3600.0, 10.0, TIMEOUT_REASON);
     /// Time without motion, though motion is commanded, after which the goal is aborted as `stalled` or `blocked`.
-    STALL_TIMEOUT = "safety" "stall_timeout_s", Second, positive(60.0, 5.0, TIMEOUT_REASON);
+    STALL_TIMEOUT = "safety" "stall_timeout_s", Second, positive(60.0, 4.0, TIMEOUT_REASON);
     /// Time without progress, by the Lyapunov function, after which the goal is aborted as `no_progress`.
     PROGRESS_TIMEOUT = "safety" "progress_timeout_s", Second, positive(3600.0, 20.0, TIMEOUT_REASON);
     /// Smallest share of the beams that must end at a wall of the map; a scan with less contradicts the map.

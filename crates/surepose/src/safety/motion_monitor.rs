@@ -4,11 +4,11 @@ use crate::kinematics::WheelPair;
 use crate::scalar::Float;
 
 /// Time constant of the sums of commanded and measured motion \[s].
-const MEMORY: f64 = 1.5;
+const MEMORY: f64 = 1.0;
 /// Commanded motion below which nothing is concluded \[m of rim travel].
-const MIN_COMMANDED: f64 = 0.003;
+const MIN_COMMANDED: f64 = 0.002;
 /// A channel that does less than this fraction of its command does not move.
-const STUCK_FRACTION: f64 = 0.2;
+const STUCK_FRACTION: f64 = 0.05;
 /// A channel that does at least this fraction of its command moves.
 const MOVING_FRACTION: f64 = 0.5;
 /// A channel is judged only where its command is at least this fraction of the fastest one.
@@ -40,7 +40,7 @@ pub enum MotionFault {
 
 /// Compares commanded motion with odometry: of v, ω and both wheels.
 ///
-/// Sums with a memory of 1.5 s make it independent of the control period, of encoder resolution and of pulses.
+/// Sums with a memory of 1 s make it independent of the control period, of encoder resolution and of pulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionMonitor<S> {
     channels: [(MotionChannel, ChannelMotion<S>); 4],

@@ -3,8 +3,8 @@
 use crate::scalar::Float;
 
 /// Decrease of V that counts as progress, relative to V: of V_g (global law) and of V_l (local law).
-const GLOBAL_DECREASE: f64 = 0.05;
-const LOCAL_DECREASE: f64 = 0.2;
+const GLOBAL_DECREASE: f64 = 0.1;
+const LOCAL_DECREASE: f64 = 0.3;
 /// V_g beyond which the required decrease no longer grows.
 const FULL_VALUE: f64 = 1.0;
 
