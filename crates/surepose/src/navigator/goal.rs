@@ -96,11 +96,13 @@ impl<S: Float> ActiveGoal<S> {
         let is_there = status == GoalStatus::Reached && rests;
         let arrives = is_there && !self.has_arrived;
         self.has_arrived |= is_there;
+        // A base that stalls within the tolerance has arrived.
+        let motion = motion.filter(|_| status == GoalStatus::Approaching);
         let aborted = self.abort_reason(config, rests, motion).map(GoalResult::Aborted);
         aborted.or_else(|| arrives.then_some(GoalResult::Reached))
     }
 
-    /// Measures progress, except at the goal.
+    /// Measures progress. Time within the tolerance does not count, so that a robot that passes through it again and again ends.
     fn note_progress(
         &mut self,
         config: &NavigatorConfig<S>,
@@ -109,14 +111,16 @@ impl<S: Float> ActiveGoal<S> {
         elapsed: S,
     ) {
         let controller = &config.controller;
-        if step.state.goal_checker.status(&controller.tolerance) != GoalStatus::Approaching {
-            self.progress.on_arrival();
-            return;
+        match step.state.goal_checker.status(&controller.tolerance) {
+            GoalStatus::Approaching => {
+                let hybrid = &step.state.hybrid;
+                let value = controller.law.lyapunov_by_mode(&step.navigation, hybrid);
+                let value = LyapunovValue { value, is_local: hybrid.local_mode };
+                self.progress.update(value, elapsed * report.action.speed_scale());
+            }
+            GoalStatus::Dwelling => {}
+            GoalStatus::Reached => self.progress = ProgressMonitor::new(),
         }
-        let hybrid = &step.state.hybrid;
-        let value = controller.law.lyapunov_by_mode(&step.navigation, hybrid);
-        let value = LyapunovValue { value, is_local: hybrid.local_mode };
-        self.progress.update(value, elapsed * report.action.speed_scale());
     }
 
     fn abort_reason(

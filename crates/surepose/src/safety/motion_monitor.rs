@@ -149,3 +149,78 @@ impl<S: Float> ChannelMotion<S> {
         self.mean_command() >= self.least_moving
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{MotionChannel, MotionFault, MotionMonitor};
+    use crate::kinematics::WheelPair;
+
+    const TIMEOUT: f64 = 4.0;
+
+    /// Fault after `seconds` of these commands \[m/s], and when it came; `did` maps commands to measured rim speeds.
+    fn fault_after(
+        seconds: f64,
+        period: f64,
+        command: impl Fn(usize) -> [f64; 2],
+        did: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> Option<(f64, MotionFault)> {
+        let mut monitor = MotionMonitor::new();
+        let pair = |[right, left]: [f64; 2]| WheelPair::new(right, left);
+        (0..(seconds / period) as usize).find_map(|tick| {
+            let commanded = command(tick);
+            let travel = pair(did(commanded)).scaled(period);
+            monitor.update(pair(commanded), travel, period);
+            monitor.fault(TIMEOUT).map(|fault| (tick as f64 * period, fault))
+        })
+    }
+
+    #[test]
+    fn a_base_that_ignores_slow_commands_stalls_and_a_held_one_is_blocked() {
+        for period in [0.02, 0.1, 0.2] {
+            let stalled = fault_after(20.0, period, |_| [0.015, -0.015], |_| [0.0; 2]);
+            assert_eq!(stalled.map(|(_, fault)| fault), Some(MotionFault::Stalled(MotionChannel::Turn)));
+            let blocked = fault_after(20.0, period, |_| [0.2, 0.2], |_| [0.0; 2]);
+            assert_eq!(blocked.map(|(_, fault)| fault), Some(MotionFault::Blocked(MotionChannel::Forward)));
+            // One wheel is held after five seconds.
+            let moves = (5.0 / period) as usize;
+            let mut monitor = MotionMonitor::new();
+            let end = (0..).find(|tick| {
+                let right = if *tick < moves { 0.2 } else { 0.0 };
+                monitor.update(
+                    WheelPair::new(0.2, 0.2),
+                    WheelPair::new(right * period, 0.2 * period),
+                    period,
+                );
+                monitor.fault(TIMEOUT).is_some()
+            });
+            let took = end.map(|tick: usize| tick as f64 * period - 5.0);
+            assert!(took.is_some_and(|took| took < 9.0), "{took:?}");
+            assert_eq!(monitor.fault(TIMEOUT), Some(MotionFault::Blocked(MotionChannel::RightWheel)));
+        }
+    }
+
+    /// A base that stood still at a command that moved it before is blocked, whatever the speed.
+    #[test]
+    fn a_command_that_moved_the_base_before_blocks_it() {
+        let mut monitor = MotionMonitor::new();
+        for (seconds, moves) in [(10.0, true), (20.0, false)] {
+            for _ in 0..(seconds / 0.1) as usize {
+                let speed = if moves { 0.02 } else { 0.025 };
+                let travel = if moves { speed * 0.1 } else { 0.0 };
+                monitor.update(WheelPair::new(speed, speed), WheelPair::new(travel, travel), 0.1);
+            }
+        }
+        assert_eq!(monitor.fault(TIMEOUT), Some(MotionFault::Blocked(MotionChannel::Forward)));
+    }
+
+    #[test]
+    fn bases_that_move_have_no_fault() {
+        // Pulses that the base executes, a base that turns with wheels of unequal size, and one that slips a lot.
+        let pulses = |tick: usize| if tick % 8 == 0 { [0.02, 0.02] } else { [0.0; 2] };
+        assert_eq!(fault_after(60.0, 0.1, pulses, |did| did), None);
+        let turning = |_| [0.101, -0.1];
+        assert_eq!(fault_after(60.0, 0.1, turning, |[right, left]| [right * 0.97, left]), None);
+        assert_eq!(fault_after(60.0, 0.1, |_| [0.2, 0.2], |did| did.map(|rim| 0.3 * rim)), None);
+        assert_eq!(fault_after(60.0, 0.1, |_| [0.0; 2], |_| [0.0; 2]), None);
+    }
+}

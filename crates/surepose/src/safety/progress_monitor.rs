@@ -48,11 +48,6 @@ impl<S: Float> ProgressMonitor<S> {
         self.best = None;
     }
 
-    /// Starts timing anew: the robot is at its goal.
-    pub fn on_arrival(&mut self) {
-        self.stagnant_for = S::from_f64(0.0);
-    }
-
     /// Time without progress \[s].
     pub fn stagnant_for(&self) -> S {
         self.stagnant_for
@@ -74,5 +69,35 @@ fn is_progress<S: Float>(best: LyapunovValue<S>, now: LyapunovValue<S>) -> bool 
             now.value <= best.value - decrease
         }
         (true, true) => now.value <= best.value * S::from_f64(1.0 - LOCAL_DECREASE),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LyapunovValue, ProgressMonitor};
+
+    fn stagnant_after(values: impl IntoIterator<Item = (f64, bool)>) -> f64 {
+        let mut monitor = ProgressMonitor::new();
+        for (value, is_local) in values {
+            monitor.update(LyapunovValue { value, is_local }, 0.1);
+        }
+        monitor.stagnant_for()
+    }
+
+    #[test]
+    fn falling_values_are_progress() {
+        let falling = (0..100).map(|k| (2.0 * 0.9_f64.powi(k), false));
+        assert!(stagnant_after(falling) < 0.15);
+        // The local law takes over with a larger value.
+        assert!(stagnant_after([(0.01, false), (0.5, true)]) < 1e-12);
+    }
+
+    /// A robot that circles its goal, and one that the local law lets go again and again, reach no new minimum.
+    #[test]
+    fn circling_is_no_progress() {
+        let circling = (0..100).map(|k| (1.0 + 0.5 * (0.3 * f64::from(k)).sin(), false));
+        assert!(stagnant_after(circling) > 4.0);
+        let bouncing = (0..100).map(|k| if k % 10 < 5 { (0.02, true) } else { (0.5, false) });
+        assert!((stagnant_after(bouncing) - 9.9).abs() < 1e-9);
     }
 }
