@@ -17,6 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
         scan_method,
         start: None,
         compass: true,
+        gyroscope: true,
         safety_radius: 0.4,
         hold: false,
     };
