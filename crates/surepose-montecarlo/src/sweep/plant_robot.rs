@@ -72,13 +72,11 @@ impl<'a> PlantRobot<'a> {
             controller.period,
         );
         self.state = step.state;
-        if step.state.goal_checker.status(&controller.tolerance) == GoalStatus::Approaching {
-            let hybrid = &step.state.hybrid;
-            let value = controller.law.lyapunov(&step.navigation, hybrid);
-            self.progress.update(LyapunovValue { value, is_local: hybrid.local_mode }, controller.period);
-        } else {
-            self.progress.on_arrival();
-        }
+        let hybrid = &step.state.hybrid;
+        let value = controller.law.lyapunov_by_mode(&step.navigation, hybrid);
+        let value = LyapunovValue { value, is_local: hybrid.local_mode };
+        let status = step.state.goal_checker.status(&controller.tolerance);
+        self.progress.update(status, value, controller.period);
         let (length, measured) = self.drive(command);
         let expected = self.actuator.expected_speed(actuator, command);
         let expected = controller.drive.wheel_speeds_from_twist(expected);
@@ -127,6 +125,8 @@ impl<'a> PlantRobot<'a> {
     fn abort_reason(&self) -> Option<AbortReason> {
         let is_stagnant = self.progress.stagnant_for() >= self.sweep.progress_timeout;
         let fault = self.motion.fault(self.sweep.stall_timeout).map(AbortReason::Motion);
+        let status = self.state.goal_checker.status(&self.sweep.controller.tolerance);
+        let fault = fault.filter(|_| status == GoalStatus::Approaching);
         fault.or_else(|| is_stagnant.then_some(AbortReason::NoProgress))
     }
 }

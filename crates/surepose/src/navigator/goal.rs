@@ -102,7 +102,7 @@ impl<S: Float> ActiveGoal<S> {
         aborted.or_else(|| arrives.then_some(GoalResult::Reached))
     }
 
-    /// Measures progress. Time within the tolerance does not count, so that a robot that passes through it again and again ends.
+    /// Measures progress; slower where the supervisor slows the robot down.
     fn note_progress(
         &mut self,
         config: &NavigatorConfig<S>,
@@ -110,17 +110,11 @@ impl<S: Float> ActiveGoal<S> {
         step: &ControlStep<S>,
         elapsed: S,
     ) {
-        let controller = &config.controller;
-        match step.state.goal_checker.status(&controller.tolerance) {
-            GoalStatus::Approaching => {
-                let hybrid = &step.state.hybrid;
-                let value = controller.law.lyapunov_by_mode(&step.navigation, hybrid);
-                let value = LyapunovValue { value, is_local: hybrid.local_mode };
-                self.progress.update(value, elapsed * report.action.speed_scale());
-            }
-            GoalStatus::Dwelling => {}
-            GoalStatus::Reached => self.progress = ProgressMonitor::new(),
-        }
+        let (controller, hybrid) = (&config.controller, &step.state.hybrid);
+        let value = controller.law.lyapunov_by_mode(&step.navigation, hybrid);
+        let value = LyapunovValue { value, is_local: hybrid.local_mode };
+        let status = step.state.goal_checker.status(&controller.tolerance);
+        self.progress.update(status, value, elapsed * report.action.speed_scale());
     }
 
     fn abort_reason(

@@ -184,7 +184,7 @@ mod tests {
             // One wheel is held after five seconds.
             let moves = (5.0 / period) as usize;
             let mut monitor = MotionMonitor::new();
-            let end = (0..).find(|tick| {
+            let end = (0..1000).find(|tick| {
                 let right = if *tick < moves { 0.2 } else { 0.0 };
                 monitor.update(
                     WheelPair::new(0.2, 0.2),

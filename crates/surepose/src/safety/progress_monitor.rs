@@ -1,5 +1,6 @@
 //! Progress monitor: does the Lyapunov function of the control law fall as it must?
 
+use crate::control::GoalStatus;
 use crate::scalar::Float;
 
 /// Decrease of V that counts as progress, relative to V: of V_g (global law) and of V_l (local law).
@@ -34,12 +35,17 @@ impl<S: Float> ProgressMonitor<S> {
     }
 
     /// Takes the `value` after `elapsed` \[s] in which the robot was free to drive; scaled where it had to drive slowly.
-    pub fn update(&mut self, value: LyapunovValue<S>, elapsed: S) {
-        if self.best.is_some_and(|best| !is_progress(best, value)) {
-            self.stagnant_for = self.stagnant_for + elapsed;
-        } else {
-            self.best = Some(value);
-            self.stagnant_for = S::from_f64(0.0);
+    ///
+    /// Time within the tolerance does not count, so that a robot that passes through it again and again ends. A reached goal starts
+    /// timing anew.
+    pub fn update(&mut self, status: GoalStatus, value: LyapunovValue<S>, elapsed: S) {
+        match status {
+            GoalStatus::Approaching if self.best.is_some_and(|best| !is_progress(best, value)) => {
+                self.stagnant_for = self.stagnant_for + elapsed;
+            }
+            GoalStatus::Approaching => *self = Self { best: Some(value), ..Self::new() },
+            GoalStatus::Dwelling => {}
+            GoalStatus::Reached => *self = Self::new(),
         }
     }
 
@@ -75,11 +81,12 @@ fn is_progress<S: Float>(best: LyapunovValue<S>, now: LyapunovValue<S>) -> bool 
 #[cfg(test)]
 mod tests {
     use super::{LyapunovValue, ProgressMonitor};
+    use crate::control::GoalStatus;
 
     fn stagnant_after(values: impl IntoIterator<Item = (f64, bool)>) -> f64 {
         let mut monitor = ProgressMonitor::new();
         for (value, is_local) in values {
-            monitor.update(LyapunovValue { value, is_local }, 0.1);
+            monitor.update(GoalStatus::Approaching, LyapunovValue { value, is_local }, 0.1);
         }
         monitor.stagnant_for()
     }
