@@ -158,7 +158,8 @@ impl ExtrinsicsResolver {
                 got: frame.escape_debug().to_string(),
             });
         }
-        let Some(found) = self.laser_extrinsics().transpose()? else { return Ok(None) };
+        // A mounting stays known although its transform no longer leads to the base.
+        let Some(found) = self.laser_extrinsics().transpose()? else { return Ok(self.used_laser) };
         if let Some(used) = self.used_laser.replace(found) {
             self.has_changed |= used.is_upside_down != found.is_upside_down
                 || used.differs_from(found.body_from_laser, CHANGE_THRESHOLD);
@@ -173,7 +174,7 @@ impl ExtrinsicsResolver {
         if self.compass.as_deref() != Some(frame) {
             self.compass = Some(frame.to_owned());
         }
-        let found = self.compass_rotation()?;
+        let Some(found) = self.compass_rotation() else { return self.used_compass };
         if let Some(used) = self.used_compass.replace(found) {
             self.has_changed |= used.angle_to(&found) > CHANGE_THRESHOLD.1;
         }
@@ -188,8 +189,12 @@ impl ExtrinsicsResolver {
     /// Mountings that are still unknown, as a line; `None` if every sensor that has reported is usable.
     pub(crate) fn waiting(&self) -> Option<String> {
         let base = self.base.as_deref()?.escape_debug();
-        let laser = self.laser.as_ref().filter(|_| self.laser_extrinsics().is_none());
-        let compass = self.compass.as_ref().filter(|_| self.compass_rotation().is_none());
+        let laser =
+            self.laser.as_ref().filter(|_| self.used_laser.is_none() && self.laser_extrinsics().is_none());
+        let compass = self
+            .compass
+            .as_ref()
+            .filter(|_| self.used_compass.is_none() && self.compass_rotation().is_none());
         let frames: Vec<_> = [laser, compass].into_iter().flatten().collect();
         let named: Vec<_> =
             frames.iter().map(|frame| format!("{} -> {base}", frame.escape_debug())).collect();

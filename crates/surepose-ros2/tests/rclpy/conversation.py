@@ -34,7 +34,7 @@ try:
 except ImportError:
     TFMessage = None
 
-SUCCEEDED, CANCELED = 4, 5
+SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 
 def yaw(rotation):
@@ -198,7 +198,11 @@ def action(talk):
         raise AssertionError("no answer to a goal")
 
     assert not send(pose_message(1, 1, 0, frame="odom"))[0].accepted
-    assert not send(pose_message(50, 0, 0))[0].accepted
+    # A rejected goal carries no reason: one outside of the room is accepted and aborted.
+    handle, _ = send(pose_message(50, 0, 0))
+    refused = handle.get_result_async()
+    rclpy.spin_until_future_complete(talk.node, refused, timeout_sec=10)
+    assert refused.result().status == ABORTED and refused.result().result.error_msg.startswith("wall"), refused.result()
     handle, _ = send(pose_message(2, 1, 0))
     result = handle.get_result_async()
     talk.listen(2)
