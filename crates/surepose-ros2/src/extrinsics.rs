@@ -174,7 +174,7 @@ impl ExtrinsicsResolver {
         if self.compass.as_deref() != Some(frame) {
             self.compass = Some(frame.to_owned());
         }
-        let Some(found) = self.compass_rotation() else { return self.used_compass };
+        let found = self.compass_rotation()?;
         if let Some(used) = self.used_compass.replace(found) {
             self.has_changed |= used.angle_to(&found) > CHANGE_THRESHOLD.1;
         }
@@ -191,10 +191,7 @@ impl ExtrinsicsResolver {
         let base = self.base.as_deref()?.escape_debug();
         let laser =
             self.laser.as_ref().filter(|_| self.used_laser.is_none() && self.laser_extrinsics().is_none());
-        let compass = self
-            .compass
-            .as_ref()
-            .filter(|_| self.used_compass.is_none() && self.compass_rotation().is_none());
+        let compass = self.compass.as_ref().filter(|_| self.compass_rotation().is_none());
         let frames: Vec<_> = [laser, compass].into_iter().flatten().collect();
         let named: Vec<_> =
             frames.iter().map(|frame| format!("{} -> {base}", frame.escape_debug())).collect();
