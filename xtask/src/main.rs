@@ -1,6 +1,7 @@
 //! Project tasks: `cargo xtask ci`, `cargo xtask tidy`, `cargo xtask instructions`, `cargo xtask
-//! microcontroller`, `cargo xtask ros2`, `cargo xtask long`, `cargo xtask bits`.
+//! microcontroller`, `cargo xtask ros2`, `cargo xtask long`, `cargo xtask ablation`, `cargo xtask bits`.
 
+mod ablation;
 mod bits;
 mod instructions;
 mod microcontroller;
@@ -18,6 +19,7 @@ cargo xtask instructions    check instruction counts against their budgets (need
 cargo xtask microcontroller check that an emulated Cortex-M4F computes the same bits (needs its target and qemu-system-arm)
 cargo xtask ros2            test the node against rclpy of ROS 2 (needs python3.11 and the network)
 cargo xtask long            run the long measurements: every cell of the actuator bench with 150 trials
+cargo xtask ablation [NAME] show what each tuned constant of the control law is for: repeat the trials without it
 cargo xtask bits            compare the results of two versions of the program: `record` and `compare`";
 
 fn main() -> ExitCode {
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         Some("microcontroller") => microcontroller::check(&root),
         Some("ros2") => ros2::check(&root),
         Some("long") => long(&root),
+        Some("ablation") => ablation::run(&root, &arguments[1..]),
         Some("bits") => bits::run(&root, &arguments[1..]),
         _ => Err(USAGE.to_owned()),
     };

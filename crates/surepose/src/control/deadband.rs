@@ -2,6 +2,8 @@
 
 use crate::scalar::{Mask, Scalar};
 
+use super::tuning::{DEADBAND_STD_DEVS, MAX_DEADBAND_RADIUS, REVERSAL_FACTOR};
+
 /// Distances at which the robot stands still instead of following estimate noise.
 ///
 /// The speed is zero where the goal is less than `radius` ahead, and decreases smoothly toward that distance. The travel
@@ -16,31 +18,22 @@ pub struct Deadband<S> {
     pub radius: S,
 }
 
-/// Radius in standard deviations of the position, for a period of 1 s. More frequent estimates cause more false motion.
-const STD_DEVS_AT_ONE_SECOND: f64 = 0.12;
 /// Minimum radius \[m]: negligible.
 const MIN_RADIUS: f64 = 1e-9;
-/// Maximum radius, in capture radii: a robot at rest must be in local mode, see [`super::HybridLaw`].
-const MAX_CAPTURE_RADII: f64 = 0.13;
-/// Ratio of the reversal distance to the radius.
-const REVERSAL_FACTOR: f64 = 2.4;
 
 impl<S: Scalar> Deadband<S> {
     /// Derives the deadband for an estimate whose coordinates have the standard deviation `noise` \[m], white from one period \[s]
     /// to the next.
     pub fn from_noise(noise: S, period: S) -> Self {
         // A radius of 0 would divide 0 by 0 at the goal.
-        Self {
-            radius: (noise * S::from_f64(STD_DEVS_AT_ONE_SECOND) / period.sqrt())
-                .max(S::from_f64(MIN_RADIUS)),
-        }
+        Self { radius: (noise * S::from_f64(DEADBAND_STD_DEVS) / period.sqrt()).max(S::from_f64(MIN_RADIUS)) }
     }
 
     /// Limits the radius to a fraction of `capture_radius` \[m].
     #[inline(always)]
     #[must_use]
     pub(super) fn capped(self, capture_radius: S) -> Self {
-        Self { radius: self.radius.min(capture_radius * S::from_f64(MAX_CAPTURE_RADII)) }
+        Self { radius: self.radius.min(capture_radius * S::from_f64(MAX_DEADBAND_RADIUS)) }
     }
 
     /// Reduces the speed `v` \[m/s] for a goal `ahead` \[m] and the last travel direction `drive_direction`.

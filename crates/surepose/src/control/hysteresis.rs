@@ -6,6 +6,7 @@ use crate::param::impl_choice;
 use crate::scalar::{Mask, Scalar};
 
 use super::navigation_variables::NavigationVariables;
+use super::tuning::{DIRECTION_HYSTERESIS, TURN_HYSTERESIS};
 
 /// Permitted direction of travel toward the goal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,11 +68,6 @@ impl<S: Scalar> HybridState<S> {
         self.turn_direction.abs().lt(S::from_f64(0.5))
     }
 }
-
-/// Angle beyond ±π up to which a rotation keeps its direction \[rad].
-const TURN_HYSTERESIS: f64 = 0.5;
-/// Margin of |α| + h|φ| over the other direction that reverses the travel \[rad].
-const DIRECTION_HYSTERESIS: f64 = 1.3;
 
 /// Selects whether the robot drives in reverse.
 ///

@@ -1,6 +1,7 @@
 //! Tuned constants of the hybrid law and its gains: name, value, unit and reason, one line each.
 //!
 //! Radii are in multiples of the capture radius ε. They were tuned on the bench trial; the certificate verifies them.
+//! `cargo xtask ablation NAME` shows the effect of a constant: it builds the program without it and repeats the trials.
 
 /// Fraction of the distance error \[1] removed in each period: below 1, so that the sampled loop does not overshoot.
 pub(super) const K_V_PER_PERIOD: f64 = 0.2;
@@ -42,3 +43,13 @@ pub(super) const FULL_GAIN_ALPHA: f64 = 0.08;
 pub(super) const FULL_GAIN_THETA: f64 = 0.045;
 /// Heading error \[rad] below which the local law turns at any distance; above twice this value, only after arrival.
 pub(super) const TRIM_THRESHOLD: f64 = 0.02;
+/// Deadband radius, in standard deviations of the position, for a period of 1 s: more frequent estimates cause more false motion.
+pub(super) const DEADBAND_STD_DEVS: f64 = 0.12;
+/// Maximum deadband radius \[ε]: a robot at rest must be in local mode, see [`super::HybridLaw`].
+pub(super) const MAX_DEADBAND_RADIUS: f64 = 0.13;
+/// Ratio \[1] of the reversal distance to the deadband radius: noise does not reverse the travel.
+pub(super) const REVERSAL_FACTOR: f64 = 2.4;
+/// Angle beyond ±π \[rad] up to which a rotation keeps its direction: noise does not reverse the turn.
+pub(super) const TURN_HYSTERESIS: f64 = 0.5;
+/// Margin \[rad] of |α| + h|φ| over the other direction that reverses the travel: noise does not reverse it.
+pub(super) const DIRECTION_HYSTERESIS: f64 = 1.3;
