@@ -174,14 +174,14 @@ fn figures(result: &Json) -> String {
 
 /// 2000 starts 1 to 4 cm from the goal, in all directions, with headings within ±10°.
 fn starts_beside_the_goal() -> String {
-    let mut text = "x_m,y_m,heading_deg\n".to_owned();
+    let mut rows = vec!["x_m,y_m,heading_deg".to_owned()];
     for index in 0..2000_u32 {
         // The golden angle and the plastic number spread the starts evenly.
         let (turn, part) = (f64::from(index) * 2.399_963, f64::from(index) * 0.754_878 % 1.0);
         let radius = 0.01 + 0.03 * f64::from(index) / 2000.0;
-        text += &format!("{},{},{}\n", radius * turn.cos(), radius * turn.sin(), 20.0 * part - 10.0);
+        rows.push(format!("{},{},{}", radius * turn.cos(), radius * turn.sin(), 20.0 * part - 10.0));
     }
-    text
+    rows.join("\n")
 }
 
 /// Copies the files under version control; an unchanged file keeps its time, so that it is not compiled again.
