@@ -1,6 +1,7 @@
 //! Consistency checks of documents, dependencies, and source files.
 
 mod dependencies;
+mod doc_lines;
 mod documents;
 mod file_sizes;
 mod import_cycles;
@@ -20,6 +21,7 @@ pub(crate) fn check(root: &Path) -> Result<(), String> {
     file_sizes::check(&files, &mut findings);
     type_names::check(&files, &mut findings);
     vocabulary::check(&files, &mut findings)?;
+    doc_lines::check(&files, &mut findings);
     import_cycles::check(&files, &mut findings);
     documents::check(root, &files, &mut findings)?;
     dependencies::check(root, &mut findings)?;

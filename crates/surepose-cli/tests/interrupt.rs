@@ -191,7 +191,7 @@ fn interrupted_command_without_results_prints_json() {
     }
 }
 
-/// The same for work that is canceled instead of abandoned.
+/// Canceled work prints its JSON, too.
 #[test]
 fn interrupted_calibration_prints_json() {
     let log = file(&folder("interrupted-calibration"), "rover.dat", &rover(2000, 100_000));

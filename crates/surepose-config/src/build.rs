@@ -43,7 +43,7 @@ pub struct LaserParameters {
     pub body_from_laser: Pose<Body, Laser, f64>,
     /// Delay between the time of a scan and its stamp \[s].
     pub latency: f64,
-    /// How the driver states the times of the beams.
+    /// Times of the beams as the driver states them.
     pub timing: ScanTiming,
     /// Number of beams of the simulated laser.
     pub beams: usize,
@@ -192,7 +192,7 @@ impl Config {
         }
     }
 
-    /// What the base makes of a command.
+    /// Minimum speeds, dead time and lag of the base.
     pub fn actuator(&self) -> ActuatorModel<f64> {
         ActuatorModel {
             min_speeds: MinSpeeds {
@@ -270,7 +270,7 @@ impl Config {
         }
     }
 
-    /// How the laser's driver states the times of the beams.
+    /// Times of the beams as the driver of the laser states them.
     fn scan_timing(&self) -> ScanTiming {
         let is_set = self.origin(&param::LASER_SWEEP) != ValueSource::Default;
         ScanTiming { sweep: is_set.then(|| self.number(&param::LASER_SWEEP)), stamped: self.choice() }

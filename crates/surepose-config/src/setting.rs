@@ -10,11 +10,11 @@ use surepose::safety::{InvalidFootprint, Polygon};
 /// One parameter's value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// Which parameter.
+    /// The parameter.
     pub parameter: &'static Parameter,
     /// Its value, in the unit of its key.
     pub value: Value,
-    /// Where the value came from.
+    /// Source of the value.
     pub origin: ValueSource,
 }
 
@@ -29,18 +29,18 @@ pub enum Value {
     Polygon(Vec<[f64; 2]>),
 }
 
-/// Where a value came from.
+/// Source of a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ValueSource {
     /// The table of parameters.
     Default,
-    /// What fits a format of recordings, or a scenario, better than the default.
+    /// Preset of a recording format or of a scenario.
     Preset(&'static str),
     /// A configuration file.
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Where, from 1.
+        /// The line, from 1.
         line: usize,
     },
     /// An option.

@@ -84,7 +84,7 @@ struct Log {
     scan_clock: Clock,
     /// Pose of the previous `ODOM` line.
     previous: Option<MapFromBody>,
-    /// The same pose in raw odometry.
+    /// That pose in raw odometry.
     raw: Option<MapFromBody>,
     /// Corrected pose of a `FLASER` line, until the following `ODOM` line is read.
     corrected: Option<MapFromBody>,

@@ -54,7 +54,7 @@ pub(crate) fn plain(number: f64) -> String {
     exact(format!("{number:.8e}").parse().unwrap_or(number))
 }
 
-/// The same to the last bit.
+/// Formats a number with as many digits as it needs to be read back exactly.
 fn exact(number: f64) -> String {
     if number != 0.0 && !(1e-6..1e15).contains(&number.abs()) {
         format!("{number:e}")

@@ -6,7 +6,7 @@
 
 use surepose::geometry::{Angle, Body, Laser, Pose};
 
-/// What a robot with a laser recorded: odometry of some kind, scans, and a reference path where there is one.
+/// Recording of a robot with a laser: odometry of type `O`, scans, and reference poses if there are any.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording<O> {
     /// Odometry records, by time.
@@ -92,7 +92,7 @@ impl ScanRecord {
     }
 }
 
-/// Where the laser is, in the core's form.
+/// Pose of the laser as a type of the core.
 pub fn laser_extrinsics(mount: SensorPose) -> Pose<Body, Laser, f64> {
     Pose::new(mount.x, mount.y, Angle::from_radians(mount.heading))
 }

@@ -61,7 +61,7 @@ pub enum BagError {
     /// The file cannot be read.
     #[error("cannot be read: {problem}")]
     Unreadable {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The problem.
         problem: std::io::Error,

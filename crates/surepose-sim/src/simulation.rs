@@ -103,17 +103,17 @@ impl Simulation {
         Sample::from_report(world, &report, &self.controller, self.goal)
     }
 
-    /// What the supervisor decided in the last step.
+    /// Action of the supervisor in the last step.
     pub fn action(&self) -> SafetyAction {
         self.robot.navigator().localizer().action()
     }
 
-    /// How far the estimate can be trusted after the last step.
+    /// Quality of the estimate after the last step.
     pub fn health(&self) -> Health {
         self.robot.navigator().localizer().health()
     }
 
-    /// Why the goal was aborted; `None` where it was not.
+    /// Reason for which the goal was aborted; `None` if it was not.
     pub fn abort_reason(&self) -> Option<AbortReason> {
         self.aborted
     }
@@ -133,7 +133,7 @@ impl Simulation {
         }
     }
 
-    /// Why the robot was stopped; `None` where it was not. A robot that was pushed through a wall stopped at it.
+    /// Reason of a stop; `None` if the robot was not stopped. A robot that was pushed through a wall stopped at it.
     fn stop_reason(&self) -> Option<&'static str> {
         if self.closest_wall < 0.0 { Some("wall") } else { self.aborted.map(AbortReason::name) }
     }
@@ -176,7 +176,7 @@ impl Simulation {
         error.rho <= tolerance.position && error.heading_error().radians().abs() <= tolerance.heading
     }
 
-    /// How the drive ended; `None` while it goes on. At the goal, and after an abort, the motors must stand, too.
+    /// Outcome of the drive; `None` before its end. At the goal, and after an abort, the motors must stand, too.
     fn ended(&self) -> Option<SimulationOutcome> {
         let world = self.robot.world();
         let stands = world.rim_speeds() == WheelPair::zero() && world.twist() == Twist::zero();

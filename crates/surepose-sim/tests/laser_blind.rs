@@ -12,7 +12,7 @@ use surepose_io::owned_map::OwnedMap;
 use surepose_sim::robot::{Scenario, walls_from_segments, with_sensor_input};
 use surepose_sim::{Arena, Seed, SimulatedScan, World};
 
-/// What happened in a drive.
+/// Result of a drive.
 #[derive(Debug)]
 struct TestDrive {
     /// Time from the first changed scan until the robot rested \[s]; `None` if it did not.

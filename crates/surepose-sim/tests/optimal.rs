@@ -66,7 +66,7 @@ fn parallel_parking_uses_two_straights() {
     assert_eq!(straights.count(), 2, "{best:?}");
 }
 
-/// What is claimed can be driven.
+/// The claimed trajectory can be driven.
 #[test]
 fn the_trajectory_ends_on_the_goal() {
     for start in random(1, 3.0, 2000).chain(random(2, 0.2, 2000)) {

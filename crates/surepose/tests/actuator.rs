@@ -40,7 +40,7 @@ fn is_executable(speed: f64, min: f64) -> bool {
 }
 
 proptest! {
-    /// What is sent, the base executes; over time it is what was asked for, within half a pulse; zero stays zero.
+    /// The base executes every speed that is sent; its distance is that of the request within half a pulse; zero stays zero.
     #[test]
     fn modulated_motion_stays_within_half_a_pulse(
         asked in twists(), v in 0.0..0.04, omega in 0.0..0.2, wheel in 0.0..0.03, by_wheel: bool,

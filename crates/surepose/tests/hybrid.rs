@@ -165,7 +165,7 @@ fn drive_direction_survives_noise() {
     }
 }
 
-/// What is left to the sampled loop per period.
+/// Each gain removes less than the whole error per period.
 #[test]
 fn fitted_gains_suit_the_period() {
     for period in [0.005, 0.02, 0.1, 0.5] {
@@ -177,7 +177,7 @@ fn fitted_gains_suit_the_period() {
 
 struct ParkingResult {
     reached: bool,
-    /// How often the laws took turns.
+    /// Number of switches between the laws.
     switches: u32,
     /// \[m]
     distance: f64,

@@ -139,7 +139,7 @@ pub(super) struct Word<'a> {
     pub(super) text: &'a str,
     /// Its line, counted from 1.
     pub(super) line: usize,
-    /// What stands between the word before and this one.
+    /// Text between the previous word and this one.
     pub(super) gap: &'a str,
 }
 

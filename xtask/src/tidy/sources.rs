@@ -1,4 +1,4 @@
-//! What the sources of the core must not contain.
+//! Code that the sources of the core must not contain.
 
 use super::source::Source;
 

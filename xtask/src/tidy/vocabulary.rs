@@ -25,7 +25,7 @@ pub(super) fn check(files: &[Source], findings: &mut Vec<String>) -> Result<(), 
     Ok(())
 }
 
-/// Where an entry of the list is banned: its section.
+/// Scope of an entry of the list: its section.
 #[derive(Clone, Copy, PartialEq)]
 enum Scope {
     /// `[identifiers]`: whole identifiers of code, comments and documents.

@@ -121,7 +121,7 @@ impl<'a> PlantRobot<'a> {
         (length, controller.drive.wheel_travel_from_angle(turned))
     }
 
-    /// Why the navigator would abort the goal.
+    /// Reason for which the navigator would abort the goal; `None` if it would not.
     fn abort_reason(&self) -> Option<AbortReason> {
         let is_stagnant = self.progress.stagnant_for() >= self.sweep.progress_timeout;
         let fault = self.motion.fault(self.sweep.stall_timeout).map(AbortReason::Motion);

@@ -4,7 +4,7 @@ use crate::sweep::{Starts, Sweep, SweepReport};
 
 use super::candidate::GainCandidate;
 
-/// What to tune.
+/// Parameters of tuning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tune {
     /// Trials of the final evaluation, with the initial law; the search uses other seeds.

@@ -37,8 +37,8 @@ const WALL_STD: (f64, f64) = (0.01, 0.5 * TAU / 360.0);
 pub struct Recorded {
     /// Input of the calibration. Encoder counts have the control period, for which δ is estimated.
     pub recording: CalibrationRecording,
-    /// Where it begins: the configuration's robot, with the laser's reach and the time of its sweep from the scans, and the
-    /// heading at the start from the truth, where there is one.
+    /// Initial values: the robot of the configuration, range limit and sweep time of the laser from the scans, and the
+    /// initial heading from the truth, if there is one.
     pub options: Options,
     /// Counts of unused messages, by reason.
     pub skipped: BTreeMap<&'static str, u64>,

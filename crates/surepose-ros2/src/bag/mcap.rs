@@ -36,7 +36,7 @@ pub(super) mod opcode {
     pub(crate) const DATA_END: u8 = 0x0f;
 }
 
-/// How a file ends.
+/// End of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ending {
     /// After its data.
@@ -45,7 +45,7 @@ pub(super) enum Ending {
     Truncated { offset: u64 },
 }
 
-/// Why reading stopped: a file that cannot be read, records that are damaged, or the error of the record's consumer.
+/// Reason for which reading stopped: an unreadable file, damaged records, or an error of the consumer of the records.
 pub(super) enum ReadError<E> {
     Io(std::io::Error),
     Mcap(McapError),
@@ -58,7 +58,7 @@ impl<E> From<McapError> for ReadError<E> {
     }
 }
 
-/// How much a file may expand to.
+/// Limits on the decompressed size of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Most bytes that are read and decompressed, together \[bytes\].

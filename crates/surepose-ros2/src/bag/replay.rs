@@ -100,7 +100,7 @@ struct Judge<'a> {
     reference: Reference<'a>,
     score: ErrorAccumulator,
     dead_reckoning: ErrorAccumulator,
-    /// When odometry first came, where its frame was at the first known pose, and what it said last.
+    /// Time of the first odometry, pose of its frame at the first known pose, and newest odometry.
     first: Option<Stamp>,
     map_from_odom: Option<Pose<Map, Odom, f64>>,
     last: Option<(Stamp, Pose<Odom, Body, f64>)>,

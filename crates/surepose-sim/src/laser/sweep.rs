@@ -1,4 +1,4 @@
-//! Where the robot was during a sweep of the laser.
+//! Poses of the robot during a sweep of the laser.
 
 use std::collections::VecDeque;
 

@@ -18,7 +18,7 @@ pub enum ScenarioEnd {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the {} ({}, {}) {reason}", self.end.name(), self.at.x, self.at.y)]
 pub struct InvalidEnd {
-    /// Which pose.
+    /// Start or goal.
     pub end: ScenarioEnd,
     /// Its position.
     pub at: Point<Map, f64>,

@@ -1,15 +1,15 @@
-//! What a drive came to, under the names of the command line's JSON.
+//! Figures of a drive, named as in the JSON of the command line.
 
 use serde::{Serialize, Serializer};
 use surepose::estimation::{MeasurementStats, RejectReason};
 
-/// How a drive ended.
+/// Outcome of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SimulationOutcome {
-    /// The robot rests at the goal, in truth.
+    /// The robot rests at the goal, by its true pose.
     Reached,
-    /// It rests where it believes the goal to be, and is outside the tolerance in truth.
+    /// The robot rests within the tolerance by its estimate, and outside by its true pose.
     Missed,
     /// Time ran out.
     Timeout,
@@ -22,15 +22,15 @@ pub enum SimulationOutcome {
 /// The figures of one drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SimulationSummary {
-    /// How it ended.
+    /// Outcome.
     pub outcome: SimulationOutcome,
-    /// Why it was stopped: `wall`, or the supervisor's reason.
+    /// Reason of a stop or an abort; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_reason: Option<&'static str>,
-    /// The same; `stop_reason` is its name of old.
+    /// Reason of a stop or an abort; `stop_reason` is its previous name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<&'static str>,
-    /// How long it took, the hold time included.
+    /// Duration, including the hold time.
     pub time_s: f64,
     /// True distance to the goal at the end.
     pub final_position_error_m: f64,
@@ -49,23 +49,23 @@ pub struct SimulationSummary {
     /// Mean of the normalized estimation error squared (NEES); 3 for a consistent filter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_mean: Option<f64>,
-    /// Length of the true way.
+    /// Length of the true path.
     pub path_length_m: f64,
-    /// The least time that any drive could take at these wheel speeds, without limits of acceleration.
+    /// Time of the time-optimal trajectory for these wheel speeds, without acceleration limits.
     pub optimal_time_s: f64,
-    /// How near the robot's middle came to a wall; negative where it was pushed out of the arena.
+    /// Least distance of the robot's center from a wall; negative outside of the arena.
     pub closest_wall_m: f64,
-    /// Largest rim speed asked of the wheels.
+    /// Largest commanded rim speed.
     pub wheel_speed_max_m_s: f64,
-    /// Largest change of a rim's speed asked of the wheels, per second.
+    /// Largest commanded acceleration of a rim.
     pub wheel_acceleration_max_m_s2: f64,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
-    /// How many of them were walls that the laser saw.
+    /// Number of these that were walls.
     pub walls: u32,
     /// Measurements that the filter rejected, by reason.
     pub rejected: RejectedCounts,
-    /// What to say again to have the same drive again.
+    /// Seed of all randomness; the same seed repeats the drive.
     pub seed: u64,
 }
 

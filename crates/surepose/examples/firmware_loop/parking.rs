@@ -26,7 +26,7 @@ const WALL: [f32; 2] = [0.01, 0.004];
 /// Standard deviation of the part by which a wheel rolls farther than its encoder says.
 const SLIP: f32 = 0.05;
 
-/// How the drive ended.
+/// Result of the drive.
 pub(crate) struct Parked {
     pub(crate) ticks: u32,
     pub(crate) reached: bool,

@@ -1,4 +1,4 @@
-//! Actuator stage: what lies between a command and the motion of the base.
+//! Actuator stage between a command and the motion of the base.
 //!
 //! Before control it predicts the pose at which the next command takes effect. After the limits it turns speeds that the base
 //! would ignore into pulses that it executes.
@@ -18,7 +18,7 @@ pub use speed_modulator::{MinSpeeds, PulseTicks};
 use pending_commands::PendingCommands;
 use speed_modulator::SpeedModulator;
 
-/// What the base makes of a command: speeds that it ignores, dead time and lag.
+/// Minimum speeds, dead time and lag of a base.
 ///
 /// # Departure
 /// [Tran2012] has wheels that execute every speed at once.

@@ -90,7 +90,7 @@ impl<S: Scalar> Limits<S> {
         S::select(direction.lt(S::from_f64(0.0)), reach.down, reach.up)
     }
 
-    /// How far the speed of a wheel can change from `speed` \[m/s] within one `period` \[s].
+    /// Largest changes of the speed of a wheel from `speed` \[m/s] within one `period` \[s].
     #[inline(always)]
     fn reach(&self, speed: S, period: S) -> SpeedReach<S> {
         let (faster, slower) = (self.wheel_acceleration * period, self.wheel_deceleration * period);

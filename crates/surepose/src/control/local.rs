@@ -44,8 +44,8 @@ impl<S: Scalar> LocalLaw<S> {
         self.twist_toward(navigation.rho * cos, navigation.heading_error().radians())
     }
 
-    /// The same for a goal that is `ahead` = ρ·cos α \[m] of the robot, whose heading error \[rad] may be continued
-    /// beyond ±π.
+    /// Computes the twist for a goal at the along-track distance `ahead` = ρ·cos α \[m]. The heading error \[rad] may be
+    /// unwrapped beyond ±π.
     #[inline(always)]
     pub fn twist_toward(&self, ahead: S, heading_error: S) -> Twist<S> {
         Twist { v: self.k_v * ahead, omega: -(self.k_theta * heading_error) }

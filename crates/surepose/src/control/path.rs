@@ -19,7 +19,7 @@ pub struct PathSegment<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path<S, const N: usize> {
     segments: [PathSegment<S>; N],
-    /// Where each segment starts: the distance from the path's start \[m], and the pose.
+    /// Start of each segment: distance from the start of the path \[m], and pose.
     starts: [(S, Pose<Map, Target, S>); N],
     length: S,
 }

@@ -9,27 +9,27 @@ use super::limits::Limits;
 use super::path::Path;
 use super::path_following::{PathCommand, PathFollowingLaw};
 
-/// A controller that keeps the robot on a path: constants only, no hidden state.
+/// Controller that keeps the robot on a path: constants only; the state is passed in and out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathController<S, const N: usize> {
-    /// The wheels' geometry.
+    /// Geometry of the drive.
     pub drive: DiffDrive<S>,
     /// The path.
     pub path: Path<S, N>,
     /// The control law.
     pub law: PathFollowingLaw<S>,
-    /// What the wheels can do.
+    /// Limits of the wheels.
     pub limits: Limits<S>,
     /// Time between ticks \[s].
     pub period: S,
 }
 
-/// What a path controller carries from tick to tick.
+/// State of a path controller from one tick to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathProgress<S> {
-    /// How far along the path the target is \[m], less than a round: what grows without end loses its last digits.
+    /// Distance of the target along the path \[m], below the length of one lap: an unbounded distance would lose digits.
     pub distance: S,
-    /// How many rounds it has behind it.
+    /// Number of completed laps.
     pub laps: S,
     /// The limited twist of the last tick.
     pub limited: Twist<S>,

@@ -43,7 +43,7 @@ impl<S: Scalar> PathError<S> {
     }
 }
 
-/// How the robot moves, and how the target does.
+/// Twist of the robot and speed of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathCommand<S> {
     /// The robot's twist.
@@ -110,9 +110,10 @@ impl<S: Scalar> PathFollowingLaw<S> {
         PathCommand { twist: Twist::new(self.speed, omega), target_speed }
     }
 
-    /// The same for a robot at `map_from_body` whose target is `along_track` \[m] on its `path`, to be held for `period` \[s].
+    /// Computes the command for a robot at `map_from_body` whose target is at `along_track` \[m] on `path`, held for `period`
+    /// \[s].
     ///
-    /// An input that is held cannot follow a step of the curvature: κ is its mean over what the target will do.
+    /// A held input cannot follow a step of the curvature, so κ is its mean over the travel of the target in the period.
     #[inline]
     pub fn compute_on_path<const N: usize>(
         &self,

@@ -34,7 +34,7 @@ pub struct Pid<S> {
     pub tracking: S,
 }
 
-/// What the controller carries from step to step.
+/// State of the controller from one step to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PidState<S> {
     /// I, the duty that the integral asks for.

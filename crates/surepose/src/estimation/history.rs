@@ -93,7 +93,7 @@ impl<S: Float, const N: usize> History<S, N> {
 
     /// Inserts `entry` after the first `index` entries and returns its position; a full history first drops its oldest.
     ///
-    /// Where [`History::is_full_before`] the time of the entry, nothing is stored.
+    /// An entry is not stored if the history [`is_full_before`](History::is_full_before) its time.
     pub(super) fn insert(&mut self, index: usize, entry: Entry<S>) -> Option<usize> {
         let mut index = index.min(self.len);
         if self.len == N {

@@ -248,7 +248,7 @@ pub(super) struct ExpectedHit<S> {
     pub(super) certain: S,
     cost: S,
     slope: S,
-    /// The same quantities of the uncertain wall with the least cost.
+    /// Inverse range of the uncertain wall with the least cost; its cost and its slope follow.
     possible: S,
     possible_cost: S,
     possible_slope: S,

@@ -1,4 +1,4 @@
-//! Which time the beams of a scan have, for drivers that say it differently or not at all.
+//! Times of the beams of a scan, for drivers that stamp another beam or leave the time increment out.
 
 use crate::param::impl_choice;
 use crate::scalar::Float;
@@ -18,7 +18,7 @@ pub enum StampedBeam {
     Last,
 }
 
-/// How a driver states the times of the beams.
+/// Times of the beams as a driver states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScanTiming {
     /// Time from the first beam to the last \[s]; `None` takes the time increment of each scan.
@@ -41,7 +41,7 @@ impl StampedBeam {
 }
 
 impl ScanTiming {
-    /// The scan with the time of its first beam and its time increment, from one as the driver states it.
+    /// Converts a scan as the driver states it to one that is stamped at its first beam and has its time increment.
     pub fn resolve<'a, S: Float>(&self, scan: Stamped<Scan<'a, S>>) -> Stamped<Scan<'a, S>> {
         let steps = scan.value.ranges.len().saturating_sub(1).max(1) as f64;
         let increment = self.sweep.map_or(scan.value.time_increment, |sweep| sweep / steps);

@@ -11,7 +11,7 @@ use crate::scalar::Float;
 pub struct NavigatorConfig<S> {
     /// Control law, limits and goal tolerance.
     pub controller: Controller<S>,
-    /// What the base makes of a command.
+    /// Minimum speeds, dead time and lag of the base.
     pub actuator: ActuatorModel<S>,
     /// Collision check.
     pub collision: CollisionConfig<S>,

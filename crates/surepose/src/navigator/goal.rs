@@ -18,7 +18,7 @@ const MAX_ELAPSED: f64 = 1.0;
 pub(super) struct ActiveGoal<S: Float> {
     pub(super) map_from_goal: Pose<Map, Goal, S>,
     pub(super) state: ControllerState<S>,
-    /// What stops the robot, and for how long \[s]. Two reasons that alternate share one time.
+    /// Reason for which the robot stands, and for how long \[s]. Two reasons that alternate share one time.
     impediment: Option<AbortReason>,
     impeded_for: S,
     progress: ProgressMonitor<S>,

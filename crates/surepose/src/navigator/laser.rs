@@ -55,8 +55,8 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         (rate.abs() > S::from_f64(MIN_YAW_RATE) && rate.is_finite()).then(|| rate * elapsed)
     }
 
-    /// Why the laser cannot show obstacles at `now`; `None` where it can, and without a map, which every obstacle is
-    /// compared with.
+    /// Reason for which the laser cannot detect obstacles at `now`; `None` if it can. Always `None` without a map, because
+    /// obstacles are beams that the map does not explain.
     pub(super) fn laser_fault(&self, map: &MapView<'_, S>, now: Stamp) -> Option<BlockReason> {
         if !map.is_known() {
             return None;

@@ -1,4 +1,4 @@
-//! What a step reports.
+//! Report of a step.
 
 use crate::control::ControlStep;
 use crate::estimation::Belief;
@@ -9,7 +9,7 @@ use crate::time::Stamp;
 
 use super::GoalResult;
 
-/// How the robot is to move until the next step.
+/// Command for the period until the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command<S> {
     /// Speed and turn rate.
@@ -21,21 +21,21 @@ pub struct Command<S> {
 /// Outcome of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport<S: Float> {
-    /// When.
+    /// Time of the step.
     pub stamp: Stamp,
     /// The estimate; meaningless while `health` is [`Health::Lost`].
     pub belief: Belief<S>,
-    /// How far the estimate can be trusted.
+    /// Quality of the estimate.
     pub health: Health,
-    /// What the supervisor lets the wheels do.
+    /// Action of the supervisor.
     pub action: SafetyAction,
-    /// How the robot is to move; `None` where no goal is active and the wheels are free for another controller.
+    /// Command; `None` where no goal is active and the wheels are free for another controller.
     pub command: Option<Command<S>>,
     /// The controller's view; `None` without a goal.
     pub control: Option<ControlStep<S>>,
-    /// What blocks the way; `None` where nothing does.
+    /// Reason of a stop for a wall, an obstacle or the laser; `None` if the path is free.
     pub blocked_by: Option<BlockReason>,
-    /// How the goal ended, in the step in which it did.
+    /// Result of the goal, in the step in which it ended; `None` in all others.
     pub result: Option<GoalResult>,
 }
 

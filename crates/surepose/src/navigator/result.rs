@@ -1,9 +1,9 @@
-//! How a goal ends.
+//! Results of a goal.
 
 use crate::param::{self, Parameter};
 use crate::safety::{BlockReason, FaultReason, MotionChannel, MotionFault};
 
-/// How a goal ended.
+/// Result of a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GoalResult {
@@ -17,7 +17,7 @@ pub enum GoalResult {
     Aborted(AbortReason),
 }
 
-/// Why a goal was aborted.
+/// Reason for which a goal was aborted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum AbortReason {

@@ -1,4 +1,4 @@
-//! What the navigator commanded, and what the base made of it.
+//! Commands of the navigator, and their comparison with the motion of the base.
 
 use crate::control::{ActuatorState, Controller};
 use crate::geometry::{Body, Map, Pose};
@@ -14,7 +14,7 @@ use super::{Command, NavigatorConfig};
 pub(super) struct SentCommands<S> {
     /// Twist of the last command within the limits; zero while the wheels belong to another controller.
     limited: Twist<S>,
-    /// The same after the actuator stage.
+    /// That twist after the actuator stage.
     sent: Twist<S>,
     actuator: ActuatorState<S>,
     motion: MotionMonitor<S>,

@@ -36,12 +36,12 @@ pub struct CollisionConfig<S> {
     pub response_time: S,
 }
 
-/// What blocks the robot.
+/// Reason for which the robot is blocked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BlockReason {
     /// A wall of the map.
     Wall,
-    /// Something that the laser sees and the map does not contain.
+    /// An obstacle that the laser detects and the map does not contain.
     Obstacle,
     /// No scan arrived for the time-out, so that the obstacle check is unavailable.
     LaserTimeout,
@@ -66,7 +66,7 @@ impl BlockReason {
 pub struct SpeedCap<S> {
     /// The largest rim speed that is allowed \[m/s]; 0 stops the robot, ∞ leaves the speed to the limits.
     pub rim_speed: S,
-    /// What stops the robot; `None` where `rim_speed` is positive.
+    /// Reason of a stop; `None` where `rim_speed` is positive.
     pub blocked_by: Option<BlockReason>,
 }
 
@@ -82,7 +82,7 @@ impl<S: Float> SpeedCap<S> {
     }
 }
 
-/// What the robot is about to do, as the collision check needs it.
+/// Desired motion of the next period: input of the collision check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intent<'a, S> {
     /// Geometry of the drive.
@@ -158,7 +158,7 @@ impl<S: Float> CollisionConfig<S> {
         twist.integrate_for(self.travel_factor * (intent.period + self.response_time + braking))
     }
 
-    /// What the footprint comes too close to on its way.
+    /// First wall or obstacle that the footprint comes too close to; `None` for a free path.
     fn first_contact(
         &self,
         start: Pose<Map, Body, S>,

@@ -55,7 +55,7 @@ pub struct LaserMonitorConfig<S> {
     pub min_valid_beams: S,
 }
 
-/// What the scans of the last moments show of the laser.
+/// State of the laser by its recent scans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaserMonitor<S> {
     config: LaserMonitorConfig<S>,

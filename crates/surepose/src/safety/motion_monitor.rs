@@ -29,7 +29,7 @@ pub enum MotionChannel {
     LeftWheel,
 }
 
-/// Why commanded motion does not happen.
+/// Reason for which commanded motion does not happen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MotionFault {
     /// The command is so small that the base may ignore it.
@@ -47,7 +47,7 @@ pub struct MotionMonitor<S> {
 }
 
 impl<S: Float> MotionMonitor<S> {
-    /// Nothing commanded so far.
+    /// Monitor before the first command.
     pub fn new() -> Self {
         let channels = [
             MotionChannel::Turn,
@@ -79,7 +79,7 @@ impl<S: Float> MotionMonitor<S> {
         }
     }
 
-    /// What has not moved for `timeout` \[s] although it was commanded to.
+    /// Speed that has not followed its command for `timeout` \[s]; `None` if all do.
     pub fn fault(&self, timeout: S) -> Option<MotionFault> {
         let stuck = self.channels.iter().find(|(_, channel)| channel.stuck_for >= timeout);
         stuck.map(|(name, channel)| {

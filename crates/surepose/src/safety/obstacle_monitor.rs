@@ -50,7 +50,7 @@ pub struct ObstacleMonitor<S, const BEAMS: usize> {
     config: ObstacleConfig<S>,
     points: [Point<Map, S>; BEAMS],
     len: usize,
-    /// When the last scan was taken; `None` before the first one.
+    /// Time of the last scan; `None` before the first one.
     scanned: Option<Stamp>,
     laser: LaserMonitor<S>,
 }
@@ -84,7 +84,7 @@ impl<S: Float, const BEAMS: usize> ObstacleMonitor<S, BEAMS> {
         self.config.enabled && self.laser.is_blind(now)
     }
 
-    /// When the last scan was taken; `None` before the first one.
+    /// Time of the last scan; `None` before the first one.
     pub fn last_scan(&self) -> Option<Stamp> {
         self.scanned
     }

@@ -1,8 +1,8 @@
-//! The supervisor: judges the estimate, and slows the robot down or stops it.
+//! Supervisor of the estimate: slows the robot down or stops it for a named reason.
 //!
-//! Its inputs are the outcomes of odometry, measurements and scans, and the speeds of the wheels. Its outputs are how far the
-//! estimate can be trusted ([`Health`]) and what the wheels may do ([`SafetyAction`], with a named [`FaultReason`]). The lost
-//! state is latched: only [`Supervisor::on_relocalized`] ends it.
+//! Its inputs are the outcomes of odometry, measurements and scans, and the speeds of the wheels. Its outputs are the quality of
+//! the estimate ([`Health`]) and the action for the wheels ([`SafetyAction`], with a [`FaultReason`]). The lost state is latched:
+//! only [`Supervisor::on_relocalized`] ends it.
 
 mod config;
 
@@ -14,29 +14,29 @@ use crate::time::Stamp;
 
 pub use config::SupervisorConfig;
 
-/// How far the estimate can be trusted.
+/// Quality of the estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Health {
-    /// What is sensed agrees with it.
+    /// Measurements agree with the estimate.
     Healthy,
-    /// Something does not, or has not been asked for long.
+    /// Some measurements contradict the estimate, or none was accepted for a while.
     Degraded,
-    /// It is wrong, or there is none.
+    /// The pose is unknown.
     Lost,
 }
 
-/// What the wheels may do.
+/// Action of the supervisor on the wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SafetyAction {
-    /// What the controller grants.
+    /// No change.
     Proceed,
-    /// The same, slower.
+    /// The speed is reduced.
     Slowdown(FaultReason),
-    /// Nothing.
+    /// The robot stops.
     Stop(FaultReason),
 }
 
-/// Why the robot was slowed down or stopped.
+/// Reason for which the supervisor slows the robot down or stops it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FaultReason {
@@ -69,7 +69,7 @@ impl FaultReason {
 }
 
 impl SafetyAction {
-    /// The factor on the speed of both wheels: the path stays what the law made it.
+    /// Factor on the speed of both wheels, 0 to 1; the path does not change.
     pub fn speed_scale<S: Float>(self) -> S {
         S::from_f64(match self {
             Self::Proceed => 1.0,
@@ -79,18 +79,18 @@ impl SafetyAction {
     }
 }
 
-/// What a supervisor has seen so far. It holds a few numbers, and no call does more than a few operations.
+/// Supervisor: counters and running means of the recent past. Every call takes a few operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor<S> {
     config: SupervisorConfig<S>,
-    /// When odometry last said something, and when a measurement was last accepted.
+    /// Times of the last usable odometry and of the last accepted measurement.
     last_odometry: Stamp,
     last_accepted: Stamp,
-    /// How many more scans, of the last ones, contradicted the map than agreed with it; likewise measurements.
+    /// Excess of contradicting over agreeing scans, and of outliers over accepted measurements; at least 0.
     scans_against: u16,
     measurements_against: u16,
-    /// The mean normalised innovation squared per row, of measurements and of whole scans, and the mean following error
-    /// \[rad/s], of the recent past.
+    /// Running means: normalized innovation squared per row of measurements and of whole scans, and tracking error of the
+    /// wheels \[rad/s].
     mean_nis: S,
     scan_nis: S,
     wheel_rate_error: S,
@@ -98,7 +98,7 @@ pub struct Supervisor<S> {
 }
 
 impl<S: Float> Supervisor<S> {
-    /// Nothing is wrong at `stamp`.
+    /// Supervisor without a fault at `stamp`.
     pub fn new(config: SupervisorConfig<S>, stamp: Stamp) -> Self {
         Self {
             config,
@@ -113,7 +113,7 @@ impl<S: Float> Supervisor<S> {
         }
     }
 
-    /// What became of a stretch of odometry that ends at `stamp`: the time that counts from now on, if the clock was set back.
+    /// Notes odometry up to `stamp`, and whether the filter used it. An earlier stamp means that the clock was set back.
     pub fn on_odometry(&mut self, stamp: Stamp, is_used: bool) {
         if is_used {
             self.last_odometry = stamp;
@@ -121,7 +121,7 @@ impl<S: Float> Supervisor<S> {
         }
     }
 
-    /// What became of a measurement with `rows` rows, taken at `stamp`.
+    /// Notes the outcome of a measurement with `rows` rows, taken at `stamp`.
     pub fn on_measurement(&mut self, stamp: Stamp, outcome: MeasurementOutcome, rows: usize) {
         match outcome {
             MeasurementOutcome::Accepted { nis } => {
@@ -139,23 +139,23 @@ impl<S: Float> Supervisor<S> {
         self.lost = self.lost || self.measurements_against >= self.config.max_outlier_excess;
     }
 
-    /// Whether a scan that agrees so with the map is against it.
+    /// Whether a scan with these statistics contradicts the map.
     pub fn contradicts_map(&self, stats: &BeamStats<S>) -> bool {
         let config = &self.config;
-        // Beams that are missing are as good as any that end beyond the walls.
+        // Missed returns count as beams that end behind a wall.
         let all = S::from_f64(f64::from(stats.beams.saturating_add(stats.missed_returns)));
         let hits = S::from_f64(f64::from(stats.hits));
         hits < config.min_hit_ratio * all || stats.behind_wall_ratio() > config.max_behind_wall_ratio
     }
 
-    /// How a scan agrees with the map at the pose that was believed when it was taken, and how far off it puts the robot:
-    /// the normalised innovation squared of what its beams together ask for, per row.
+    /// Notes the statistics of a scan at the belief of its time, and the normalized innovation squared per row of the pose
+    /// that its beams determine together.
     pub fn on_scan(&mut self, stats: &BeamStats<S>, scan_nis: S) {
         let config = &self.config;
         if stats.beams.saturating_add(stats.missed_returns) < config.min_beams {
             return;
         }
-        // One scan may be broken, and weighs no more than one that is just outside a gate. A NaN compares false.
+        // The limit keeps a single broken scan from a false alarm. A NaN compares false.
         if scan_nis >= S::from_f64(0.0) {
             let weight = S::from_f64(1.0 / f64::from(config.max_scan_excess.max(1)));
             self.scan_nis =
@@ -170,7 +170,7 @@ impl<S: Float> Supervisor<S> {
         self.lost = self.lost || self.scans_against >= config.max_scan_excess;
     }
 
-    /// Takes the commanded and the measured turn rates of the wheels \[rad/s].
+    /// Notes the commanded and the measured turn rates of the wheels \[rad/s].
     pub fn on_wheel_speeds(&mut self, commanded: WheelPair<S>, did: WheelPair<S>) {
         let error = WheelPair::new(did.right - commanded.right, did.left - commanded.left).max_abs();
         if error.is_finite() {
@@ -189,12 +189,12 @@ impl<S: Float> Supervisor<S> {
         self.lost = true;
     }
 
-    /// How far the estimate can be trusted at `now`.
+    /// Quality of the estimate at `now`.
     pub fn health(&self, now: Stamp, belief: &Belief<S>) -> Health {
         self.judge(now, belief).0
     }
 
-    /// What the wheels may do at `now`.
+    /// Action for the wheels at `now`.
     pub fn action(&self, now: Stamp, belief: &Belief<S>) -> SafetyAction {
         self.judge(now, belief).1
     }
@@ -218,7 +218,7 @@ impl<S: Float> Supervisor<S> {
         (health, action)
     }
 
-    /// What is wrong, the worst first.
+    /// The most severe fault; `None` without a fault.
     fn fault(&self, now: Stamp, belief: &Belief<S>) -> Option<FaultReason> {
         let config = &self.config;
         // A stamp in the future comes from a clock that was set back since.
@@ -236,15 +236,15 @@ impl<S: Float> Supervisor<S> {
     }
 }
 
-/// The most that one scan counts, per row: a consistent one of 10⁶ is farther off, the quantile of χ² with 3 rows.
+/// Maximum contribution of one scan per row: the 1 − 10⁻⁶ quantile of χ² with 3 degrees of freedom, over 3.
 const MAX_SCAN_NIS: f64 = 30.7 / 3.0;
 
-/// Whether the position is known to `std` \[m]; a NaN is not.
+/// Whether the standard deviation of the position is at most `std` \[m]; false for NaN.
 fn is_within<S: Float>(belief: &Belief<S>, std: S) -> bool {
     (belief.covariance.entry(0, 0) + belief.covariance.entry(1, 1)).sqrt() <= std
 }
 
-/// The mean over the last twenty values or so.
+/// Exponential mean with a memory of twenty values.
 fn mean<S: Float>(before: S, now: S) -> S {
     before + (now - before) * S::from_f64(0.05)
 }

@@ -16,7 +16,7 @@ pub(super) fn circles(nodes: usize, edges: impl Iterator<Item = (usize, usize)>)
     found
 }
 
-/// Which nodes a path of at least one edge leads to.
+/// Nodes that a path of at least one edge leads to.
 fn reachable(next: &[Vec<usize>], start: usize) -> Vec<bool> {
     let mut reached = vec![false; next.len()];
     let mut open = vec![start];

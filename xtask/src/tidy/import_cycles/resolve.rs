@@ -10,7 +10,7 @@ pub(super) type Uses = BTreeMap<(usize, usize), (usize, String)>;
 /// Re-exports of re-exports: deeper than this is a `use` that names itself.
 const MAX_DEPTH: usize = 16;
 
-/// Where a path leads.
+/// Target of a path.
 #[derive(Clone, Copy, PartialEq)]
 enum Target {
     Module(usize),

@@ -9,7 +9,7 @@ use super::{MAGIC, opcode};
 /// Chunks are closed at this length \[bytes\].
 const CHUNK_LENGTH: usize = 1 << 16;
 
-/// How chunks are compressed.
+/// Compression of the chunks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::bag) enum Packing {
     None,

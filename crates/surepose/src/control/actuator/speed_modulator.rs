@@ -77,7 +77,7 @@ pub(super) struct SpeedModulator<S> {
 }
 
 impl<S: Float> SpeedModulator<S> {
-    /// Nothing owed.
+    /// Modulator without a remainder.
     pub(super) fn new() -> Self {
         let channel = PulseChannel::new();
         Self { v: channel, omega: channel, right: channel, left: channel, last: WheelPair::zero() }

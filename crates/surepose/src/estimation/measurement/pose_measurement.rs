@@ -125,7 +125,7 @@ impl<S: Float> PoseMeasurement<S> {
 
     /// Whether the information is finite, symmetric, and positive semi-definite up to rounding.
     ///
-    /// Where walls give no information along them, the rounding error of the other directions and of the
+    /// In a direction without information, the rounding error of the other directions and of the
     /// [inflation](PoseMeasurement::inflated) remains. The inflation may have reduced the entries by a factor of 10⁴.
     pub(super) fn is_valid(&self) -> bool {
         let slack = S::from_f64(ROUNDING_TOLERANCE).max(S::EPSILON * S::from_f64(32768.0));

@@ -1,9 +1,9 @@
-//! What the supervisor puts up with.
+//! Thresholds of the supervisor.
 
 use crate::param;
 use crate::scalar::Float;
 
-/// The supervisor's constants.
+/// Thresholds of a [`Supervisor`](super::Supervisor).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupervisorConfig<S> {
     /// Time-out of odometry \[s].
@@ -20,22 +20,22 @@ pub struct SupervisorConfig<S> {
     pub max_scan_excess: u16,
     /// The robot is lost when outliers exceed accepted measurements by this number.
     pub max_outlier_excess: u16,
-    /// The mean of the normalised innovation squared per row may be so large, of measurements, and of scans as a whole; 1
-    /// for a consistent filter.
+    /// Maximum mean of the normalized innovation squared per row, of measurements and of whole scans; 1 for a consistent
+    /// filter.
     pub max_mean_nis: S,
-    /// Turn rates may be off by so much on average \[rad/s].
+    /// Maximum mean tracking error of the wheels \[rad/s].
     pub max_wheel_rate_error: S,
-    /// The position's standard deviation may be so large \[m] before the robot slows down.
+    /// Standard deviation of the position above which the robot slows down \[m].
     pub slow_std: S,
-    /// And so large \[m] before it stops.
+    /// Standard deviation of the position above which the robot stops \[m].
     pub stop_std: S,
 }
 
 impl<S: Float> Default for SupervisorConfig<S> {
-    /// For sensors at 10 Hz, of which the laser's beams may be hidden to a fifth by things on no map.
+    /// Thresholds for sensors at 10 Hz; unmapped objects may hide a fifth of the beams.
     ///
-    /// Six scans against the map make the robot lost. After a kidnap all are: the flag is up within 0.6 s, or 1 s
-    /// where two of ten agree by chance.
+    /// An excess of six contradicting scans makes the robot lost. A kidnapped robot is lost within 0.6 s, or within 1 s if two
+    /// of ten scans agree by chance.
     fn default() -> Self {
         Self {
             odometry_timeout: param::ODOMETRY_TIMEOUT.default_si(),
