@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::run::{program as run, target};
+
 /// Python version of the wheels.
 const PYTHON: &str = "python3.11";
 
@@ -79,16 +81,6 @@ fn interfaces(root: &Path, python: &Path, tests: &Path, folder: &Path) -> Result
         .collect()
 }
 
-fn target(root: &Path) -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
-}
-
 fn joined(paths: &[PathBuf]) -> Result<std::ffi::OsString, String> {
     std::env::join_paths(paths).map_err(|error| error.to_string())
-}
-
-fn run(command: &mut Command) -> Result<(), String> {
-    let name = format!("{command:?}");
-    let status = command.status().map_err(|error| format!("{name}: start failed: {error}"))?;
-    if status.success() { Ok(()) } else { Err(format!("{name}: failed")) }
 }

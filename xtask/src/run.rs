@@ -12,6 +12,18 @@ pub(crate) fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)
     if status.success() { Ok(()) } else { Err(format!("cargo {}: failed", arguments.join(" "))) }
 }
 
+/// Runs a program and passes on what it prints.
+pub(crate) fn program(command: &mut Command) -> Result<(), String> {
+    let name = format!("{command:?}");
+    let status = command.status().map_err(|error| format!("{name}: start failed: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{name}: failed")) }
+}
+
+/// Folder of the compiled files.
+pub(crate) fn target(root: &Path) -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
+}
+
 /// Builds the benchmark `name` of `package` in release mode; returns the path of the program.
 pub(crate) fn build_bench(
     root: &Path,

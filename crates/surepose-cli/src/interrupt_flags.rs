@@ -1,12 +1,12 @@
 //! Process-wide flags of the interrupt handler: whether a command polls them, and when the user first asked to stop.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static TERMINATED: AtomicBool = AtomicBool::new(false);
-static ASKED: OnceLock<Instant> = OnceLock::new();
+static ASKED: Mutex<Option<Instant>> = Mutex::new(None);
 
 /// Declares that a command polls [`asked`]: from now on the first Ctrl-C does not end the program.
 pub(crate) fn listen() {
@@ -20,15 +20,11 @@ pub(crate) fn listens() -> bool {
 
 /// Notes a request to stop and returns the time since the first one; the first one decides the exit code.
 pub(crate) fn ask(terminates: bool) -> Duration {
-    let mut is_first = false;
-    let first = ASKED.get_or_init(|| {
-        is_first = true;
-        Instant::now()
-    });
-    if is_first {
+    let mut asked = ASKED.lock().unwrap_or_else(PoisonError::into_inner);
+    if asked.is_none() {
         TERMINATED.store(terminates, Ordering::Relaxed);
     }
-    first.elapsed()
+    asked.get_or_insert_with(Instant::now).elapsed()
 }
 
 /// Whether the first request to stop was a termination instead of Ctrl-C.
@@ -38,5 +34,10 @@ pub(crate) fn terminated() -> bool {
 
 /// Whether the user asked to stop.
 pub(crate) fn asked() -> bool {
-    ASKED.get().is_some()
+    ASKED.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+}
+
+/// Forgets all requests to stop.
+pub(crate) fn reset() {
+    *ASKED.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::error::{CliError, WIDTH};
-use crate::interrupt_flags;
+use crate::{capture, interrupt_flags};
 
 /// The output format of results.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,9 @@ pub(crate) fn object(report: &impl Serialize) -> Map<String, Value> {
 /// # Errors
 /// [`CliError::Print`] for any other failure, for example a full disk.
 pub(crate) fn text(text: &str) -> Result<(), CliError> {
+    if capture::result(text) {
+        return Ok(());
+    }
     // A result that is being printed is the one that there is.
     interrupt_flags::listen();
     let mut out = std::io::stdout().lock();
@@ -64,6 +67,9 @@ pub(crate) fn printed(so_far: std::io::Result<()>) -> Result<(), CliError> {
 
 /// Prints a line on standard error; unlike `eprintln!`, a closed pipe is ignored.
 pub(crate) fn say(line: &dyn std::fmt::Display) {
+    if capture::message(line) {
+        return;
+    }
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// Each crate with its folder and the crates that it may depend on, all of which stand above it.
-const CRATES: [(&str, &str, &[&str]); 14] = [
+const CRATES: [(&str, &str, &[&str]); 15] = [
     ("surepose-testdata", "crates/surepose-testdata", &[]),
     ("surepose", "crates/surepose", &[]),
     ("surepose-config", "crates/surepose-config", &["surepose"]),
@@ -76,6 +76,11 @@ const CRATES: [(&str, &str, &[&str]); 14] = [
             "surepose-experiments",
             "surepose-ros2",
         ],
+    ),
+    (
+        "surepose-py",
+        "crates/surepose-py",
+        &["surepose", "surepose-config", "surepose-io", "surepose-sim", "surepose-cli"],
     ),
 ];
 

@@ -17,7 +17,7 @@ use crate::explanation;
 use crate::output::{Output, object, table, text, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
-use crate::{certification, interrupt, progress};
+use crate::{capture, certification, interrupt, progress};
 
 /// Simulate one closed-loop run of the robot, with motors, sensors and estimator, to a goal pose
 #[derive(Debug, Args)]
@@ -110,6 +110,7 @@ impl RunCommand {
         }
         bar.finish_and_clear();
 
+        capture::samples(&samples);
         let summary = simulation.summary();
         if summary.walls == 0 && summary.time_s > 1.0 {
             warning("laser: no wall was observed in any scan; check the [laser] parameters");

@@ -17,7 +17,7 @@ use crate::explanation;
 use crate::output::{Output, align_numbers, object, shown_value, table, text, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{toml_of, whole};
-use crate::{interrupt, progress};
+use crate::{capture, interrupt, progress};
 
 use super::trials::{LoopName, NoiseName, TrialArgs, name};
 
@@ -55,6 +55,9 @@ pub(crate) struct SweepCommand {
     /// The number of random start poses
     #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = whole(1..=u32::MAX), allow_negative_numbers = true)]
     runs: u32,
+    /// The number of the first trial: --first 1000 --runs 500 repeats the last third of --runs 1500
+    #[arg(long, default_value_t = 0, conflicts_with = "starts", value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
+    first: u64,
     /// A CSV file of start poses relative to the goal, in meters and degrees
     #[arg(long, value_name = "FILE.csv")]
     starts: Option<PathBuf>,
@@ -120,6 +123,7 @@ impl SweepCommand {
             let json = object(&report);
             (report, json)
         };
+        capture::trials(&report.trials);
         json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));
         json.insert("precision".to_owned(), name(&self.precision).into());
         interrupt::mark(&mut json);
@@ -145,7 +149,7 @@ impl SweepCommand {
     fn starts(&self) -> Result<Starts, CliError> {
         Ok(match &self.starts {
             Some(file) => Starts::Given(start_poses::read(file)?),
-            None => Starts::Random(self.runs as usize),
+            None => Starts::RandomFrom { first: self.first as usize, count: self.runs as usize },
         })
     }
 

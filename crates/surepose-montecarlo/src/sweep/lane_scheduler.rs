@@ -94,9 +94,10 @@ impl<T: Element> LaneScheduler<'_, T> {
             return;
         };
         self.under[lane] = Some(ActiveTrial { start_index, began: self.now });
-        self.batch.begin(lane, &start, self.sweep.seed, start_index as u64);
+        let number = self.sweep.starts.number(start_index) as u64;
+        self.batch.begin(lane, &start, self.sweep.seed, number);
         if let Some(beliefs) = &mut self.beliefs {
-            beliefs.begin(lane, &start, self.sweep.seed, start_index as u64);
+            beliefs.begin(lane, &start, self.sweep.seed, number);
         }
         self.active += 1;
         self.deadline = self.deadline.min(self.now + self.termination.most);

@@ -64,7 +64,7 @@ impl PlantSweep {
     fn trial(&self, number: usize, start: Start, cancel: &CancelToken) -> Option<EndedTrial> {
         let termination = Termination::for_benchmark(self.controller.period);
         let map_from_body = Pose::new(start.x, start.y, start.heading);
-        let noise = Seed(self.seed).stream(&format!("trial {number}"));
+        let noise = Seed(self.seed).stream(&format!("trial {}", self.starts.number(number)));
         let mut robot = PlantRobot::new(self, map_from_body, noise);
         let mut score = Score::new(&robot.pose);
         let (mut steps, mut reason) = (0, None);

@@ -10,6 +10,13 @@ use super::filter::PoseSource;
 pub enum Starts {
     /// A number of poses, uniform in [−3, 3]² × [−180°, 180°].
     Random(usize),
+    /// Trials `first` to `first + count − 1` of a longer sweep with random starts, each with the same start and noise as there.
+    RandomFrom {
+        /// Number of the first trial.
+        first: usize,
+        /// Number of trials.
+        count: usize,
+    },
     /// Given poses.
     Given(Vec<Start>),
 }
@@ -28,16 +35,26 @@ impl Starts {
     /// Returns the number of starts.
     pub fn len(&self) -> usize {
         match self {
-            Self::Random(count) => *count,
+            Self::Random(count) | Self::RandomFrom { count, .. } => *count,
             Self::Given(starts) => starts.len(),
         }
     }
 
-    /// Returns the start of trial `number`; `None` if there is none.
-    pub(super) fn nth(&self, seed: u64, number: usize) -> Option<Start> {
+    /// Returns the start of the trial with this index; `None` if there is none.
+    pub(super) fn nth(&self, seed: u64, index: usize) -> Option<Start> {
         match self {
-            Self::Random(count) => (number < *count).then(|| bench::random_start(seed, number)),
-            Self::Given(starts) => starts.get(number).copied(),
+            Self::Random(count) | Self::RandomFrom { count, .. } => {
+                (index < *count).then(|| bench::random_start(seed, self.number(index)))
+            }
+            Self::Given(starts) => starts.get(index).copied(),
+        }
+    }
+
+    /// Returns the number of the trial with this index, from which it draws its start and its noise.
+    pub(super) fn number(&self, index: usize) -> usize {
+        match self {
+            Self::RandomFrom { first, .. } => first.saturating_add(index),
+            Self::Random(_) | Self::Given(_) => index,
         }
     }
 

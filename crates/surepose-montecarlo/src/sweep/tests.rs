@@ -118,6 +118,14 @@ fn threads_and_progress_do_not_change_results() {
 }
 
 #[test]
+fn parts_of_a_sweep_repeat_its_trials() {
+    let sweep = sweep(300, 0.1, SweepNoise::BENCH);
+    let part =
+        |first, count| run(&Sweep { starts: Starts::RandomFrom { first, count }, ..sweep.clone() }).trials;
+    assert_eq!([part(0, 100), part(100, 200)].concat(), run(&sweep).trials);
+}
+
+#[test]
 fn a_sweep_canceled_at_once_has_no_figures() {
     let cancel = CancelToken::default();
     cancel.cancel();
