@@ -23,10 +23,10 @@ const POLL: Duration = Duration::from_millis(20);
 ///
 /// Other Python threads run meanwhile. Ctrl-C cancels the command and raises KeyboardInterrupt.
 #[pyfunction]
-pub(crate) fn call<'py>(
-    py: Python<'py>,
+pub(crate) fn call(
+    py: Python<'_>,
     arguments: Vec<String>,
-) -> PyResult<(String, u8, Vec<String>, Bound<'py, PyDict>)> {
+) -> PyResult<(String, u8, Vec<String>, Bound<'_, PyDict>)> {
     let answer = attended(py, &arguments)?;
     let answer = answer.map_err(|CallError { message, exit }| CommandError::new_err((message, exit)))?;
     let columns = columns(py, &answer)?;

@@ -72,9 +72,10 @@ def test_a_killed_worker_costs_no_result(cluster: None) -> None:
 
 
 def test_certificates_run_on_the_cluster(cluster: None) -> None:
-    cases = [{"period": period, "noise_position": 0.005} for period in (0.02, 0.1)]
-    results = surepose.cluster.certify(cases)
-    assert [result.capture_radius_m for result in results] == [surepose.certify(**case).capture_radius_m for case in cases]
+    periods = (0.02, 0.1)
+    results = surepose.cluster.certify({"period": period, "noise_position": 0.005} for period in periods)
+    local = [surepose.certify(period=period, noise_position=0.005) for period in periods]
+    assert [result.capture_radius_m for result in results] == [result.capture_radius_m for result in local]
 
 
 def test_histogram_needs_no_trials() -> None:
