@@ -34,7 +34,7 @@ pub(crate) fn world_help(parameters: &ParameterSet, json: bool) -> String {
     let all = parameters.iter().map(as_text).collect::<String>();
     format!(
         "Properties of the world, for --world SECTION.KEY=VALUE. Those that the configuration has, too, default to \
-         the robot's configuration.\n\n{all}"
+         the robot's configuration. `map=FILE` sets the walls of the world: a wall map, or an occupancy grid.\n\n{all}"
     )
 }
 

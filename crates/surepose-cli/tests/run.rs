@@ -330,3 +330,36 @@ fn held_wheels_stop_the_robot() {
     assert_eq!(json["final_speed_m_s"], 0.0, "{json}");
     assert!(json["rejected"]["outlier"].is_u64() && json["rejected"]["stale"].is_u64(), "{json}");
 }
+
+/// The robot takes its walls from a file; the walls of the world may differ.
+#[test]
+fn maps_of_robot_and_world_are_files() {
+    let folder = folder("run-map");
+    let room = |width: f64| {
+        let corners = [[-1.0, -1.5], [width - 1.0, -1.5], [width - 1.0, 2.0], [-1.0, 2.0]];
+        let wall =
+            |k: usize| format!("[[wall]]\nfrom_m = {:?}\nto_m = {:?}\n", corners[k], corners[(k + 1) % 4]);
+        file(&folder, &format!("room-{width}.toml"), (0..4).map(wall).collect::<String>().as_bytes())
+    };
+    let (map, wider) = (room(4.0), room(4.06));
+    let world = format!("map={wider}");
+    let run = |options: &[&str]| {
+        let common = ["run", "--map", &map, "--goal", "2,1,90", "--json"];
+        surepose(&[&common, options].concat())
+    };
+    let same = run(&[]);
+    assert_eq!(same.code, 0, "{}", same.stderr);
+    assert!(same.json()["position_rmse_m"].as_f64().is_some_and(|error| error < 0.01), "{}", same.json());
+    assert!(same.json()["world"].is_null(), "{}", same.json());
+    // The estimate follows a wall that is 6 cm away from its place.
+    let different = run(&["--world", &world]).json();
+    assert_eq!(different["world"]["map"], wider.as_str());
+    assert!(different["position_rmse_m"].as_f64().is_some_and(|error| error > 0.01), "{different}");
+    for options in
+        [["--world", &world, "--world", &world], ["--world", &world, "--world", "scenario.arena=loop"]]
+    {
+        let twice = run(&options);
+        assert_eq!(twice.code, 2);
+        assert!(twice.stderr.contains("two sources of the walls"), "{}", twice.stderr);
+    }
+}

@@ -1,9 +1,8 @@
 //! Picture of a wall map over its source data.
 
-use surepose_io::grid::Grid;
+use surepose_io::grid::{Grid, is_free, is_solid};
 use surepose_io::wall_map::WallMap;
 use surepose_mapping::MapReport;
-use surepose_mapping::from_grid::{is_free, is_solid};
 
 use crate::plot::{Color, Heatmap, HeatmapCell, MapPlot, Picture};
 

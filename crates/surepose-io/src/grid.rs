@@ -5,6 +5,9 @@ use surepose::geometry::{Angle, Frame, Map, Point, Pose};
 /// Maximum number of cells: 8192 by 8192, half a gigabyte.
 pub const MAX_CELLS: usize = 1 << 26;
 
+/// Occupancy probability above which a cell is solid; below one minus this it is free.
+const SOLID: f32 = 0.65;
+
 /// A rectangular grid of square cells with occupancy probabilities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
@@ -61,6 +64,16 @@ impl Grid {
     pub fn map_from_cells(&self) -> Pose<Map, Cells, f64> {
         Pose::new(self.origin.x, self.origin.y, Angle::from_radians(self.origin.heading))
     }
+}
+
+/// Returns whether a cell of this occupancy stops a beam; unknown cells do not.
+pub fn is_solid(occupancy: Option<f32>) -> bool {
+    occupancy.is_some_and(|p| p > SOLID)
+}
+
+/// Returns whether a beam passes through a cell of this occupancy; unknown cells are neither solid nor free.
+pub fn is_free(occupancy: Option<f32>) -> bool {
+    occupancy.is_some_and(|p| p < 1.0 - SOLID)
 }
 
 /// The frame of a grid: origin at the outer corner of cell (0, 0), x along a row.

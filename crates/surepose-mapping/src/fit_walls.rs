@@ -9,10 +9,18 @@ use super::point_cloud::{PointCloud, PointMoments, SurfacePoint};
 pub struct WallFitSettings {
     /// Maximum distance of a point from its wall's line \[m].
     pub tolerance: f64,
+    /// The same while the wall grows from its first points, whose direction is inaccurate \[m]; at least `tolerance`.
+    pub growth_tolerance: f64,
+    /// Distance from a long wall within which points belong to no other wall \[m]; 0 for the members alone.
+    pub claim: f64,
+    /// Distance from the line beyond which successive points are a recess or a bump, not the wall \[m]; ∞ for none.
+    pub recess: f64,
     /// Length without points that ends a wall \[m].
     pub gap: f64,
     /// Minimum length of a wall \[m].
     pub shortest: f64,
+    /// Length of the walls that are fitted before all shorter ones \[m]; at least `shortest`.
+    pub long: f64,
     /// Minimum number of points of a wall.
     pub fewest: usize,
     /// Cosine of the maximum angle between the normals of a point and of its wall.
@@ -67,7 +75,10 @@ impl FittedWall {
 /// Maximum number of alternations between selection of points and fit of the line.
 const ROUNDS: usize = 10;
 
-/// Extracts the walls of `cloud`, starting with the smoothest points.
+/// Maximum number of alternations while a wall grows; its length at least doubles in most of them.
+const GROWTH_ROUNDS: usize = 40;
+
+/// Extracts the walls of `cloud`: first the long ones, each time starting with the smoothest points.
 ///
 /// From the smoothest free point, a line is followed in both directions while it has points whose normals
 /// agree. The line is refitted and followed again until it no longer changes. Each point belongs to at most
@@ -80,41 +91,143 @@ pub fn fit_walls(cloud: &PointCloud, rules: &WallFitSettings) -> Vec<FittedWall>
     order.sort_by(|a, b| roughness(a).total_cmp(&roughness(b)));
     let mut free = vec![true; cloud.points().len()];
     let mut walls = Vec::new();
-    for seed in order {
-        if !free.get(seed as usize).copied().unwrap_or(false) {
+    if rules.long > rules.shortest {
+        let long = WallFitSettings { shortest: rules.long, ..*rules };
+        fit_pass(cloud, &long, &order, &mut free, &mut walls);
+        free = vec![true; cloud.points().len()];
+        for wall in &walls {
+            claim(cloud, wall, rules, &mut free);
+        }
+    }
+    fit_pass(cloud, rules, &order, &mut free, &mut walls);
+    walls
+}
+
+/// Fits a wall to each seed in `order` that is still `free`. A wall that is too short uses its points up.
+fn fit_pass(
+    cloud: &PointCloud,
+    rules: &WallFitSettings,
+    order: &[u32],
+    free: &mut [bool],
+    walls: &mut Vec<FittedWall>,
+) {
+    for &seed in order {
+        if free.get(seed as usize) != Some(&true) {
             continue;
         }
-        match fit_wall(cloud, rules, seed, &free) {
-            Some(wall) => {
-                for &member in &wall.members {
-                    if let Some(flag) = free.get_mut(member as usize) {
-                        *flag = false;
-                    }
-                }
-                if wall.extent.1 - wall.extent.0 >= rules.shortest {
-                    walls.push(wall);
-                }
-            }
-            None => {
-                if let Some(flag) = free.get_mut(seed as usize) {
-                    *flag = false;
-                }
+        let Some(wall) = fit_wall(cloud, rules, seed, free) else {
+            release(free, seed);
+            continue;
+        };
+        if wall.extent.1 - wall.extent.0 >= rules.shortest {
+            claim(cloud, &wall, rules, free);
+            walls.push(wall);
+        } else {
+            for &member in &wall.members {
+                release(free, member);
             }
         }
     }
-    walls
+}
+
+/// Marks a point as used.
+fn release(free: &mut [bool], number: u32) {
+    if let Some(flag) = free.get_mut(number as usize) {
+        *flag = false;
+    }
+}
+
+/// Marks the members of a wall, and the points close to a long one, as used.
+fn claim(cloud: &PointCloud, wall: &FittedWall, rules: &WallFitSettings, free: &mut [bool]) {
+    for &member in &wall.members {
+        release(free, member);
+    }
+    if rules.claim <= 0.0 || wall.extent.1 - wall.extent.0 < rules.long {
+        return;
+    }
+    let (low, high) = (wall.extent.0 - rules.claim, wall.extent.1 + rules.claim);
+    let steps = ((high - low) / cloud.side()).ceil() as u32;
+    for step in 0..=steps {
+        let along = (low + f64::from(step) * cloud.side()).min(high);
+        let (x, y) = (wall.middle.0 - along * wall.normal.1, wall.middle.1 + along * wall.normal.0);
+        for (number, point) in cloud.around(x, y) {
+            let off = (point.x - wall.middle.0) * wall.normal.0 + (point.y - wall.middle.1) * wall.normal.1;
+            let at = wall.along(point.x, point.y);
+            if off.abs() <= rules.claim && at >= low && at <= high {
+                release(free, number);
+            }
+        }
+    }
 }
 
 fn fit_wall(cloud: &PointCloud, rules: &WallFitSettings, seed: u32, free: &[bool]) -> Option<FittedWall> {
     let start = cloud.points().get(seed as usize)?;
-    let mut line = FittedWall {
+    let line = FittedWall {
         middle: (start.x, start.y),
         normal: start.normal,
         extent: (0.0, 0.0),
         members: Vec::new(),
         residual_sum_of_squares: 0.0,
     };
+    let growing = WallFitSettings { tolerance: rules.growth_tolerance, ..*rules };
+    let mut wall = line;
+    if rules.growth_tolerance > rules.tolerance {
+        wall = refit(cloud, &growing, start, free, wall, GROWTH_ROUNDS)?;
+    }
+    wall = refit(cloud, rules, start, free, wall, ROUNDS)?;
+    let mut without = None;
     for _ in 0..ROUNDS {
+        let recesses = recesses(cloud, rules, &wall);
+        if recesses.is_empty() {
+            break;
+        }
+        let free: &mut Vec<bool> = without.get_or_insert_with(|| free.to_vec());
+        for member in recesses {
+            release(free, member);
+        }
+        wall = refit(cloud, rules, start, free, wall, ROUNDS)?;
+    }
+    Some(wall)
+}
+
+/// Minimum number of successive points of a recess, and of the wall beside it.
+const RECESS_POINTS: usize = 3;
+
+/// Returns the members in recesses and bumps: several successive points far on one side of the line, between points on
+/// the other side.
+///
+/// The cells of a straight wall alternate between the sides of its line, with a small distance where many are on one side.
+fn recesses(cloud: &PointCloud, rules: &WallFitSettings, wall: &FittedWall) -> Vec<u32> {
+    if rules.recess.is_infinite() {
+        return Vec::new();
+    }
+    let place = |&member: &u32| {
+        let point = cloud.points().get(member as usize)?;
+        let off = (point.x - wall.middle.0) * wall.normal.0 + (point.y - wall.middle.1) * wall.normal.1;
+        Some((wall.along(point.x, point.y), off, member))
+    };
+    let mut places: Vec<_> = wall.members.iter().filter_map(place).collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let stretches: Vec<_> = places.chunk_by(|a, b| (a.1 > 0.0) == (b.1 > 0.0)).collect();
+    let is_wall = |stretch: &[_]| stretch.len() >= RECESS_POINTS;
+    let inner = stretches.windows(3).filter(|beside| is_wall(beside[0]) && is_wall(beside[2]));
+    let far = |stretch: &[(f64, f64, u32)]| {
+        let sum: f64 = stretch.iter().map(|place| place.1.abs()).sum();
+        is_wall(stretch) && sum > rules.recess * stretch.len() as f64
+    };
+    inner.map(|beside| beside[1]).filter(|stretch| far(stretch)).flatten().map(|place| place.2).collect()
+}
+
+/// Alternates between selection of points and fit of the line, until the points stay the same.
+fn refit(
+    cloud: &PointCloud,
+    rules: &WallFitSettings,
+    start: &SurfacePoint,
+    free: &[bool],
+    mut line: FittedWall,
+    rounds: usize,
+) -> Option<FittedWall> {
+    for _ in 0..rounds {
         // The foot of the seed on the line, so that the fit stays on the wall that it started with.
         let off = (start.x - line.middle.0) * line.normal.0 + (start.y - line.middle.1) * line.normal.1;
         let foot = (start.x - off * line.normal.0, start.y - off * line.normal.1);
@@ -178,7 +291,7 @@ fn agrees(point: &SurfacePoint, normal: (f64, f64), rules: &WallFitSettings) -> 
 }
 
 /// Fits a least-squares line to the members; its normal is on the side of `facing`.
-fn fitted(cloud: &PointCloud, members: Vec<u32>, facing: (f64, f64)) -> FittedWall {
+pub fn fitted(cloud: &PointCloud, members: Vec<u32>, facing: (f64, f64)) -> FittedWall {
     let points = || members.iter().filter_map(|&number| cloud.points().get(number as usize));
     let mut scatter = PointMoments::default();
     // Relative to the first member, for numerical accuracy.

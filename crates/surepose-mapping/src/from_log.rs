@@ -30,7 +30,17 @@ pub struct LogMappingSettings {
 impl Default for LogMappingSettings {
     fn default() -> Self {
         Self {
-            rules: WallFitSettings { tolerance: 0.06, gap: 0.35, shortest: 0.2, fewest: 8, alignment: 0.7 },
+            rules: WallFitSettings {
+                tolerance: 0.06,
+                growth_tolerance: 0.06,
+                claim: 0.0,
+                recess: f64::INFINITY,
+                gap: 0.35,
+                shortest: 0.2,
+                long: 0.2,
+                fewest: 8,
+                alignment: 0.7,
+            },
             range_max: 20.0,
             normal_reach: 0.15,
             point_std: 0.02,

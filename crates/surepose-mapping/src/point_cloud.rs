@@ -57,8 +57,8 @@ impl PointCloud {
     }
 
     /// Estimates normal and roughness of each point from the points within `reach` \[m], at most the cell
-    /// side. Normals point to the viewpoint in `seen_from`; a point with fewer than `fewest` neighbors gets
-    /// none.
+    /// side. Points whose present normals are opposite do not count for each other. Normals point to the
+    /// viewpoint in `seen_from`; a point with fewer than `fewest` neighbors gets none.
     pub fn estimate_normals(&mut self, seen_from: &[(f64, f64)], reach: f64, fewest: u32) {
         let normals: Vec<_> = self
             .points
@@ -80,7 +80,8 @@ impl PointCloud {
         let mut scatter = PointMoments::default();
         for (_, other) in self.around(point.x, point.y) {
             let (dx, dy) = (other.x - point.x, other.y - point.y);
-            if dx * dx + dy * dy <= reach * reach {
+            let facing = point.normal.0 * other.normal.0 + point.normal.1 * other.normal.1;
+            if dx * dx + dy * dy <= reach * reach && facing >= 0.0 {
                 scatter.add(dx, dy);
             }
         }

@@ -4,6 +4,7 @@ use surepose::control::{InvalidPath, Path};
 use surepose::geometry::{Angle, Map, Point, Pose};
 use surepose::map::Wall;
 use surepose::param::{ArenaName, Choice};
+use surepose_io::wall_map::{MapWall, WallMap};
 
 /// A flat wall segment, visible from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,6 +117,12 @@ impl Arena {
         let high = ends()
             .fold((f64::NEG_INFINITY, f64::NEG_INFINITY), |high, end| (high.0.max(end.x), high.1.max(end.y)));
         Self { name, corners: [low, high], walls }
+    }
+
+    /// Creates the arena `map` from the walls of a map.
+    pub fn from_wall_map(map: &WallMap) -> Self {
+        let segment = |wall: &MapWall| WallSegment::between(wall.from.into(), wall.to.into());
+        Self::from_walls("map", map.walls.iter().map(segment).collect())
     }
 
     /// Name of the arena.

@@ -45,7 +45,7 @@ impl SimulatedRobot {
             compass: scenario.config.compass(),
             timing: scenario.config.laser().timing,
             navigator: scenario.config.navigator(&setup, Stamp::default(), initial),
-            map: OwnedMap::from_walls(walls_from_segments(scenario.arena.walls())),
+            map: scenario.robot_map(),
         }
     }
 

@@ -9,11 +9,12 @@ use surepose_figures::{self as picture, Picture};
 use surepose_sim::robot::{InvalidEnd, Scenario, ScenarioEnd};
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
 use surepose_sim::world_parameters::world_parameters;
-use surepose_sim::{WallSegment, WorldSettings};
+use surepose_sim::{Arena, WallSegment, WorldSettings};
 
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::explanation;
+use crate::maps::{walls_in, walls_to_read};
 use crate::output::{Output, object, table, text, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
@@ -29,9 +30,11 @@ use crate::{capture, certification, interrupt, progress};
   surepose run --world robot.track_m=0.57               the true track differs from the configured one
   surepose run --world robot.min_speed_m_s=0.03 --world robot.motor_time_constant_s=0.3
   surepose run --world fault.laser=frozen --world fault.laser_from_s=5
+  surepose run --map walls.toml --start 1,1,0 --goal 3,2,90     the walls of a file
+  surepose run --map traced.toml --world map=true.toml          the robot has a map with errors
   surepose run --world help                             list every property of the world
 
-With --world, only the world changes; with --set, the robot and, unless --world differs, the world.
+With --world, only the world changes; with --set and --map, the robot and, unless --world differs, the world.
 
 Exit codes: 0 goal reached; 1 missed (at rest by the estimate, but the true pose is outside the tolerance) or
 timeout; 2 usage or configuration error; 4 stopped before a wall or by the supervisor; 130 interrupted,
@@ -49,7 +52,10 @@ pub(crate) struct RunCommand {
     /// The seed of the random generator; the same seed gives the same result
     #[arg(long, default_value_t = SEED, value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
     seed: u64,
-    /// Make the world differ from the robot's configuration: robot.track_m=0.57. `help` lists the keys. May be repeated
+    /// The map of the robot: a wall map (.toml), or an occupancy grid from which walls are extracted (.yaml). Default: the walls of the scenario
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Make the world differ from the robot's configuration: robot.track_m=0.57, or map=FILE for its walls. `help` lists the keys. May be repeated
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     world: Vec<String>,
     /// A directory for plots, time series, the summary, and an HTML page that plays the run
@@ -69,6 +75,7 @@ impl Default for RunCommand {
             start: None,
             goal: None,
             seed: SEED,
+            map: None,
             world: Vec::new(),
             out: None,
             config: LawArgs::default(),
@@ -120,8 +127,13 @@ impl RunCommand {
         }
         let mut json = object(&summary);
         let different = scenario.world_settings.settings();
-        if !different.is_empty() {
-            json.insert("world".to_owned(), explanation::settings_as_json(different));
+        let world_map = self.world.iter().find_map(|option| map_in(option));
+        if !different.is_empty() || world_map.is_some() {
+            let mut world = explanation::settings_as_json(different);
+            if let (Some(file), Some(entries)) = (world_map, world.as_object_mut()) {
+                entries.insert("map".to_owned(), file.into());
+            }
+            json.insert("world".to_owned(), world);
         }
         if let Some(folder) = &folder {
             write(folder, &scenario, &samples)?;
@@ -176,10 +188,35 @@ impl RunCommand {
             }
         }
         let mut scenario = Scenario::configured(config);
-        scenario.world_settings = WorldSettings::from_options(self.world.iter().map(String::as_str))?;
+        if let Some(file) = &self.map {
+            let (map, scan_method) = walls_to_read(file)?;
+            scenario = Scenario { scan_method, ..scenario.with_map(map) };
+        }
+        let (maps, settings): (Vec<&str>, Vec<&str>) =
+            self.world.iter().map(String::as_str).partition(|option| map_in(option).is_some());
+        scenario.world_settings = WorldSettings::from_options(settings)?;
+        let arena = scenario.world_settings.is_given(&param::ARENA).then_some("scenario.arena");
+        match (maps.as_slice(), arena) {
+            ([], _) => {}
+            ([map], None) => {
+                let walls = walls_in(Path::new(map_in(map).unwrap_or_default()))?;
+                scenario.world_arena = Some(Arena::from_wall_map(&walls));
+            }
+            ([first, ..], other) => {
+                let other = other.or(maps.get(1).copied()).unwrap_or_default();
+                let what = format!("--world: two sources of the walls (got {first} and {other})");
+                return Err(CliError::Usage { what, help: "leave out one of the two options".to_owned() });
+            }
+        }
         scenario.check_clearance().map_err(|problem| invalid_end(&problem, &scenario))?;
         Ok(scenario)
     }
+}
+
+/// Returns the file of a `--world` option that sets the walls of the world; `None` for another option.
+fn map_in(option: &str) -> Option<&str> {
+    let (key, file) = option.split_once('=')?;
+    (key.trim() == "map").then_some(file.trim())
 }
 
 /// Builds the usage error of an invalid pose: names the option to change and the origin of the pose.

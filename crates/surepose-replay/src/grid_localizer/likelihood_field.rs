@@ -5,8 +5,7 @@
 
 use surepose::geometry::{Map, Point, Pose};
 use surepose::map::{Cell, CellState, DistanceField, GridSpec};
-use surepose_io::grid::{Cells, Grid};
-use surepose_mapping::from_grid::{is_free, is_solid};
+use surepose_io::grid::{Cells, Grid, is_free, is_solid};
 
 /// Probability of an unexpected end point: people, furniture, and doors that differ from the map.
 const ANYWHERE: f64 = 0.05;

@@ -5,6 +5,7 @@ use surepose::kinematics::WheelPair;
 use surepose::param::{self, ArenaName, Parameter};
 use surepose_config::{Config, NavigatorSetup, ScanMethod, ValueSource};
 use surepose_io::owned_map::OwnedMap;
+use surepose_io::wall_map::WallMap;
 
 use super::invalid_end::{InvalidEnd, InvalidEndReason, ScenarioEnd};
 use crate::arena::walls_from_segments;
@@ -39,8 +40,12 @@ const LOOP_START: [f64; 3] = [2.0, 1.0, 0.0];
 /// Configures a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// Arena.
+    /// Arena of the robot's map, and of the world unless it differs.
     pub arena: Arena,
+    /// Wall map of the robot, with the covariances of its walls; `None` for the walls of `arena`, exactly.
+    pub map: Option<WallMap>,
+    /// Arena of the world; `None` for that of `world_settings`, or else `arena`.
+    pub world_arena: Option<Arena>,
     /// Robot, control law, filter, start and goal.
     pub config: Config,
     /// Differences of the world from this configuration; by default none.
@@ -70,6 +75,8 @@ impl Scenario {
         let start_std = [0.01, 0.01, 0.5_f64.to_radians()];
         Self {
             arena,
+            map: None,
+            world_arena: None,
             config,
             world_settings: WorldSettings::default(),
             sensors: Sensors::ALL,
@@ -99,6 +106,18 @@ impl Scenario {
             }
         }
         Self::in_arena(arena, config.with_preset("loop", &values))
+    }
+
+    /// The scenario with this wall map of the robot; the walls of the world are the same, unless it differs.
+    #[must_use]
+    pub fn with_map(self, map: WallMap) -> Self {
+        Self { arena: Arena::from_wall_map(&map), map: Some(map), ..self }
+    }
+
+    /// The map of the robot.
+    pub fn robot_map(&self) -> OwnedMap {
+        let exact = || OwnedMap::from_walls(walls_from_segments(self.arena.walls()));
+        self.map.as_ref().map_or_else(exact, OwnedMap::from_wall_map)
     }
 
     /// Checks that the footprint has room at start and goal, and that walls do not separate them.
@@ -131,8 +150,7 @@ impl Scenario {
                 return Err(InvalidEnd { end: ScenarioEnd::Start, at: pose.origin(), reason });
             }
         }
-        let map = OwnedMap::from_walls(walls_from_segments(self.arena.walls()));
-        let checked = map.check_goal(&collision, Some(start.origin()), goal);
+        let checked = self.robot_map().check_goal(&collision, Some(start.origin()), goal);
         checked.map_err(|problem| InvalidEnd {
             end: ScenarioEnd::Goal,
             at: goal.origin(),
@@ -231,6 +249,9 @@ impl Scenario {
 
     /// The arena of the world; without a difference that of the robot's map.
     fn true_arena(&self) -> Arena {
+        if let Some(arena) = &self.world_arena {
+            return arena.clone();
+        }
         if self.world_settings.is_given(&param::ARENA) {
             return Arena::from_name(self.world_settings.over(&self.config).choice());
         }
