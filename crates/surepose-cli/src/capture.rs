@@ -7,7 +7,7 @@ use surepose_montecarlo::sweep::Trial;
 use surepose_sim::simulation::Sample;
 
 thread_local! {
-    /// What the command of this thread has printed; `None` prints it on the standard streams.
+    /// Output of the command on this thread; `None` prints it on the standard streams.
     static CAPTURED: RefCell<Option<Captured>> = const { RefCell::new(None) };
 }
 

@@ -9,7 +9,7 @@ use super::point_cloud::{PointCloud, PointMoments, SurfacePoint};
 pub struct WallFitSettings {
     /// Maximum distance of a point from its wall's line \[m].
     pub tolerance: f64,
-    /// The same while the wall grows from its first points, whose direction is inaccurate \[m]; at least `tolerance`.
+    /// Maximum distance while the wall grows from its first points, whose direction is inaccurate \[m]; at least `tolerance`.
     pub growth_tolerance: f64,
     /// Distance from a long wall within which points belong to no other wall \[m]; 0 for the members alone.
     pub claim: f64,

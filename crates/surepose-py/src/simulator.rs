@@ -112,7 +112,7 @@ fn scenario(config: Config, world: Option<Bound<'_, PyDict>>) -> PyResult<Scenar
     Ok(Scenario { world_settings, ..Scenario::configured(config) })
 }
 
-/// What the sensors reported during one period, ready for `Navigator.step`.
+/// Readings of the sensors during one period, ready for `Navigator.step`.
 #[pyclass(name = "SensorFrame", module = "surepose", frozen, get_all)]
 pub(crate) struct PySensorFrame {
     /// Time of the step [s].

@@ -13,7 +13,7 @@ const TWO_FACES: f64 = 1.0;
 /// Distance over which an end of a thin wall continues through solid cells, into another wall at a corner, in cells.
 const MAX_EXTENSION: f64 = 2.0;
 
-/// The same for the face of a solid: the cells at a corner have no clear normal, and behind them is no surface.
+/// That distance for the face of a solid, in cells: the cells at a corner have no clear normal, and behind them is no surface.
 const MAX_EXTENSION_IN_SOLID: f64 = 0.5;
 
 /// One face of a wall, in cells.
