@@ -1,6 +1,6 @@
 //! Writes output files, each complete or not at all.
 
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -114,11 +114,52 @@ fn whole<E: From<std::io::Error>>(path: &Path, write: impl FnOnce(&Path) -> Resu
     match way(path) {
         Way::Straight(path) => write(&path),
         Way::Renamed { part, path } => {
+            let (_lock, part) = locked(&part)?;
             write(&part).and_then(|()| Ok(std::fs::rename(&part, path)?)).inspect_err(|_| {
                 drop(std::fs::remove_file(&part));
             })
         }
     }
+}
+
+/// Creates the temporary file `part` and locks it, or the first of `part-1`, `part-2`, … that no other run has locked.
+///
+/// The leftover of a run that was killed has no lock, and is used again.
+fn locked(part: &Path) -> std::io::Result<(File, PathBuf)> {
+    let mut number = 0;
+    loop {
+        let mut name = part.as_os_str().to_owned();
+        if number > 0 {
+            name.push(format!("-{number}"));
+        }
+        let name = PathBuf::from(name);
+        let file = File::options().create(true).truncate(false).write(true).open(&name)?;
+        match file.try_lock() {
+            // The other run may have renamed its file between the two calls: then the lock is that of another name.
+            Ok(()) if is_at(&file, &name) => return Ok((file, name)),
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => number += 1,
+            // A file system without locks.
+            Err(TryLockError::Error(_)) => return Ok((file, name)),
+        }
+    }
+}
+
+/// Whether `path` names the open `file`.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |found: std::fs::Metadata| (found.dev(), found.ino());
+    match (file.metadata(), std::fs::metadata(path)) {
+        (Ok(file), Ok(path)) => identity(file) == identity(path),
+        _ => false,
+    }
+}
+
+/// Whether `path` names the open `file`; open files are not renamed here.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
 }
 
 /// Returns a file name that is unique to this process.
@@ -176,4 +217,38 @@ fn no_file(path: &Path, problem: std::io::Error) -> CliError {
 
 fn failed(path: &Path, problem: PlotError) -> CliError {
     CliError::Output { path: path.to_owned(), problem, wanted: OutputKind::Folder }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn concurrent_runs_do_not_share_a_temporary_file() {
+        let folder = std::env::temp_dir().join(format!("surepose-parts-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("made");
+        let path = folder.join("summary.json");
+        // The leftover of a killed run.
+        std::fs::write(folder.join("summary.json.part"), "half").expect("written");
+        std::thread::scope(|scope| {
+            for text in ["a", "b", "c", "d"].map(|letter| letter.repeat(100_000)) {
+                let path = &path;
+                scope.spawn(move || {
+                    for _ in 0..50 {
+                        let write = |part: &Path| std::fs::write(part, &text);
+                        whole(path, write).expect("written");
+                    }
+                });
+            }
+        });
+        let text = std::fs::read_to_string(&path).expect("there");
+        assert!(
+            text.len() == 100_000 && text.chars().all(|letter| text.starts_with(letter)),
+            "{}",
+            text.len()
+        );
+        let left = std::fs::read_dir(&folder).expect("there").count();
+        assert_eq!(left, 1);
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
 }

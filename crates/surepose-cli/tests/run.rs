@@ -89,6 +89,9 @@ fn files_are_written_completely_or_not_at_all() {
     let run = surepose(&["run", "--out", out.to_str().expect("UTF-8")]);
     assert!(run.code == 2 && run.stderr.contains("summary.json: cannot be written"), "{}", run.stderr);
     assert_eq!(std::fs::read_to_string(out.join("summary.json")).expect("kept"), "before");
+    // The result is not lost.
+    let run = surepose(&["run", "--json", "--out", out.to_str().expect("UTF-8")]);
+    assert_eq!((run.code, run.json()["outcome"].as_str()), (2, Some("reached")), "{}", run.stderr);
     std::fs::remove_dir(out.join("summary.json.part")).expect("removed");
     assert!(contents(&out).keys().all(|name| !name.contains(".part")));
 }

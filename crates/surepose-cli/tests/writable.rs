@@ -17,7 +17,7 @@ fn unwritable_directory_is_rejected_before_input_is_read() {
         &["replay", "wean", "no/such/log", "--map", "no/such/map", "--out", "/proc"],
         &["map", "from-log", "carmen", "no/such/log", "--out", map, "--picture", "/proc"],
         &["map", "from-log", "carmen", "no/such/log", "--out", "/proc/walls.toml"],
-        &["sweep", "--runs", "4000000000", "--out", "/proc"],
+        &["sweep", "--runs", "40000000", "--out", "/proc"],
         &["certify", "--out", "/proc"],
     ] {
         let run = surepose(arguments);

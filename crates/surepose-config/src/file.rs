@@ -1,5 +1,7 @@
 //! Parses a TOML file into settings; checks every value against the parameter table and reports every problem.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use surepose::param::{Kind, Parameter, Range};
@@ -18,7 +20,11 @@ type Span = core::ops::Range<usize>;
 
 /// Reads the settings of the file at `path`.
 pub(super) fn read(path: &Path) -> Result<Vec<Setting>, ConfigError> {
-    let bytes = std::fs::read(path).map_err(|error| {
+    // A device such as /dev/zero has no end.
+    let mut bytes = Vec::new();
+    let limit = MAX_BYTES as u64 + 1;
+    let read = File::open(path).and_then(|file| file.take(limit).read_to_end(&mut bytes));
+    read.map_err(|error| {
         let help = "give the path of a TOML file; `surepose config show` prints one with every parameter";
         ConfigError::unreadable(path, None, format!("cannot be read: {error}"), help)
     })?;
@@ -95,6 +101,7 @@ impl Reader<'_> {
         }
         for (key, value) in table {
             match self.set.find(name, key.get_ref()) {
+                None if self.problems.is_full() => self.problems.count_only(),
                 Some(parameter) => self.value(parameter, value),
                 None => self.unknown(name, key.get_ref(), key.span(), value.get_ref()),
             }

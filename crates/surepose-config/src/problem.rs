@@ -6,14 +6,19 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
 
 /// An invalid configuration with all its problems; a single problem prints without a headline.
 #[derive(Debug, thiserror::Error)]
-#[error("{}", headline(.file, .problems))]
+#[error("{}", headline(.file, .problems, *.more))]
 pub struct ConfigError {
     /// The file, or the option on the command line.
     pub file: PathBuf,
     text: NamedSource<String>,
-    /// The problems, in the order of the file.
+    /// The problems, in the order of the file; at most 20.
     pub problems: Vec<ConfigProblem>,
+    /// Number of further problems.
+    more: usize,
 }
+
+/// Maximum number of problems that an error describes.
+const MAX_PROBLEMS: usize = 20;
 
 /// One problem; prints as `file:line: problem`.
 #[derive(Debug, thiserror::Error, Diagnostic)]
@@ -67,7 +72,8 @@ impl ConfigError {
             label: String::new(),
             help: Some(help.to_owned()),
         };
-        Self { file: file.to_owned(), text: NamedSource::new("", String::new()), problems: vec![problem] }
+        let text = NamedSource::new("", String::new());
+        Self { file: file.to_owned(), text, problems: vec![problem], more: 0 }
     }
 }
 
@@ -89,11 +95,12 @@ pub(super) struct Problems<'t> {
     file: &'t Path,
     text: &'t str,
     found: Vec<ConfigProblem>,
+    more: usize,
 }
 
 impl<'t> Problems<'t> {
     pub(super) fn new(file: &'t Path, text: &'t str) -> Self {
-        Self { file, text, found: Vec::new() }
+        Self { file, text, found: Vec::new(), more: 0 }
     }
 
     /// Adds a problem of the text at `span`.
@@ -104,9 +111,22 @@ impl<'t> Problems<'t> {
         label: impl Into<String>,
         help: Option<String>,
     ) {
+        if self.is_full() {
+            return self.count_only();
+        }
         let line = Some(line_of(self.text.as_bytes(), span.start));
         let (file, label) = (self.file.to_owned(), label.into());
         self.found.push(ConfigProblem { file, line, what, place: Some(span.into()), label, help });
+    }
+
+    /// Whether further problems are only counted.
+    pub(super) fn is_full(&self) -> bool {
+        self.found.len() >= MAX_PROBLEMS
+    }
+
+    /// Counts a problem without a description.
+    pub(super) fn count_only(&mut self) {
+        self.more += 1;
     }
 
     /// Returns the error; `None` if there is no problem.
@@ -116,7 +136,7 @@ impl<'t> Problems<'t> {
         }
         self.found.sort_by_key(|problem| problem.line);
         let text = NamedSource::new(self.file.display().to_string(), self.text.to_owned());
-        Some(ConfigError { file: self.file.to_owned(), text, problems: self.found })
+        Some(ConfigError { file: self.file.to_owned(), text, problems: self.found, more: self.more })
     }
 }
 
@@ -125,9 +145,13 @@ pub(super) fn line_of(text: &[u8], offset: usize) -> usize {
     1 + text.iter().take(offset).filter(|byte| **byte == b'\n').count()
 }
 
-fn headline(file: &Path, problems: &[ConfigProblem]) -> String {
+fn headline(file: &Path, problems: &[ConfigProblem], more: usize) -> String {
+    let (file, count) = (file.display(), problems.len() + more);
     match problems {
         [only] => only.to_string(),
-        _ => format!("{}: invalid configuration ({} problems)", file.display(), problems.len()),
+        _ if more > 0 => {
+            format!("{file}: invalid configuration ({count} problems, of which {} follow)", problems.len())
+        }
+        _ => format!("{file}: invalid configuration ({count} problems)"),
     }
 }

@@ -135,13 +135,10 @@ impl RunCommand {
             }
             json.insert("world".to_owned(), world);
         }
-        if let Some(folder) = &folder {
-            write(folder, &scenario, &samples)?;
-        }
+        // A result is printed even if its files cannot be written.
+        let written = folder.as_ref().map_or(Ok(()), |folder| write(folder, &scenario, &samples));
         interrupt::mark(&mut json);
-        if let Some(folder) = &folder {
-            folder.summary(&json)?;
-        }
+        let written = written.and_then(|()| folder.map_or(Ok(()), |folder| folder.summary(&json)));
         output.result(&json, || {
             let mut table = table(&[]);
             rows(&summary, |name, value| {
@@ -154,6 +151,7 @@ impl RunCommand {
             table.add_row([name.to_owned(), value]);
             table
         })?;
+        written?;
         Ok(match summary.outcome {
             _ if interrupt::asked() => Exit::Interrupted,
             SimulationOutcome::Reached => Exit::Done,

@@ -52,8 +52,8 @@ same bytes.
 Exit codes: 0 done; 1 no trial succeeded; 2 usage or configuration error; 3 file of start poses unreadable or malformed; \
 130 interrupted (the trials before the first unfinished one are kept).")]
 pub(crate) struct SweepCommand {
-    /// The number of random start poses
-    #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = whole(1..=u32::MAX), allow_negative_numbers = true)]
+    /// The number of random start poses; more than 50 million run in parts, see --first
+    #[arg(long, default_value_t = 10_000, conflicts_with = "starts", value_parser = whole(1..=MAX_RUNS), allow_negative_numbers = true)]
     runs: u32,
     /// The number of the first trial: --first 1000 --runs 500 repeats the last third of --runs 1500
     #[arg(long, default_value_t = 0, conflicts_with = "starts", value_parser = whole(0..=u64::MAX), allow_negative_numbers = true)]
@@ -73,6 +73,9 @@ pub(crate) struct SweepCommand {
     #[command(flatten)]
     trials: TrialArgs,
 }
+
+/// Maximum number of trials: each keeps 200 bytes until the end.
+const MAX_RUNS: u32 = 50_000_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PrecisionName {
@@ -127,11 +130,13 @@ impl SweepCommand {
         json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));
         json.insert("precision".to_owned(), name(&self.precision).into());
         interrupt::mark(&mut json);
-        if let Some(folder) = &folder {
+        // A result is printed even if its files cannot be written.
+        let written = folder.as_ref().map_or(Ok(()), |folder| {
             folder.text("config.toml", &toml_of(&trials.config.fitted()))?;
-            write(folder, &report, &json)?;
-        }
+            write(folder, &report, &json)
+        });
         output.result(&json, || shown(&report, &json))?;
+        written?;
         Ok(match report.success_rate {
             _ if interrupt::asked() => Exit::Interrupted,
             Some(0.0) => Exit::Negative,
