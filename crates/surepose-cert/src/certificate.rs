@@ -96,7 +96,8 @@ pub struct Certificate {
     pub time_bound: Option<f64>,
     /// Longest period at which the capture within `max_capture_radius` was shown with the same gains \[s].
     ///
-    /// The claim holds at that period, not at all shorter ones. `None`: refused.
+    /// The bounds hold over every initial part of a tick. The claim therefore covers every shorter tick, and ticks of varying length up to
+    /// this one. `None`: refused.
     pub max_period: Option<f64>,
     /// Largest true goal distance at any time after capture \[m]. `None`: not shown.
     pub final_position_bound: Option<f64>,
@@ -117,7 +118,7 @@ pub struct Certificate {
 /// Decrease rates tried \[1/s], in this order.
 pub(crate) const WANTED: [f64; 2] = [0.2, 0.02];
 /// Box budgets of the descent and of each period tried.
-pub(crate) const BUDGET: Budget = Budget { slice: 12_000, enough: 24_000, total: 60_000 };
+pub(crate) const BUDGET: Budget = Budget { slice: 20_000, enough: 60_000, total: 90_000 };
 const PERIOD_BUDGET: Budget = Budget { slice: 2_500, enough: 9_000, total: 9_000 };
 /// Weights c of the distance in W, in the order tried.
 pub(crate) const DISTANCE_WEIGHTS: [f64; 3] = [4.0, 8.0, 2.0];
@@ -192,7 +193,7 @@ impl<L: SampledController> Request<'_, L> {
     }
 
     /// True goal distance within which the wheels may stop \[m].
-    fn rests_truly_within(&self) -> f64 {
+    pub(crate) fn rests_truly_within(&self) -> f64 {
         if self.rests_within > 0.0 { (self.rests_within + self.noise.position).next_up() } else { 0.0 }
     }
 
@@ -223,18 +224,40 @@ impl<L: SampledController> Request<'_, L> {
 
     /// Returns a distance that the robot does not exceed after capture \[m].
     ///
-    /// From inside the capture radius, one tick leads to at most `edge`. From there, a W with a large c
-    /// decreases, so c·ln ρ grows by at most the largest contribution of the angles.
+    /// From inside a radius r ≥ R, one tick leads to at most `edge`. From there, a W with a large c decreases down to r, so c·ln ρ
+    /// grows by at most the largest contribution of the angles. r is R, or the radius at which the search for a decrease stopped.
     fn final_position(&self, annulus: &Annulus, boxes: &mut usize) -> Option<f64> {
         let edge = self.descent(self.lyapunov(1.0)).one_step_reach(annulus.inner)?;
-        FINAL_WEIGHTS.iter().find_map(|&distance| {
-            let lyapunov = LyapunovFunction { distance, knee: f64::INFINITY, ..self.lyapunov(distance) };
-            let bound = edge * (lyapunov.max_angle_terms() / distance).exp() * (1.0 + 1e-9);
-            let mut descent = self.descent(lyapunov);
-            let shown = from_outside(&mut descent, bound, (annulus.inner, annulus.inner), &WANTED, BUDGET);
-            *boxes += shown.boxes;
-            (shown.inner <= annulus.inner).then_some(bound)
-        })
+        let mut stopped = Vec::new();
+        let within_capture = FINAL_WEIGHTS.iter().find_map(|&distance| {
+            let (bound, inner) = self.decrease_beyond(distance, annulus.inner, edge, boxes);
+            if inner > annulus.inner && inner.is_finite() {
+                stopped.push((distance, inner));
+            }
+            (inner <= annulus.inner).then_some(bound)
+        });
+        let wider = || {
+            let bounds = stopped.into_iter().filter_map(|(distance, inner)| {
+                let edge = self.descent(self.lyapunov(1.0)).one_step_reach(inner)?;
+                let (bound, shown) = self.decrease_beyond(distance, inner, edge, boxes);
+                (shown <= inner).then_some(bound)
+            });
+            bounds.reduce(f64::min)
+        };
+        within_capture.or_else(wider)
+    }
+
+    /// Searches a decrease of W with weight c = `distance` from the resulting bound down to `radius`.
+    ///
+    /// Returns the distance \[m] that the robot does not exceed after a tick that ends within `edge`, if W decreases down to `radius`, and
+    /// the radius to which it does.
+    fn decrease_beyond(&self, distance: f64, radius: f64, edge: f64, boxes: &mut usize) -> (f64, f64) {
+        let lyapunov = LyapunovFunction { distance, knee: f64::INFINITY, ..self.lyapunov(distance) };
+        let bound = edge * (lyapunov.max_angle_terms() / distance).exp() * (1.0 + 1e-9);
+        let mut descent = self.descent(lyapunov);
+        let shown = from_outside(&mut descent, bound, (radius, radius), &WANTED, BUDGET);
+        *boxes += shown.boxes;
+        (bound, shown.inner)
     }
 
     /// Searches for the longest period at which the capture within `max_capture_radius` is shown \[s].

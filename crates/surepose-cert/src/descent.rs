@@ -1,6 +1,6 @@
 //! Upper bounds of the change of W in a box, for all disturbances within bounds.
 
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 use surepose::control::{ControlOutput, HybridState};
 use surepose::kinematics::{DiffDrive, Twist};
@@ -11,7 +11,7 @@ use crate::controller::SampledController;
 use crate::discrete_state::{DiscreteState, first_shown};
 use crate::interval::Interval;
 use crate::lyapunov::{LyapunovFunction, Truth, window};
-use crate::noise::NoiseBounds;
+use crate::noise::{DrivenTwist, NoiseBounds};
 use crate::region::{Region, half_turns};
 
 /// Maximum number of branches per box. A box with more branches is bisected.
@@ -20,6 +20,12 @@ const MAX_BRANCHES: usize = 64;
 /// Width of α̂ \[rad] and bound of Ẇ \[1/s] above which the box is bisected, not its noise interval.
 const COARSE: f64 = 0.15;
 const HOPELESS: f64 = 3.0;
+
+/// Angle beyond ±π \[rad] for which a law without turn direction keeps the representative of the estimate.
+///
+/// At ±π rounding alone decides on which side the true angle is. The representative beyond ±π has a square that exceeds the smallest
+/// one by at most 4π times this angle.
+const ON_THE_CUT: f64 = 1e-13;
 
 /// Decrease problem for one control law and one period.
 pub(crate) struct Descent<'a, L> {
@@ -285,7 +291,7 @@ impl<L: SampledController> Descent<'_, L> {
             worst = f64::NEG_INFINITY;
             for slice in 0..slices {
                 let e = Interval::symmetric(turn).piece(slice, slices);
-                worst = worst.max(self.rate_at(region, outcome.discrete_state, e, twist, times));
+                worst = worst.max(self.rate_at(region, outcome.discrete_state, e, &twist, times));
                 if worst > -required {
                     break;
                 }
@@ -315,11 +321,13 @@ impl<L: SampledController> Descent<'_, L> {
         region: &Region,
         discrete_state: DiscreteState,
         e: Interval,
-        twist: Twist<Interval>,
+        twist: &DrivenTwist,
         times: usize,
     ) -> f64 {
         let Truth { bearing, approach, .. } = self.truth(region, discrete_state, e);
         let mut worst = f64::NEG_INFINITY;
+        // What the representatives beyond ±π add to W in one tick.
+        let beyond = (1.0 + self.lyapunov.approach) * 2.0 * TAU * ON_THE_CUT / self.period;
         for bearing in
             if discrete_state.turn_direction == 0 { on_circle(bearing) } else { [Some(bearing), None] }
                 .into_iter()
@@ -329,13 +337,13 @@ impl<L: SampledController> Descent<'_, L> {
                 let truth = Truth { rho: region.rho, bearing, approach, reverse: discrete_state.reverse };
                 if discrete_state.turn_direction != 0 {
                     let inside = truth
-                        .swept(twist, self.period)
+                        .swept(twist.all, self.period)
                         .is_some_and(|swept| window(discrete_state.turn_direction).encloses(swept.bearing));
                     if !inside {
                         return f64::INFINITY;
                     }
                 }
-                worst = worst.max(self.lyapunov.mean_rate(&truth, twist, self.period, times));
+                worst = worst.max(self.lyapunov.mean_rate(&truth, twist, self.period, times) + beyond);
             }
         }
         worst
@@ -343,8 +351,10 @@ impl<L: SampledController> Descent<'_, L> {
 }
 
 /// Splits an angle at ±π and wraps the outer part; W uses the smallest square.
+///
+/// An angle beyond ±π by at most [`ON_THE_CUT`] is not wrapped.
 fn on_circle(angle: Interval) -> [Option<Interval>; 2] {
-    let circle = Interval::symmetric(PI.next_up());
+    let circle = Interval::symmetric(PI + ON_THE_CUT);
     let turn = if angle.mid() > 0.0 { half_turns(-2) } else { half_turns(2) };
     let outside = !circle.encloses(angle);
     [angle.intersection(circle), if outside { (angle + turn).intersection(circle) } else { None }]

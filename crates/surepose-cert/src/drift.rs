@@ -15,7 +15,7 @@ use crate::noise::NoiseBounds;
 /// Drift condition: expected decrease of W outside of a disc, under Gaussian noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
-    /// Radius of the disc \[m]: E\[ΔW] < −`rate`·ΔT from here to the edge of the workspace.
+    /// Radius of the disc, at least that where the wheels may stop at the goal \[m]: E\[ΔW] < −`rate`·ΔT from here to the edge of the workspace.
     pub radius: f64,
     /// Expected decrease rate of W \[1/s].
     pub rate: f64,
@@ -60,6 +60,11 @@ pub fn drift<L: SampledController>(request: &Request<'_, L>) -> Option<Drift> {
         if !annulus.inner.is_finite() {
             return None;
         }
+        // The wheels may stop at the goal. At a larger distance, only noise beyond k deviations hides it, and that counts as such.
+        let radius = annulus.inner.max(bounded.rests_truly_within());
+        if radius >= request.workspace {
+            return None;
+        }
         // The position leaves a disc of k deviations with probability exp(−k²/2). Each of the three other
         // components leaves ±k deviations with a smaller probability, for k ≥ 1.
         let exceeded = 4.0 * (-0.5 * k * k).exp() * (1.0 + 1e-9);
@@ -67,9 +72,9 @@ pub fn drift<L: SampledController>(request: &Request<'_, L>) -> Option<Drift> {
         let rate = (1.0 - exceeded) * -annulus.rate - rise / request.period;
         let start = lyapunov.distance_term(request.workspace) + lyapunov.max_angle_terms();
         (rate > 0.0).then(|| Drift {
-            radius: annulus.inner,
+            radius,
             rate,
-            expected_time: (start - lyapunov.distance_term(annulus.inner)) / rate + request.period,
+            expected_time: (start - lyapunov.distance_term(radius)) / rate + request.period,
             deviations: k,
             exceeded,
             rise,

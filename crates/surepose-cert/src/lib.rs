@@ -4,6 +4,7 @@
 //! evaluates them with [`Interval`].
 #![forbid(unsafe_code)]
 
+mod actuator_errors;
 mod annulus;
 mod branching;
 mod certificate;
@@ -25,6 +26,7 @@ mod switch;
 mod terminal_phase;
 mod tribool;
 
+pub use actuator_errors::ActuatorErrors;
 pub use branching::explore_branches;
 pub use certificate::{Certificate, RefusalReason, Request, certify};
 pub use controller::{DeployedController, SampledController};

@@ -9,6 +9,7 @@ use surepose::scalar::Scalar;
 
 use crate::discrete_state::DiscreteState;
 use crate::interval::Interval;
+use crate::noise::DrivenTwist;
 
 /// Interval that encloses the real number π.
 pub(crate) const PI_ENCLOSED: fn() -> Interval = || Interval::new(PI, PI.next_up());
@@ -89,13 +90,16 @@ impl LyapunovFunction {
     ///
     /// The twist is held for `period` \[s], which is cut into `slices`. ∞: no bound exists. A robot slowed
     /// down by a common factor drives an initial part of the same arc, so the bound holds for it too.
-    pub(crate) fn mean_rate(&self, truth: &Truth, twist: Twist<Interval>, period: f64, slices: usize) -> f64 {
-        let Some(flow) = truth.flow(twist, period) else { return f64::INFINITY };
+    pub(crate) fn mean_rate(&self, truth: &Truth, twist: &DrivenTwist, period: f64, slices: usize) -> f64 {
+        let Some(flow) = truth.flow(twist.all, period) else { return f64::INFINITY };
         let mut sum = Interval::point(0.0);
         let mut worst = f64::NEG_INFINITY;
         for slice in 0..slices {
             let time = Interval::new(0.0, period).piece(slice, slices);
-            sum = sum + self.rate(&truth.after(&flow, time), twist);
+            let there = truth.after(&flow, time);
+            // Ẇ is linear in the twist, so a corner has the largest one, also where wheel errors vary within the tick.
+            let rates = twist.corners().map(|corner| self.rate(&there, corner));
+            sum = sum + rates.reduce(Interval::hull).unwrap_or(Interval::ENTIRE);
             worst = worst.max((sum / Interval::point((slice + 1) as f64)).hi());
         }
         worst

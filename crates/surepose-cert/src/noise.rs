@@ -19,15 +19,45 @@ pub struct NoiseBounds {
 
 impl NoiseBounds {
     /// All twists that the robot may execute for the command `twist`.
-    pub(crate) fn driven(&self, drive: &DiffDrive<Interval>, twist: Twist<Interval>) -> Twist<Interval> {
+    pub(crate) fn driven(&self, drive: &DiffDrive<Interval>, twist: Twist<Interval>) -> DrivenTwist {
         if self.rim_speed <= 0.0 && self.rim_speed_part <= 0.0 {
-            return twist;
+            return DrivenTwist { all: twist, corners: [twist; 4], count: 1 };
         }
         let rims = drive.wheel_speeds_from_twist(twist);
-        let off = |rim: Interval| {
-            rim * Interval::symmetric(self.rim_speed_part) + Interval::symmetric(self.rim_speed)
+        let most = |rim: Interval| {
+            let part = Interval::point(self.rim_speed_part) * Interval::point(rim.magnitude());
+            Interval::point((part + Interval::point(self.rim_speed)).hi())
         };
-        let error = drive.twist_from_wheel_speeds(WheelPair::new(off(rims.right), off(rims.left)));
-        Twist::new(twist.v + error.v, twist.omega + error.omega)
+        let (right, left) = (most(rims.right), most(rims.left));
+        let corners =
+            [(right, left), (right, -left), (-right, left), (-right, -left)].map(|(right, left)| {
+                let error = drive.twist_from_wheel_speeds(WheelPair::new(right, left));
+                Twist::new(twist.v + error.v, twist.omega + error.omega)
+            });
+        let hull = |all: Twist<Interval>, corner: &Twist<Interval>| {
+            Twist::new(all.v.hull(corner.v), all.omega.hull(corner.omega))
+        };
+        DrivenTwist { all: corners.iter().fold(twist, hull), corners, count: corners.len() }
+    }
+}
+
+/// Twists that the robot may execute for a command.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrivenTwist {
+    /// All of them, as independent intervals of v and ω.
+    pub(crate) all: Twist<Interval>,
+    /// The largest errors of both wheels, each positive or negative.
+    corners: [Twist<Interval>; 4],
+    /// Number of distinct corners: 1 without wheel errors.
+    count: usize,
+}
+
+impl DrivenTwist {
+    /// Returns the twists whose convex hull contains every executed twist.
+    ///
+    /// A function that is linear in the twist attains its maximum in one of them. Errors of the wheels shift v and ω together, so
+    /// this maximum is smaller than that over [`DrivenTwist::all`].
+    pub(crate) fn corners(&self) -> impl Iterator<Item = Twist<Interval>> + '_ {
+        self.corners.iter().take(self.count).copied()
     }
 }

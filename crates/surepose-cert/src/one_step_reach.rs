@@ -55,7 +55,7 @@ impl<L: SampledController> Descent<'_, L> {
         }
         let mut farthest = f64::NEG_INFINITY;
         for outcome in outcomes {
-            let twist = self.noise.driven(&self.drive.cast(), outcome.twist);
+            let twist = self.noise.driven(&self.drive.cast(), outcome.twist).all;
             let straight = (region.rho + time * twist.v.hull(-twist.v)).hi();
             let truth = self.truth(region, outcome.discrete_state, turn);
             let along = truth.swept(twist, self.period).map_or(straight, |swept| swept.rho.hi());

@@ -147,7 +147,7 @@ fn growth_in<L: SampledController>(
     let stays =
         |outcome: &&BranchOutcome| outcome.discrete_state.local_mode && outcome.discrete_state.sidestep == 0;
     for outcome in outcomes.iter().filter(stays) {
-        let twist = descent.noise.driven(&drive, outcome.twist);
+        let twist = descent.noise.driven(&drive, outcome.twist).all;
         for piece in 0..PIECES {
             // d(ρ²)/dt = −2·v·x, with the goal at x in the body frame.
             let ahead = ahead + noise.piece(piece, PIECES);

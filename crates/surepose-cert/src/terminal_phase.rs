@@ -16,10 +16,11 @@ use crate::region::{Region, seen_moving};
 /// Bounds near the goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TerminalPhase {
-    /// Heading bound of the local mode \[rad]. `None`: not shown.
+    /// Heading bound b of the local mode \[rad]. `None`: not shown.
     ///
     /// V = ½θ_e² + ½(ρ cos α/ℓ)² decreases at every tick that ends in local mode and has |θ_e| above this
-    /// bound, except on the out leg of a sidestep.
+    /// bound, except on the out leg of a sidestep. A tick in local mode that begins with |θ_e| ≤ b ends so, with the same exception.
+    /// From θ_0 and x_0 at entry, |θ_e| therefore never exceeds max(b, √(θ_0² + (x_0/ℓ)²)).
     pub heading_bound: Option<f64>,
     /// Length ℓ in V \[m].
     pub length: f64,
@@ -188,10 +189,26 @@ fn shown_for<L: SampledController>(
         let truth = region.heading_error(outcome.discrete_state) + Interval::symmetric(descent.noise.heading);
         let parts = [Interval::new(bound, TAU), Interval::new(-TAU, -bound)];
         let mut errors = parts.into_iter().filter_map(|part| truth.intersection(part));
-        errors.all(|error| falls(descent, region, outcome, error, length))
+        let inside = truth.intersection(Interval::symmetric(bound));
+        inside.is_none_or(|error| stays_within(descent, outcome, error, bound))
+            && errors.all(|error| falls(descent, region, outcome, error, length))
     });
     harmless.append(&mut outcomes);
     shown
+}
+
+/// Whether |θ_e| ≤ `bound` during a tick with initial heading error `error` \[rad].
+fn stays_within<L: SampledController>(
+    descent: &Descent<'_, L>,
+    outcome: &BranchOutcome,
+    error: Interval,
+    bound: f64,
+) -> bool {
+    let omega = descent.noise.driven(&descent.drive.cast(), outcome.twist).all.omega;
+    let time = Interval::new(0.0, descent.period);
+    // Rounding widens an unchanged error by an ulp, which the rest of the tick does not.
+    let edge = Interval::symmetric(bound * (1.0 + 1e-12));
+    edge.encloses(error + time * omega)
 }
 
 /// Whether V̇ < 0 during a tick with initial heading error `error` \[rad], with the along-track noise in
@@ -203,7 +220,7 @@ fn falls<L: SampledController>(
     error: Interval,
     length: f64,
 ) -> bool {
-    let twist = descent.noise.driven(&descent.drive.cast(), outcome.twist);
+    let twist = descent.noise.driven(&descent.drive.cast(), outcome.twist).all;
     let noise = Interval::symmetric(descent.noise.position);
     let (seen_ahead, aside) = region.true_place(descent.noise.heading);
     let aside = aside + noise;

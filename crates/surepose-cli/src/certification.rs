@@ -4,7 +4,8 @@ use serde::Serialize;
 use surepose::control::Law;
 use surepose::param;
 use surepose_cert::{
-    Certificate, DeployedController, Drift, Margins, NoiseBounds, Request, certify, drift, margins,
+    ActuatorErrors, Certificate, DeployedController, Drift, Margins, NoiseBounds, Request, certify, drift,
+    margins,
 };
 use surepose_config::Config;
 
@@ -20,9 +21,50 @@ pub(crate) const POSITION_NOISE: f64 = 0.007;
 /// Default bound of the heading error \[°].
 pub(crate) const HEADING_NOISE_DEG: f64 = 0.25;
 
+/// Dead time of the base \[s].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BaseDelay {
+    /// That of the configuration, over which the controller predicts.
+    Configured,
+    /// Another one; the controller predicts over the configured one.
+    Given(f64),
+}
+
+impl BaseDelay {
+    /// Describes the dead time of a base whose controller predicts over `predicted` \[s].
+    pub(crate) fn described(self, predicted: f64) -> String {
+        match self {
+            Self::Given(delay) if delay.total_cmp(&predicted).is_ne() => format!(
+                "delay: a command acts {delay} s after it is sent; the controller predicts over {predicted} s, and the rest counts as an \
+                 error of the pose"
+            ),
+            _ if predicted > 0.0 => format!(
+                "delay: a command acts {predicted} s after it is sent, which the controller predicts; distances are those of the pose at \
+                 which it acts"
+            ),
+            _ => "delay: a command acts at once".to_owned(),
+        }
+    }
+}
+
 /// Certifies the configured loop and searches the longest certified period.
 pub(crate) fn certificate(config: &Config, noise: NoiseBounds) -> Certificate {
     asked(loop_of(config), noise, MAX_PERIOD, certify)
+}
+
+/// Returns `sensed` with the errors that the actuators of the configured base add.
+pub(crate) fn with_actuators(config: &Config, sensed: NoiseBounds, delay: BaseDelay) -> NoiseBounds {
+    let model = config.actuator();
+    let delay = match delay {
+        BaseDelay::Configured => model.delay,
+        BaseDelay::Given(delay) => delay,
+    };
+    ActuatorErrors { model, delay }.widen(
+        sensed,
+        &config.drive(),
+        &config.limits(),
+        config.number(&param::PERIOD),
+    )
 }
 
 /// The bounds of a certificate, under their JSON keys; `None` for a quantity without a bound.

@@ -122,9 +122,12 @@ fn parquet_file_equals_the_csv() {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    // With this capture radius the law of the paper fails in half of the trials, so that some times are absent.
+    // With these values the law of the paper fails in half of the trials, so that some times are absent.
     let far = "law.capture_radius_m=0.033";
-    let arguments = ["--runs", "60", "--law", "paper", "--noise", "bench", "--period", "0.1", "--set", far];
+    let quick = "law.k_theta=10";
+    let arguments = [
+        "--runs", "60", "--law", "paper", "--noise", "bench", "--period", "0.1", "--set", far, "--set", quick,
+    ];
     let files = written("sweep-parquet", &arguments);
     let bytes = |expected: &str| files.iter().find(|(name, _)| name == expected).expect("written").1.clone();
     let mut csv = csv::Reader::from_reader(std::io::Cursor::new(bytes("trials.csv")));
@@ -160,7 +163,10 @@ fn plots_stay_small_and_handle_few_or_failed_trials() {
     assert!(sizes(&many, ".svg").iter().all(|size| *size < 300_000), "{:?}", sizes(&many, ".svg"));
     for (name, arguments) in [
         ("sweep-one", &["--runs", "1"][..]),
-        ("sweep-paper", &["--runs", "30", "--law", "paper", "--noise", "bench"]),
+        (
+            "sweep-paper",
+            &["--runs", "30", "--law", "paper", "--noise", "bench", "--set", "law.k_theta=10", "--set", "law.capture_radius_m=0.01"],
+        ),
     ] {
         let files = written(name, arguments);
         for (file, bytes) in &files {
@@ -171,6 +177,15 @@ fn plots_stay_small_and_handle_few_or_failed_trials() {
             );
         }
         assert_eq!(sizes(&files, ".png").len(), 2, "{name}");
+    }
+}
+
+/// The values that the paper does not print are those with which its law arrives.
+#[test]
+fn law_of_the_paper_arrives_with_its_default_values() {
+    for noise in ["none", "bench"] {
+        let run = surepose(&["sweep", "--law", "paper", "--runs", "2000", "--noise", noise, "--json"]);
+        assert!(run.json()["success_rate"].as_f64() == Some(1.0), "{noise}: {}", run.stdout);
     }
 }
 

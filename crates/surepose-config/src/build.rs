@@ -17,9 +17,12 @@ use surepose::time::Stamp;
 use super::setting::polygon_from;
 use super::{Config, Value, ValueSource};
 
-/// ε_P of the paper's law \[m]. Its local law acts for ρ < ε_P and does not correct the lateral error, so
-/// ε_P must not exceed the tolerance. [Tran2012] does not print it.
-const PAPER_CAPTURE_RADIUS: f64 = 0.01;
+/// ε_P \[m] and k_θ \[1/s] of the paper's law in a sampled loop. [Tran2012] prints neither.
+///
+/// ε_P is large enough for noise not to hide the switch. k_θ is small enough for the robot to drive to the middle of the disc before it has
+/// turned, because the local law does not correct a lateral error.
+const PAPER_CAPTURE_RADIUS: f64 = 0.02;
+const PAPER_K_THETA: f64 = 2.0;
 
 /// Offset, noise and latency of the compass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +113,9 @@ impl Config {
     /// Returns the values that follow from the law, the period and the wheels.
     fn fitted_values(&self) -> Vec<(&'static Parameter, f64)> {
         let (gains, radius) = match self.choice() {
-            LawName::Paper => (Gains::tran2012(), Some(PAPER_CAPTURE_RADIUS)),
+            LawName::Paper => {
+                (Gains { k_theta: PAPER_K_THETA, ..Gains::tran2012() }, Some(PAPER_CAPTURE_RADIUS))
+            }
             LawName::Surepose => (Gains::for_loop(self.number(&param::PERIOD), &self.limits()), None),
         };
         let gains = [

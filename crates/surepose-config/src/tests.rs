@@ -163,7 +163,7 @@ fn law_of_the_paper_has_its_own_default_capture_radius() {
     };
     for (options, expected) in [
         (&[][..], 0.033),
-        (&["law.name=paper"], 0.01),
+        (&["law.name=paper"], 0.02),
         (&["law.name=paper", "law.capture_radius_m=0.033"], 0.033),
         (&["law.capture_radius_m=0.05"], 0.05),
     ] {

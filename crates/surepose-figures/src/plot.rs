@@ -22,6 +22,6 @@ pub use chart::{Mark, Panel, Series, XyPlot};
 pub use heatmap::{Heatmap, HeatmapCell};
 pub use items::{Arrow, DotPaint, Dots, Outline, Trace};
 pub use map::MapPlot;
-pub use picture::{Picture, PlotError, Subplot, hstack, hstack_column, vstack};
+pub use picture::{Picture, PlotError, Subplot, column, hstack, hstack_column, vstack};
 pub use scale::Scale;
 pub use style::{Color, Stroke};

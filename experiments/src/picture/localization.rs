@@ -1,6 +1,8 @@
 //! Pictures of the paper's Fig. 4 and Fig. 5: estimates with four sets of sensors.
 
-use surepose_figures::plot::{Color, MapPlot, Mark, Panel, Picture, Stroke, XyPlot, hstack_column};
+use surepose_figures::plot::{Color, DotPaint, MapPlot, Mark, Panel, Picture, Stroke, XyPlot, hstack_column};
+
+use super::figures::{marked, with_inset};
 use surepose_sim::Arena;
 
 use crate::reproduce::{Configuration, DeviationSample};
@@ -22,17 +24,21 @@ pub fn fig4(runs: &[LocalizationRun]) -> Picture {
         Panel::new(format!("Heading error of the estimate, rms over {WINDOW} s"), "error [°]").logarithmic();
     for (i, (configuration, moments)) in runs.iter().enumerate() {
         let (label, stroke) = (configuration.name(), stroke(i));
-        let way = moments.iter().map(|moment| (moment.belief.pose.x, moment.belief.pose.y)).collect();
-        map = map.trace(label, way, stroke);
+        let way: Vec<_> = moments.iter().map(|moment| (moment.belief.pose.x, moment.belief.pose.y)).collect();
+        map = map.dots("", marked(&way), DotPaint::Plain(stroke.color)).trace(label, way, stroke);
         positions = positions.series(label, smoothed(moments, |[x, y, _]| x.hypot(y)), stroke);
         headings = headings.series(label, smoothed(moments, |[_, _, heading]| heading.to_degrees()), stroke);
     }
     if let Some((_, moments)) = runs.first() {
-        let truth = moments.iter().map(|moment| (moment.truth.x, moment.truth.y)).collect();
-        map = map.trace("truth", truth, Stroke::thin(Color::Black));
+        let truth: Vec<_> = moments.iter().map(|moment| (moment.truth.x, moment.truth.y)).collect();
+        map = map.dots("truth, every 5 s", marked(&truth), DotPaint::Plain(Color::Black)).trace(
+            "truth",
+            truth,
+            Stroke::thin(Color::Black),
+        );
     }
     let chart = XyPlot::over("time [s]").panel(positions).panel(headings);
-    hstack_column(map.cell(), chart.cells())
+    hstack_column(with_inset(map, "Inset: the marked corner", [(3.9, 2.8), (4.6, 3.1)]), chart.cells())
 }
 
 /// The third set of sensors is nearly as accurate as the fourth: a wider line stays visible below it.

@@ -97,7 +97,8 @@ impl Interval {
     /// Angle of the vector (`x`, `self`) \[rad].
     ///
     /// The result is the full circle if the box contains the origin or crosses the negative x axis. A vector
-    /// on that axis has the angle π (−π only for the float −0, which [`surepose::geometry::Angle`] maps to π).
+    /// on that axis has the angle π. So has one so little below it that the arc tangent rounds to −π: there
+    /// [`surepose::scalar::Scalar::atan2`] returns π.
     pub(super) fn angle(self, x: Self) -> Self {
         let circle = padded(-PI, PI, 1.0);
         let origin = self.contains(0.0) && x.contains(0.0);
@@ -115,7 +116,8 @@ impl Interval {
         ];
         let lo = corners.iter().copied().fold(f64::INFINITY, f64::min);
         let hi = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        padded(lo, hi, ATAN2_ULPS)
+        let angle = padded(lo, hi, ATAN2_ULPS);
+        if angle.lo <= -PI { circle } else { angle }
     }
 }
 

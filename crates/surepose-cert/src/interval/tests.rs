@@ -200,3 +200,16 @@ fn unbounded_intervals_enclose_all_products_and_quotients() {
         }
     }
 }
+
+/// Just below the negative x axis the arc tangent rounds to −π, where the core returns π.
+#[test]
+fn angle_contains_that_of_the_core_next_to_the_negative_axis() {
+    for y in [-1e-300, -1e-17, -2e-16, -3e-16, -1e-15, -0.0, 0.0, 1e-17] {
+        let found = Scalar::atan2(y, -1.0_f64);
+        let point = Interval::point(y).atan2(Interval::point(-1.0));
+        let wide = Interval::new(-0.5, y).atan2(Interval::new(-2.0, -0.5));
+        assert!(point.contains(found) && wide.contains(found), "{y}: {found} not in {point:?} and {wide:?}");
+    }
+    let below = Interval::new(-0.5, -0.1).atan2(Interval::new(-2.0, -0.5));
+    assert!(below.hi() < -1.5, "{below:?}");
+}

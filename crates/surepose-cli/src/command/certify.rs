@@ -1,6 +1,7 @@
 //! `surepose certify`: proves that the closed loop reaches the goal, for given gains, period and noise bounds.
 
 mod average;
+mod statement;
 
 use std::path::PathBuf;
 
@@ -11,7 +12,7 @@ use surepose_cert::{Certificate, Counterexample, Margins, NoiseBounds};
 use surepose_config::Config;
 use surepose_figures as picture;
 
-use crate::certification::CertifiedBounds;
+use crate::certification::{BaseDelay, CertifiedBounds};
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::output::{Output, table, worded, wrapped};
@@ -25,10 +26,11 @@ use crate::{certification, interrupt, progress};
   surepose certify --noise-position 0.007 --noise-heading 0.25
   surepose certify --set law.k_v=10 --set law.k_alpha=100 --set law.h=1   refused, with the reason
   surepose certify --out certificate                                      plots of the decrease margin
+  surepose certify --delay 0.04                                           a base that is later than configured
   surepose certify --gaussian --noise-position 0.005 --noise-heading 0.3  expected decrease under white noise
 
-The noise options are bounds: any error within them may occur at every tick. Wheels are assumed to follow their commands \
-without delay.
+The noise options are bounds: any error within them may occur at every tick. Minimum speeds and delay are those of the \
+configuration. The output lists what the proof assumes: the acceleration limit is not part of it.
 
 Files in --out: margin and margin_over_distance, as SVG and PNG: the smallest proven decrease rate of W over the bearing and \
 the direction of approach, and where no decrease was proven; margin.csv with the same numbers; summary.json, the JSON result \
@@ -46,6 +48,9 @@ pub(crate) struct CertifyCommand {
     period: Option<String>,
     #[command(flatten)]
     noise: NoiseArgs,
+    /// The time after which the base executes a command, in seconds, over robot.command_delay_s; the controller predicts over the latter
+    #[arg(long, value_name = "S", value_parser = delay, allow_negative_numbers = true)]
+    delay: Option<f64>,
     /// Take the noise options as standard deviations of white Gaussian noise (per coordinate, of the heading, per rim)
     #[arg(long, conflicts_with = "out")]
     gaussian: bool,
@@ -90,6 +95,11 @@ fn bound(text: &str) -> Result<f64, String> {
     bound.ok_or_else(|| "expected a number from 0 to 1000".to_owned())
 }
 
+fn delay(text: &str) -> Result<f64, String> {
+    let delay = text.parse::<f64>().ok().filter(|delay| (0.0..=2.0).contains(delay));
+    delay.ok_or_else(|| "expected seconds from 0 to 2".to_owned())
+}
+
 fn heading_bound(text: &str) -> Result<f64, String> {
     let bound = text.parse::<f64>().ok().filter(|bound| (0.0..180.0).contains(bound));
     bound.ok_or_else(|| "expected degrees from 0 to less than 180°".to_owned())
@@ -101,14 +111,21 @@ impl CertifyCommand {
         if let Some(period) = &self.period {
             config = config.with_option_of("--period", &format!("loop.period_s={period}"))?;
         }
-        let noise = self.noise.bounds();
+        let sensed = self.noise.bounds();
+        let delay = self.delay.map_or(BaseDelay::Configured, BaseDelay::Given);
+        let noise = certification::with_actuators(&config, sensed, delay);
+        let assumptions = statement::assumptions(&config, sensed, delay, self.gaussian);
         if self.gaussian {
-            return average::run(&config, noise, output);
+            return average::run(&config, noise, &assumptions, output);
         }
         // Checked before the computation: an output directory that is not writable must not discard a result.
         let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
         let certificate = certification::certificate(&config, noise);
         let mut json = json_of(&certificate);
+        if certificate.certified {
+            statement::add_reached_bounds(&mut json, &config, noise);
+        }
+        json.insert("assumptions".to_owned(), json!(assumptions));
         if let Some(folder) = &folder {
             folder.summary(&json)?;
             draw(folder, &config, noise, &certificate, output)?;
@@ -121,6 +138,7 @@ impl CertifyCommand {
             let mut table = table(&[]);
             let mut shown = json.clone();
             shown.remove("counterexample");
+            shown.remove("assumptions");
             for row in worded(&shown, &WORDS) {
                 table.add_row(row);
             }
@@ -133,6 +151,9 @@ impl CertifyCommand {
             }
             if let Some(found) = &certificate.counterexample {
                 table.add_row(["counterexample".to_owned(), described(found)]);
+            }
+            for (k, words) in assumptions.iter().enumerate() {
+                table.add_row([if k == 0 { "assumed" } else { "" }, words]);
             }
             if let Some(path) = &self.out {
                 table.add_row(["output".to_owned(), path.display().to_string()]);
@@ -192,14 +213,17 @@ fn cells(margins: &Margins) -> impl Iterator<Item = Cell> {
 }
 
 /// Table labels of the keys of the certificate.
-const WORDS: [(&str, &str); 11] = [
+const WORDS: [(&str, &str); 14] = [
     ("certified", "certified"),
-    ("capture_radius_m", "capture radius: reaches this distance [m]"),
+    ("capture_radius_m", "capture radius: comes within this distance of the goal [m]"),
     ("decrease_rate_per_s", "decrease rate of W, minimum [1/s]"),
     ("time_bound_s", "time to the capture radius, maximum [s]"),
-    ("max_period_s", "longest period with proven capture [s]"),
-    ("final_heading_bound_deg", "heading error under the local law, bound [°]"),
+    ("max_period_s", "longest tick with a proven capture within 15 cm [s]"),
+    ("final_heading_bound_deg", "heading error that the local law keeps, b [°]"),
+    ("heading_length_m", "above b, √(θ_e² + (x/ℓ)²) falls at every tick of it: ℓ [m]"),
     ("final_position_bound_m", "position error after capture, bound [m]"),
+    ("reached_position_bound_m", "true position error when reached is declared [m]"),
+    ("reached_heading_bound_deg", "true heading error when reached is declared [°]"),
     ("switch_keeps_its_mind", "law switch has hysteresis"),
     ("switch_dwell_ticks", "law switch, minimum dwell [ticks]"),
     ("boxes", "boxes evaluated"),
@@ -210,12 +234,14 @@ const WORDS: [(&str, &str); 11] = [
 fn json_of(certificate: &Certificate) -> Map<String, Json> {
     let CertifiedBounds { capture_radius_m, final_heading_bound_deg, final_position_bound_m } =
         CertifiedBounds::from_certificate(certificate);
+    let heading = certificate.terminal_phase.filter(|phase| phase.heading_bound.is_some());
     let numbers = [
         ("capture_radius_m", capture_radius_m),
         ("decrease_rate_per_s", certificate.decrease_rate),
         ("time_bound_s", certificate.time_bound),
         ("max_period_s", certificate.max_period),
         ("final_heading_bound_deg", final_heading_bound_deg),
+        ("heading_length_m", heading.map(|phase| phase.length)),
         ("final_position_bound_m", final_position_bound_m),
     ];
     let mut json = Map::new();

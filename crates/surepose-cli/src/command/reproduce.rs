@@ -11,6 +11,7 @@ use localization::LocalizationRuns;
 use serde::Serialize;
 use serde_json::{Map, json};
 use surepose_config::Config;
+use surepose_experiments::reproduce::{GoalFigures, Parked};
 use surepose_experiments::{picture, reproduce};
 
 use crate::error::CliError;
@@ -90,6 +91,7 @@ impl ReproduceCommand {
                 Figure::Fig7 => ("fig7", self.fig7(&folder, &config)?),
             };
             json.insert(name.to_owned(), outcome.json);
+            json.extend(outcome.more.map(|(key, value)| (key.to_owned(), value)));
             good &= outcome.good;
             rows.extend(outcome.rows.into_iter().map(|[what, found]| [name.to_owned(), what, found]));
             // Written after each figure, so that an interrupt keeps the finished ones.
@@ -126,6 +128,7 @@ impl ReproduceCommand {
         let figures: Vec<_> = goals.iter().map(|goal| goal.figures).collect();
         Ok(FigureResult {
             json: json!(figures),
+            more: None,
             good: figures.iter().all(|goal| goal.reached),
             rows: figures
                 .iter()
@@ -169,23 +172,35 @@ impl ReproduceCommand {
             let found = format!("{:.1} mm with EKF, {:.1} mm without (RMS)", 1e3 * with, 1e3 * without);
             rows.push([name.replace('_', " "), found]);
         }
-        Ok(FigureResult { json: json!(following.figures), good: true, rows })
+        Ok(FigureResult { json: json!(following.figures), more: None, good: true, rows })
     }
 
     fn fig7(&self, folder: &OutputDir, config: &Config) -> Result<FigureResult, CliError> {
         let goals = reproduce::parking(config, self.seed);
-        folder.picture("fig7", &picture::fig7(&goals))?;
+        let paper = config
+            .clone()
+            .with_option("law.name=paper")
+            .map(|paper| reproduce::parking(&paper, self.seed))?;
+        folder.picture("fig7", &picture::fig7(&goals, &paper))?;
+        for goal in &paper {
+            folder.table(&format!("fig7_paper_{}deg.csv", goal.figures.goal[2]), &goal.samples)?;
+        }
         for goal in &goals {
             folder.table(&format!("fig7_{}deg.csv", goal.figures.goal[2]), &goal.samples)?;
         }
-        let figures: Vec<_> = goals.iter().map(|goal| goal.figures).collect();
+        let of = |goals: &[Parked]| goals.iter().map(|goal| goal.figures).collect::<Vec<_>>();
+        let (figures, compared) = (of(&goals), of(&paper));
+        let row = |law: &str, f: &GoalFigures| {
+            let [goal, found] =
+                parked(f.goal, f.reached, f.final_position_error_m, f.final_heading_error_deg);
+            [format!("{goal}{law}"), found]
+        };
+        let own = figures.iter().map(|f| row("", f));
         Ok(FigureResult {
             json: json!(figures),
+            more: Some(("fig7_paper", json!(compared))),
             good: figures.iter().all(|goal| goal.reached),
-            rows: figures
-                .iter()
-                .map(|f| parked(f.goal, f.reached, f.final_position_error_m, f.final_heading_error_deg))
-                .collect(),
+            rows: own.chain(compared.iter().map(|f| row(", law of the paper", f))).collect(),
         })
     }
 }

@@ -60,6 +60,12 @@ impl MapPlot {
         Self { title: title.into(), ..Self::default() }
     }
 
+    /// Replaces the title.
+    #[must_use]
+    pub fn titled(self, title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..self }
+    }
+
     /// Adds cells below all other layers; `keys` are legend entries for their constant colors.
     #[must_use]
     pub fn heatmap(mut self, heatmap: Heatmap, keys: impl IntoIterator<Item = (String, Color)>) -> Self {

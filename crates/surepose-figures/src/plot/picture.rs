@@ -60,7 +60,7 @@ const GAP: f64 = 8.0;
 
 /// Arranges one subplot on the left and a column of subplots on the right.
 pub fn hstack_column(left: Subplot, right: Vec<Subplot>) -> Picture {
-    let column = below_each_other(right);
+    let column = column(right);
     hstack(vec![left, column])
 }
 
@@ -71,7 +71,7 @@ pub fn vstack(charts: Vec<Vec<Subplot>>) -> Picture {
 
 /// Arranges subplots in a column.
 pub(crate) fn vstack_cells(cells: Vec<Subplot>) -> Picture {
-    finish(below_each_other(cells))
+    finish(column(cells))
 }
 
 /// Arranges subplots in a row.
@@ -86,7 +86,8 @@ pub fn hstack(cells: Vec<Subplot>) -> Picture {
     finish(Subplot { shapes, width: (left - GAP).max(0.0), height })
 }
 
-fn below_each_other(cells: Vec<Subplot>) -> Subplot {
+/// Arranges subplots in a column, as one subplot.
+pub fn column(cells: Vec<Subplot>) -> Subplot {
     let width = cells.iter().fold(0.0, |widest: f64, cell| widest.max(cell.width));
     let mut top = 0.0;
     let mut shapes = Vec::new();

@@ -144,7 +144,7 @@ parameters! {
     /// gains, so that deceleration grows with speed. `auto` means `even`, unless k_v or k_alpha is set or the law is `paper`.
     BRAKING = "law" "braking", One, one_of::<BrakingMode>();
     /// Distance from the goal at which steering fades out. The local law takes over at a quarter of it. The law `paper`
-    /// switches abruptly at this distance, by default 0.01 m.
+    /// switches abruptly at this distance, by default 0.02 m.
     CAPTURE_RADIUS = "law" "capture_radius_m", Meter,
         positive(1.0, 0.033, "at distance 0 the bearing is pure noise, and beyond 1 m turning in place does not park the robot");
     /// Standard deviation of the white, tick-to-tick noise of the estimated position. It sets a deadband near the goal,

@@ -9,14 +9,13 @@ use surepose_config::Config;
 use crate::certification;
 use crate::error::CliError;
 use crate::exit::Exit;
-use crate::output::{Output, table, worded};
+use crate::output::{Output, table, worded, wrapped};
 
 /// The cases that the statement does not cover.
-const LEFT_OUT: [&str; 4] = [
+const LEFT_OUT: [&str; 3] = [
     "within the radius nothing is proven: not that the robot stays there, nor its heading, nor that it comes to rest",
     "the expected time ends within the radius, or beyond the distance that the certificate covers",
     "the noise is white: a bias or a slow drift of the estimate is not covered",
-    "wheels are assumed to follow their commands without delay",
 ];
 
 /// Table labels of the keys.
@@ -31,21 +30,31 @@ const WORDS: [(&str, &str); 6] = [
 
 const REASON: &str = "no expected decrease of W was proven at any distance for these standard deviations";
 
-pub(super) fn run(config: &Config, noise: NoiseBounds, output: Output) -> Result<Exit, CliError> {
+pub(super) fn run(
+    config: &Config,
+    noise: NoiseBounds,
+    assumptions: &[String],
+    output: Output,
+) -> Result<Exit, CliError> {
     let clock = Instant::now();
     let found = certification::average(config, noise);
-    let json = json_of(found.as_ref(), clock.elapsed().as_secs_f64());
+    let mut json = json_of(found.as_ref(), clock.elapsed().as_secs_f64());
+    json.insert("assumptions".to_owned(), json!(assumptions));
     output.result(&json, || {
         let mut table = table(&[]);
         let mut shown = json.clone();
         shown.remove("left_out");
+        shown.remove("assumptions");
         for row in worded(&shown, &WORDS) {
             table.add_row(row);
         }
         for (k, words) in LEFT_OUT.iter().filter(|_| found.is_some()).enumerate() {
             table.add_row([if k == 0 { "not covered" } else { "" }, words]);
         }
-        table
+        for (k, words) in assumptions.iter().enumerate() {
+            table.add_row([if k == 0 { "assumed" } else { "" }, words]);
+        }
+        wrapped(table)
     })?;
     Ok(if found.is_some() { Exit::Done } else { Exit::Negative })
 }

@@ -68,7 +68,7 @@ impl LocalizationRuns {
     }
 
     fn outcome(&self) -> FigureResult {
-        FigureResult { json: json!(self.json), good: true, rows: self.rows.clone() }
+        FigureResult { json: json!(self.json), more: None, good: true, rows: self.rows.clone() }
     }
 
     fn data(&self, figure: &str, folder: &OutputDir) -> Result<(), CliError> {

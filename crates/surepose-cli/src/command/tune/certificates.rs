@@ -8,7 +8,7 @@ use surepose::control::Law;
 use surepose_cert::NoiseBounds;
 use surepose_config::Config;
 
-use crate::certification::{self, CertifiedBounds};
+use crate::certification::{self, BaseDelay, CertifiedBounds};
 use crate::interrupt;
 
 /// Interval at which the completion of a certificate is checked.
@@ -24,6 +24,7 @@ pub(super) struct Certificates<'a> {
 impl<'a> Certificates<'a> {
     /// Creates an empty cache for these noise bounds.
     pub(super) fn new(config: &'a Config, noise: NoiseBounds) -> Self {
+        let noise = certification::with_actuators(config, noise, BaseDelay::Configured);
         Self { config, noise, known: Mutex::default() }
     }
 
