@@ -19,6 +19,8 @@ fn default_gains_are_certified() {
         "max_period_s",
         "final_heading_bound_deg",
         "final_position_bound_m",
+        "heading_length_m",
+        "reached_position_bound_m",
         "boxes",
         "wall_s",
     ] {
@@ -42,7 +44,7 @@ fn verdict_states_its_assumptions_and_the_error_at_the_goal() {
     // Tolerance 1 cm and 1°, released at 1.5 times that; noise 7 mm and 0.25°; one tick at 0.3 m/s or 1 rad/s.
     let missed = json["reached_position_bound_m"].as_f64().expect("certified") - 0.015 - 0.007;
     assert!((0.0..0.11).contains(&missed), "{json}");
-    assert!(number("reached_heading_bound_deg") > 1.75 && number("heading_length_m") > 0.0, "{json}");
+    assert!(number("reached_heading_bound_deg") > 1.75, "{json}");
     let table = surepose(&["certify"]).stderr;
     assert!(
         table.contains("assumed") && table.contains("acceleration") && table.contains("comes within"),
@@ -113,8 +115,9 @@ fn margin_plots_agree_with_the_certificate() {
     };
     let (json, cells) = drawn("certify-margin", &["--noise-position", "0.02", "--noise-heading", "1.2"], 0);
     let rate = json["decrease_rate_per_s"].as_f64().expect("certified");
+    // The parser of JSON may round the last digit.
     let margins = || cells.iter().map(|cell| (cell[2].expect("shown"), cell[3].expect("shown")));
-    assert!(margins().all(|(nearest, least)| nearest >= least && least >= rate), "below {rate}");
+    assert!(margins().all(|(nearest, least)| nearest >= least && least >= rate - 1e-12), "below {rate}");
     assert!(margins().any(|(nearest, _)| nearest > 3.0 * rate), "it is the same everywhere");
 
     let loud = ["--noise-position", "0.2", "--noise-heading", "5"];
