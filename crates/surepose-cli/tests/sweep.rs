@@ -165,7 +165,18 @@ fn plots_stay_small_and_handle_few_or_failed_trials() {
         ("sweep-one", &["--runs", "1"][..]),
         (
             "sweep-paper",
-            &["--runs", "30", "--law", "paper", "--noise", "bench", "--set", "law.k_theta=10", "--set", "law.capture_radius_m=0.01"],
+            &[
+                "--runs",
+                "30",
+                "--law",
+                "paper",
+                "--noise",
+                "bench",
+                "--set",
+                "law.k_theta=10",
+                "--set",
+                "law.capture_radius_m=0.01",
+            ],
         ),
     ] {
         let files = written(name, arguments);
