@@ -8,7 +8,7 @@ use crate::noise::NoiseBounds;
 /// Pulses exceed the configured minimum by this factor at most, with room for rounding.
 const PULSE_MARGIN: f64 = 1.021;
 
-/// What the base makes of a command, and what the controller knows of it.
+/// Actuators of the base, and the model of them that the controller has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorErrors {
     /// The model that the controller predicts with and modulates pulses for.

@@ -1,4 +1,4 @@
-//! What a certificate assumes, and what holds once the goal is reached.
+//! Assumptions of a certificate, and bounds once the goal is reached.
 
 use serde_json::{Map, Value as Json, json};
 use surepose::param;
