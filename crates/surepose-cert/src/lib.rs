@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod actuator_errors;
+mod adversary;
 mod annulus;
 mod branching;
 mod certificate;
@@ -27,6 +28,7 @@ mod terminal_phase;
 mod tribool;
 
 pub use actuator_errors::ActuatorErrors;
+pub use adversary::{AdversarialDrive, AdversarySearch, DriveSample, WorstDrives};
 pub use branching::explore_branches;
 pub use certificate::{Certificate, RefusalReason, Request, certify};
 pub use controller::{DeployedController, SampledController};

@@ -56,6 +56,25 @@ fn verdict_states_its_assumptions_and_the_error_at_the_goal() {
     assert!(radius > 0.5, "the wheels stop up to 50 cm from the goal, not only within {radius} m");
 }
 
+/// The proof is that of wheels that follow at once: a drive of slower ones that leaves the bounds refuses it.
+#[test]
+fn slow_wheels_are_refused_with_a_drive() {
+    let out = folder("certify-slow");
+    let slow = ["--set", "robot.wheel_acceleration_limit_m_s2=0.2", "--out", out.to_str().expect("UTF-8")];
+    let run = surepose(&[&["certify", "--json"][..], &slow].concat());
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let json = run.json();
+    let drive = &json["counterexample_drive"];
+    assert!(json["capture_radius_m"].is_null() && json["reason"].is_string(), "{json}");
+    assert!(drive["distance_m"].as_f64() > drive["bound_m"].as_f64(), "{json}");
+    assert!(out.join("counterexample_drive.csv").is_file());
+    // The default robot's wheels are faster; ideal wheels are not searched.
+    let default = surepose(&["certify", "--json"]).json();
+    assert!(default["certified"] == true && default["searched_final_position_m"].is_number(), "{default}");
+    let ideal = surepose(&["certify", "--json", "--set", "robot.wheel_acceleration_limit_m_s2=1000"]).json();
+    assert!(ideal["certified"] == true && ideal["searched_final_position_m"].is_null(), "{ideal}");
+}
+
 /// A quantity without a bound has a row that reports it, because a missing row is overlooked.
 #[test]
 fn table_lists_quantities_without_a_bound() {

@@ -1,6 +1,7 @@
 //! `surepose certify`: proves that the closed loop reaches the goal, for given gains, period and noise bounds.
 
 mod average;
+mod slow_wheels;
 mod statement;
 
 use std::path::PathBuf;
@@ -19,6 +20,7 @@ use crate::output::{Output, table, worded, wrapped};
 use crate::output_dir::OutputDir;
 use crate::settings::LawArgs;
 use crate::{certification, interrupt, progress};
+use slow_wheels::SlowWheels;
 
 /// Prove that the closed loop reaches the goal: the deployed law, evaluated in interval arithmetic
 #[derive(Debug, Args)]
@@ -34,7 +36,10 @@ configuration. The output lists what the proof assumes: the acceleration limit i
 
 Files in --out: margin and margin_over_distance, as SVG and PNG: the smallest proven decrease rate of W over the bearing and \
 the direction of approach, and where no decrease was proven; margin.csv with the same numbers; summary.json, the JSON result \
-without wall_s.
+without wall_s; counterexample_drive.csv, if a drive leaves the bounds.
+
+The proof is that of wheels that follow at once. A search then drives the shipped controller, with its limit of the acceleration, \
+against adversarial errors. If a drive leaves the bounds, the certificate is refused; if none does, nothing more is proved.
 
 With --gaussian the noise options are standard deviations of white Gaussian noise. No bound then holds for all time: outside \
 the printed radius W decreases in expectation, and the expected time to reach that radius is bounded. The output lists what \
@@ -125,9 +130,15 @@ impl CertifyCommand {
         if certificate.certified {
             statement::add_reached_bounds(&mut json, &config, noise);
         }
+        let slow_wheels = SlowWheels::search(&config, sensed, &certificate);
+        if let Some(found) = &slow_wheels {
+            found.add_to(&mut json);
+        }
+        let certified = certificate.certified && slow_wheels.as_ref().is_none_or(SlowWheels::is_kept);
         json.insert("assumptions".to_owned(), json!(assumptions));
         if let Some(folder) = &folder {
             folder.summary(&json)?;
+            slow_wheels.iter().try_for_each(|found| found.write(folder))?;
             draw(folder, &config, noise, &certificate, output)?;
             if interrupt::asked() {
                 interrupt::mark(&mut json);
@@ -139,6 +150,7 @@ impl CertifyCommand {
             let mut shown = json.clone();
             shown.remove("counterexample");
             shown.remove("assumptions");
+            let drive = shown.remove("counterexample_drive");
             for row in worded(&shown, &WORDS) {
                 table.add_row(row);
             }
@@ -152,6 +164,15 @@ impl CertifyCommand {
             if let Some(found) = &certificate.counterexample {
                 table.add_row(["counterexample".to_owned(), described(found)]);
             }
+            if let Some(drive) = drive {
+                let number = |key: &str| drive[key].as_f64().unwrap_or(f64::NAN);
+                let [x, y, heading] = ["start_x_m", "start_y_m", "start_heading_deg"].map(number);
+                let [distance, time] = ["distance_m", "time_s"].map(number);
+                let told = format!(
+                    "from {x:.3} m, {y:.3} m, {heading:.1}°: {distance:.4} m from the goal after {time:.1} s; all of it in --out"
+                );
+                table.add_row(["counterexample".to_owned(), told]);
+            }
             for (k, words) in assumptions.iter().enumerate() {
                 table.add_row([if k == 0 { "assumed" } else { "" }, words]);
             }
@@ -160,7 +181,7 @@ impl CertifyCommand {
             }
             wrapped(table)
         })?;
-        Ok(match certificate.certified {
+        Ok(match certified {
             _ if interrupt::asked() => Exit::Interrupted,
             true => Exit::Done,
             false => Exit::Negative,
@@ -213,7 +234,7 @@ fn cells(margins: &Margins) -> impl Iterator<Item = Cell> {
 }
 
 /// Table labels of the keys of the certificate.
-const WORDS: [(&str, &str); 14] = [
+const WORDS: [(&str, &str); 16] = [
     ("certified", "certified"),
     ("capture_radius_m", "capture radius: comes within this distance of the goal [m]"),
     ("decrease_rate_per_s", "decrease rate of W, minimum [1/s]"),
@@ -226,6 +247,8 @@ const WORDS: [(&str, &str); 14] = [
     ("reached_heading_bound_deg", "heading error when reached is declared, bound [°]"),
     ("switch_keeps_its_mind", "law switch has hysteresis"),
     ("switch_dwell_ticks", "law switch, minimum dwell [ticks]"),
+    ("searched_kept_out_m", "kept out at, worst drive with slow wheels found [m]"),
+    ("searched_final_position_m", "distance after capture, worst such drive [m]"),
     ("boxes", "boxes evaluated"),
     ("wall_s", "computing time [s]"),
 ];

@@ -35,8 +35,8 @@ pub(super) fn assumptions(
             rounded(100.0 * sensed.rim_speed_part)
         ),
         format!(
-            "acceleration: the wheels follow their commands at once; the limit of {acceleration} m/s² is not modeled, and a robot with it can \
-             leave the bounds"
+            "acceleration: the wheels follow their commands at once; with the limit of {acceleration} m/s² the bounds are searched for a \
+             drive that leaves them, not proved"
         ),
         delay.described(number(&param::COMMAND_DELAY)),
     ];
