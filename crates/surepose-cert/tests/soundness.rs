@@ -61,6 +61,43 @@ fn random_states_keep_the_certified_decrease() {
     }
 }
 
+/// Wheel errors at their bounds, which vary from tick to tick: 5 % of the speed, or as much as the pulses of a dead band of 10 mm/s.
+#[test]
+fn random_states_with_wheel_errors_keep_the_certified_decrease() {
+    for (k, (rim_speed, rim_speed_part)) in [(0.0, 0.05), (0.0102, 0.0)].into_iter().enumerate() {
+        let bounds = NoiseBounds { rim_speed, rim_speed_part, ..noise(0.007, 0.25) };
+        let (controller, certificate) = certified(0.02, bounds, None);
+        let (radius, rate) = (certificate.capture_radius.unwrap(), certificate.decrease_rate.unwrap());
+        let mut rng = Rng(200 + k as u64);
+        let mut least = f64::INFINITY;
+        for _ in 0..trials() / 4 {
+            // Most of them near the radius, where wheel errors count most.
+            let rho = radius * (5.0 / radius).powf((0.5 * (1.0 + rng.either())).powi(3));
+            let discrete_state = DiscreteState {
+                local_mode: false,
+                reverse: rng.flip(),
+                turn_direction: if rng.flip() { 1 } else { -1 },
+                drive_direction: 0,
+                sidestep: 0,
+            };
+            let mut at = DisturbedState::polar(rho, PI * rng.either(), PI * rng.either(), discrete_state);
+            disturb(&mut at, &bounds, &mut rng);
+            let exact = at.simulate(&controller, &DRIVE, 0.02, &certificate.lyapunov, true);
+            let rims = DRIVE.wheel_speeds_from_twist(exact.commanded);
+            let most = |rim: f64| (rim_speed + rim_speed_part * rim.abs()) * (1.0 - 1e-12);
+            at.noise_right = most(rims.right) * rng.either().signum();
+            at.noise_left = most(rims.left) * rng.either().signum();
+            let tick = at.simulate(&controller, &DRIVE, 0.02, &certificate.lyapunov, true);
+            if tick.before.rho >= radius {
+                let fall = (tick.lyapunov_before - tick.lyapunov_after) / 0.02;
+                least = least.min(fall);
+                assert!(fall >= rate * (1.0 - 1e-9), "decrease rate {fall} too small: {at:?} {tick:?}");
+            }
+        }
+        println!("{rim_speed} m/s, {rim_speed_part}: certified {rate:.3}/s, least observed {least:.3}/s");
+    }
+}
+
 #[test]
 fn runs_keep_the_time_bound_and_the_final_position_bound() {
     for k in 0..2 * CASES.len() {
