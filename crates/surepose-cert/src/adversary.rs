@@ -5,10 +5,13 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use surepose::control::{Controller, ControllerState};
-use surepose::geometry::{Angle, Body, Goal, Map, Pose};
-use surepose::kinematics::Integration;
+use std::collections::VecDeque;
 
+use surepose::control::{ActuatorState, Controller, ControllerState};
+use surepose::geometry::{Angle, Body, Goal, Map, Pose};
+use surepose::kinematics::{Integration, Twist};
+
+use crate::actuator_errors::ActuatorErrors;
 use crate::counterexample::Rng;
 use crate::noise::NoiseBounds;
 
@@ -17,7 +20,9 @@ use crate::noise::NoiseBounds;
 pub struct AdversarySearch<'a> {
     /// Controller with its limits and its goal tolerance.
     pub controller: &'a Controller<f64>,
-    /// Bounds of the pose error; wheel errors are not used.
+    /// Actuators of the base; a delay is rounded to whole periods, and a lag is not simulated.
+    pub actuators: ActuatorErrors,
+    /// Bounds of the pose error, as sensed; wheel errors are not used.
     pub noise: NoiseBounds,
     /// Certified capture radius \[m].
     pub capture_radius: f64,
@@ -45,6 +50,7 @@ pub struct AdversarialDrive {
     pub start: [f64; 3],
     policy: Policy,
     noise: NoiseBounds,
+    actuators: ActuatorErrors,
 }
 
 /// One control period of an [`AdversarialDrive`].
@@ -96,7 +102,8 @@ impl AdversarySearch<'_> {
             let (mut policy, mut best) = (Policy::random(&mut rng), f64::NEG_INFINITY);
             for k in 0..SEARCH {
                 let next = if k < RANDOM { Policy::random(&mut rng) } else { policy.varied(&mut rng) };
-                let drive = AdversarialDrive { start, policy: next, noise: self.noise };
+                let drive =
+                    AdversarialDrive { start, policy: next, noise: self.noise, actuators: self.actuators };
                 let (fate, driven) = self.fate(&drive);
                 ticks += driven;
                 worst.kept_out = worst.kept_out.max(fate.kept_out);
@@ -157,6 +164,11 @@ impl AdversarialDrive {
         let pose = Pose::new(x, y, Angle::from_radians(heading));
         let mut now = Moment { pose, state: ControllerState::new() };
         let goal: Pose<Map, Goal, f64> = Pose::identity();
+        let ActuatorErrors { model, delay } = self.actuators;
+        let mut stage = ActuatorState::new();
+        // Commands that have not taken effect, the oldest first.
+        let late = (delay / controller.period).round() as usize;
+        let mut sent: VecDeque<_> = core::iter::repeat_n(Twist::zero(), late).collect();
         for tick in 0..(DURATION / controller.period) as u32 {
             let estimate = self.policy.estimate(&now, &self.noise);
             let parts = |pose: Pose<Map, Body, f64>| [pose.x, pose.y, pose.heading.radians()];
@@ -166,8 +178,16 @@ impl AdversarialDrive {
                 estimate: parts(estimate),
                 distance: now.pose.x.hypot(now.pose.y),
             });
-            let step = controller.step(now.state, estimate, goal);
-            let moved = step.limited.integrate_for(controller.period);
+            let step = controller.step(now.state, stage.predict(&model, estimate), goal);
+            let period = controller.period;
+            sent.push_back(stage.execute(
+                &model,
+                &controller.drive,
+                &controller.limits,
+                step.limited,
+                period,
+            ));
+            let moved = sent.pop_front().unwrap_or(step.limited).integrate_for(period);
             now = Moment { pose: now.pose.integrate(moved, Integration::Arc), state: step.state };
         }
     }

@@ -7,8 +7,12 @@
 mod common;
 
 use common::{DRIVE, noise, request, trials};
-use surepose::control::{BrakingProfile, Controller, Direction, HybridLaw, Law, Limits, Tolerance};
-use surepose_cert::{AdversarySearch, Certificate, DeployedController, Request, WorstDrives, certify};
+use surepose::control::{
+    ActuatorModel, BrakingProfile, Controller, Direction, HybridLaw, Law, Limits, MinSpeeds, Tolerance,
+};
+use surepose_cert::{
+    ActuatorErrors, AdversarySearch, Certificate, DeployedController, Request, WorstDrives, certify,
+};
 
 /// The shipped controller whose wheels accelerate by at most `acceleration` \[m/s²].
 fn shipped(period: f64, acceleration: f64) -> Controller<f64> {
@@ -20,15 +24,21 @@ fn shipped(period: f64, acceleration: f64) -> Controller<f64> {
 }
 
 /// Certificate for wheels that follow at once, and the worst drives of the shipped controller.
-fn searched(controller: &Controller<f64>, ticks: u64) -> (Certificate, WorstDrives) {
+fn searched(
+    controller: &Controller<f64>,
+    actuators: ActuatorErrors,
+    ticks: u64,
+) -> (Certificate, WorstDrives) {
     let Controller { law, braking, limits, period, .. } = *controller;
-    let bounds = noise(0.007, 0.25);
+    let sensed = noise(0.007, 0.25);
+    let bounds = actuators.widen(sensed, &DRIVE, &limits, period);
     let certified = DeployedController { law, drive: DRIVE, braking, limits };
     let certificate = certify(&Request { limits, ..request(&certified, law.gains().h, period, bounds) });
     let (radius, last) = (certificate.capture_radius.unwrap(), certificate.final_position_bound.unwrap());
     let search = AdversarySearch {
         controller,
-        noise: bounds,
+        actuators,
+        noise: sensed,
         capture_radius: radius,
         final_position_bound: last,
         ticks,
@@ -44,7 +54,7 @@ fn searched(controller: &Controller<f64>, ticks: u64) -> (Certificate, WorstDriv
 #[test]
 fn wheels_that_follow_at_once_keep_the_bounds_against_adversaries() {
     for period in [0.02, 0.1] {
-        let (certificate, worst) = searched(&shipped(period, 1e9), trials() / 2);
+        let (certificate, worst) = searched(&shipped(period, 1e9), ActuatorErrors::ideal(), trials() / 2);
         let (radius, last) = (certificate.capture_radius.unwrap(), certificate.final_position_bound.unwrap());
         assert!(worst.kept_out < radius && worst.farthest <= last && worst.violation.is_none(), "{worst:?}");
         // The bounds are not far from what an adversary reaches.
@@ -52,11 +62,28 @@ fn wheels_that_follow_at_once_keep_the_bounds_against_adversaries() {
     }
 }
 
+/// The base is later than the controller knows, or as late as it knows, or ignores small speeds.
+#[test]
+fn delays_and_dead_bands_keep_the_bounds_against_adversaries() {
+    let ideal = ActuatorModel::ideal();
+    let min_speeds = MinSpeeds { wheel: 0.01, ..MinSpeeds::none() };
+    for actuators in [
+        ActuatorErrors { model: ideal, delay: 0.02 },
+        ActuatorErrors { model: ideal, delay: 0.04 },
+        ActuatorErrors::from_model(ActuatorModel { delay: 0.04, ..ideal }),
+        ActuatorErrors::from_model(ActuatorModel { min_speeds, ..ideal }),
+    ] {
+        let (certificate, worst) = searched(&shipped(0.02, 1e9), actuators, trials());
+        let (radius, last) = (certificate.capture_radius.unwrap(), certificate.final_position_bound.unwrap());
+        assert!(worst.kept_out < radius && worst.farthest <= last, "{actuators:?}: {worst:?}");
+    }
+}
+
 /// The limit of the acceleration is an assumption, not a formality.
 #[test]
 fn slow_wheels_leave_the_bounds() {
     let controller = shipped(0.1, 0.2);
-    let (certificate, worst) = searched(&controller, 4_000_000);
+    let (certificate, worst) = searched(&controller, ActuatorErrors::ideal(), 4_000_000);
     let violation = worst.violation.expect("a drive");
     let samples = violation.samples(&controller);
     let entered =

@@ -52,19 +52,18 @@ pub(crate) fn certificate(config: &Config, noise: NoiseBounds) -> Certificate {
     asked(loop_of(config), noise, MAX_PERIOD, certify)
 }
 
+/// Actuators of the configured base.
+pub(crate) fn actuators(config: &Config, delay: BaseDelay) -> ActuatorErrors {
+    let model = config.actuator();
+    match delay {
+        BaseDelay::Configured => ActuatorErrors::from_model(model),
+        BaseDelay::Given(delay) => ActuatorErrors { model, delay },
+    }
+}
+
 /// Returns `sensed` with the errors that the actuators of the configured base add.
 pub(crate) fn with_actuators(config: &Config, sensed: NoiseBounds, delay: BaseDelay) -> NoiseBounds {
-    let model = config.actuator();
-    let delay = match delay {
-        BaseDelay::Configured => model.delay,
-        BaseDelay::Given(delay) => delay,
-    };
-    ActuatorErrors { model, delay }.widen(
-        sensed,
-        &config.drive(),
-        &config.limits(),
-        config.number(&param::PERIOD),
-    )
+    actuators(config, delay).widen(sensed, &config.drive(), &config.limits(), config.number(&param::PERIOD))
 }
 
 /// The bounds of a certificate, under their JSON keys; `None` for a quantity without a bound.

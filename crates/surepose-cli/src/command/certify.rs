@@ -130,7 +130,8 @@ impl CertifyCommand {
         if certificate.certified {
             statement::add_reached_bounds(&mut json, &config, noise);
         }
-        let slow_wheels = SlowWheels::search(&config, sensed, &certificate);
+        let slow_wheels =
+            SlowWheels::search(&config, sensed, certification::actuators(&config, delay), &certificate);
         if let Some(found) = &slow_wheels {
             found.add_to(&mut json);
         }

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
-use surepose_cert::{AdversarialDrive, AdversarySearch, Certificate, NoiseBounds, WorstDrives};
+use surepose_cert::{
+    ActuatorErrors, AdversarialDrive, AdversarySearch, Certificate, NoiseBounds, WorstDrives,
+};
 use surepose_config::Config;
 
 use crate::error::CliError;
@@ -37,10 +39,13 @@ pub(super) struct SlowWheels<'a> {
 }
 
 impl<'a> SlowWheels<'a> {
-    /// Searches a drive that leaves the bounds. `None`: refused anyway, or the wheels reverse within one period.
+    /// Searches a drive that leaves the bounds.
+    ///
+    /// `None`: refused anyway, the wheels reverse within one period, or the base has a lag or a delay that is no multiple of the period.
     pub(super) fn search(
         config: &'a Config,
         sensed: NoiseBounds,
+        actuators: ActuatorErrors,
         certificate: &'a Certificate,
     ) -> Option<Self> {
         let controller = config.controller();
@@ -49,8 +54,13 @@ impl<'a> SlowWheels<'a> {
         if weaker * controller.period >= 2.0 * limits.wheel_speed {
             return None;
         }
+        let late = actuators.delay / controller.period;
+        if actuators.model.time_constant > 0.0 || (late - late.round()).abs() > 1e-6 {
+            return None;
+        }
         let search = AdversarySearch {
             controller: &controller,
+            actuators,
             noise: sensed,
             capture_radius: certificate.capture_radius?,
             final_position_bound: certificate.final_position_bound.unwrap_or(f64::INFINITY),
