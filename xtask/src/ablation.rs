@@ -41,7 +41,7 @@ const DISABLED: [(&str, &str); 25] = [
 ];
 
 /// Arguments of the trials, with the words for them; `STARTS` stands for the file of starts beside the goal.
-const TRIALS: [(&str, &str); 8] = [
+const TRIALS: [(&str, &str); 10] = [
     ("no noise, 0.02 s", "sweep --runs 20000"),
     ("bench noise, 0.02 s", "sweep --runs 20000 --noise bench"),
     ("bench noise, 0.1 s", "sweep --runs 20000 --noise bench --period 0.1"),
@@ -52,8 +52,14 @@ const TRIALS: [(&str, &str); 8] = [
         "sweep --runs 200 --noise bench --set robot.wheel_acceleration_limit_m_s2=0.2 \
          --world robot.wheel_acceleration_limit_m_s2=0.2",
     ),
+    (
+        "0.1 m/s² wheels, 0.1 s",
+        "sweep --runs 300 --period 0.1 --set robot.wheel_acceleration_limit_m_s2=0.1 \
+         --world robot.wheel_acceleration_limit_m_s2=0.1",
+    ),
     ("certificate, 0.02 s", "certify --period 0.02"),
     ("certificate, 0.1 s", "certify --period 0.1"),
+    ("certificate, 20 mm", "certify --period 0.02 --noise-position 0.02 --noise-heading 1.2"),
 ];
 
 /// Repeats the trials without each constant of `names`, or without each constant.
