@@ -33,14 +33,21 @@ impl ConfigArgs {
 
     /// Returns `base` with the values of the file, then of the options, on top.
     pub(crate) fn over(&self, base: Config) -> Result<Config, CliError> {
-        let mut config = base;
-        if let Some(file) = &self.config {
-            config = config.with_file(file)?;
-        }
-        for option in &self.set {
-            config = config.with_option(option)?;
-        }
-        Ok(config)
+        self.options_over(self.file_over(base)?)
+    }
+
+    /// Returns `base` with the values of the file on top.
+    fn file_over(&self, base: Config) -> Result<Config, CliError> {
+        Ok(match &self.config {
+            Some(file) => base.with_file(file)?,
+            None => base,
+        })
+    }
+
+    /// Returns `base` with the values of the options on top.
+    fn options_over(&self, base: Config) -> Result<Config, CliError> {
+        let set = |config: Config, option: &String| config.with_option(option);
+        Ok(self.set.iter().try_fold(base, set)?)
     }
 }
 
@@ -57,7 +64,17 @@ pub(crate) struct LawArgs {
 impl LawArgs {
     /// Returns `base` with the values of the file, then of the options, on top.
     pub(crate) fn over(&self, base: Config) -> Result<Config, CliError> {
-        let config = self.config.over(base)?;
+        self.options_over(self.file_over(base)?)
+    }
+
+    /// Returns `base` with the values of the file on top.
+    pub(crate) fn file_over(&self, base: Config) -> Result<Config, CliError> {
+        self.config.file_over(base)
+    }
+
+    /// Returns `base` with the values of the options on top.
+    pub(crate) fn options_over(&self, base: Config) -> Result<Config, CliError> {
+        let config = self.config.options_over(base)?;
         let Some(name) = &self.law else { return Ok(config) };
         let set = config.choice::<LawName>().name();
         if config.origin(&param::LAW_NAME) == ValueSource::CommandLine && set != name {

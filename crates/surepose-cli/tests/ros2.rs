@@ -8,13 +8,16 @@ use common::{file, folder, surepose};
 
 #[test]
 fn invalid_options_are_usage_errors_with_a_remedy() {
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 12] = [
         (&["ros2", "--start", "0,0,0"], "give --map"),
         (&["ros2", "--remap", "odom"], "write odom:=/base/odom"),
         (&["ros2", "--remap", "odo:=x"], "expected one of odom, scan"),
         (&["ros2", "--namespace", "1 2"], "invalid name"),
         (&["ros2", "--set", "law.k_v=-1"], "k_v"),
         (&["ros2", "--seed", "3"], "--simulate"),
+        (&["ros2", "--ros-args", "-r", "odom"], "FROM:=TO"),
+        (&["ros2", "--ros-args", "-p", "law.k_v:=-1", "--", "--simulate"], "k_v"),
+        (&["ros2", "--ros-args", "-r", "__node:=a/b"], "no slash"),
         (&["ros2", "--map-frame", ""], "expected letters, digits"),
         (&["ros2", "--map-frame", "a b"], "expected letters, digits"),
         (&["ros2", "--map-frame", "/map"], "no / at the beginning"),

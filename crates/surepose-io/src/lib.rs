@@ -54,6 +54,7 @@ pub mod owned_map;
 pub mod pgm;
 mod quantity;
 pub mod recording;
+pub mod ros_parameters;
 mod source;
 pub mod start_poses;
 pub mod wall_map;

@@ -97,11 +97,6 @@ pub(crate) fn advertise<M: Serialize>(
     node.create_publisher(&topic, Some(qos)).map_err(refused)
 }
 
-/// Name that is the same for all robots by convention.
-pub(crate) fn global_name(name: &str) -> Result<Name, NodeError> {
-    Name::new("/", name).map_err(|why| refused(name, why))
-}
-
 /// Ignores the result of publishing: the next message replaces a lost one.
 pub(crate) fn publish_result<T, E>(result: Result<T, WriteError<E>>) {
     drop(result);

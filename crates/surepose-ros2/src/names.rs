@@ -3,7 +3,7 @@
 use ros2_client::Name;
 
 /// Names in the node and the simulated robot, before remapping.
-pub const OWN: [&str; 11] = [
+pub const OWN: [&str; 14] = [
     "odom",
     "scan",
     "imu",
@@ -15,11 +15,21 @@ pub const OWN: [&str; 11] = [
     "pose",
     "walls",
     "truth",
+    "tf",
+    "tf_static",
+    "diagnostics",
 ];
+
+/// Names that are the same for all robots unless remapped: the namespace does not apply.
+const GLOBAL: [&str; 3] = ["tf", "tf_static", "diagnostics"];
+
+/// Default name of the node.
+const NODE: &str = "surepose";
 
 /// Namespace and remappings of a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names {
+    node: String,
     namespace: String,
     others: Vec<(String, String)>,
 }
@@ -51,12 +61,13 @@ pub enum NameProblem {
 
 impl Default for Names {
     fn default() -> Self {
-        Self { namespace: "/".to_owned(), others: Vec::new() }
+        Self { node: NODE.to_owned(), namespace: "/".to_owned(), others: Vec::new() }
     }
 }
 
 impl Names {
-    /// Names in `namespace`, of which some become others by remappings such as `odom:=/base/odom`.
+    /// Names in `namespace`, of which some become others by remappings such as `odom:=/base/odom`. A leading slash of the name
+    /// before `:=` is ignored.
     ///
     /// # Errors
     /// [`NameProblem`] for an invalid or unknown name.
@@ -69,13 +80,32 @@ impl Names {
         for given in remappings {
             let not_a_pair = || NameProblem::NotAPair { given: given.escape_debug().to_string() };
             let (own, other) = given.split_once(":=").ok_or_else(not_a_pair)?;
+            let own = own.trim_start_matches('/');
             if !OWN.contains(&own) {
                 return Err(NameProblem::Unknown { name: own.escape_debug().to_string() });
             }
             parsed(other)?;
             others.push((own.to_owned(), other.to_owned()));
         }
-        Ok(Self { namespace, others })
+        Ok(Self { node: NODE.to_owned(), namespace, others })
+    }
+
+    /// Changes the name of the node.
+    ///
+    /// # Errors
+    /// [`NameProblem`] for an invalid name.
+    pub fn with_node(self, node: &str) -> Result<Self, NameProblem> {
+        if node.contains('/') {
+            let why = "a node's name has no slash".to_owned();
+            return Err(NameProblem::Malformed { name: node.escape_debug().to_string(), why });
+        }
+        parsed(node)?;
+        Ok(Self { node: node.to_owned(), ..self })
+    }
+
+    /// Name of the node, without its namespace.
+    pub fn node(&self) -> &str {
+        &self.node
     }
 
     /// Namespace with a leading slash.
@@ -95,6 +125,9 @@ impl Names {
         let name = other.map_or(own, |(_, to)| to);
         if name.starts_with('/') {
             return parsed(name);
+        }
+        if GLOBAL.contains(&name) && other.is_none() {
+            return parsed(&format!("/{name}"));
         }
         parsed(&format!("{}/{name}", self.namespace.trim_end_matches('/')))
     }
@@ -116,6 +149,11 @@ mod tests {
         assert_eq!(names.of("odom").unwrap().to_string(), "/base/odom");
         assert_eq!(names.of("scan").unwrap().to_string(), "/robot1/scan");
         assert_eq!(Names::default().of("scan").unwrap().to_string(), "/scan");
+        assert_eq!(names.of("tf").unwrap().to_string(), "/tf");
+        let names = Names::new("robot1", &["/tf:=tf".to_owned()]).unwrap();
+        assert_eq!(names.of("tf").unwrap().to_string(), "/robot1/tf");
+        assert_eq!(names.of("tf_static").unwrap().to_string(), "/tf_static");
+        assert_eq!(names.with_node("driver").unwrap().node(), "driver");
     }
 
     #[test]
@@ -127,5 +165,6 @@ mod tests {
         assert!(said("", "odo:=x").contains("expected one of odom"));
         assert!(said("", "odom:=a b").contains("'a b': invalid name"));
         assert!(said("1st", "odom:=x").contains("'/1st': invalid name"));
+        assert!(Names::default().with_node("a/b").is_err() && Names::default().with_node("").is_err());
     }
 }

@@ -13,7 +13,7 @@ const HIGHEST_DOMAIN: u16 = 232;
 pub struct Network {
     /// `ROS_DOMAIN_ID`.
     pub domain: u16,
-    /// Whether discovery is limited to this machine: `ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`.
+    /// Whether discovery is limited to this machine: `ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`, or `ROS_LOCALHOST_ONLY=1`.
     pub local: bool,
 }
 
@@ -41,7 +41,8 @@ pub enum NetworkError {
 }
 
 impl Network {
-    /// Reads the environment through `variable`: `ROS_DOMAIN_ID` and `ROS_AUTOMATIC_DISCOVERY_RANGE`.
+    /// Reads the environment through `variable`: `ROS_DOMAIN_ID`, `ROS_AUTOMATIC_DISCOVERY_RANGE` and `ROS_LOCALHOST_ONLY`, which wins if
+    /// it is 1, as in ROS.
     ///
     /// # Errors
     /// [`NetworkError::Variable`] for an invalid value.
@@ -64,6 +65,11 @@ impl Network {
                 let help = "use SUBNET or LOCALHOST";
                 return wrong("ROS_AUTOMATIC_DISCOVERY_RANGE", &range, help);
             }
+        };
+        let local = match variable("ROS_LOCALHOST_ONLY").unwrap_or_default().trim() {
+            "" | "0" => local,
+            "1" => true,
+            other => return wrong("ROS_LOCALHOST_ONLY", other, "use 0 or 1"),
         };
         Ok(Self { domain, local })
     }
@@ -88,7 +94,11 @@ mod tests {
     use super::*;
 
     fn network(domain: &str, range: &str) -> Result<Network, String> {
-        let look_up = |name: &str| Some(if name == "ROS_DOMAIN_ID" { domain } else { range }.to_owned());
+        let look_up = |name: &str| match name {
+            "ROS_DOMAIN_ID" => Some(domain.to_owned()),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE" => Some(range.to_owned()),
+            _ => None,
+        };
         Network::from_env(look_up).map_err(|error| error.to_string())
     }
 
@@ -104,5 +114,12 @@ mod tests {
         assert!(network("233", "").unwrap_err().contains("ROS_DOMAIN_ID is '233'"));
         assert!(network("one", "").unwrap_err().contains("0 to 232"));
         assert!(network("0", "OFF").unwrap_err().contains("LOCALHOST"));
+        let only = |value: &str| {
+            let look_up = |name: &str| (name == "ROS_LOCALHOST_ONLY").then(|| value.to_owned());
+            Network::from_env(look_up).map_err(|error| error.to_string())
+        };
+        assert_eq!(only("1"), Ok(Network { domain: 0, local: true }));
+        assert_eq!(only("0"), Ok(Network { domain: 0, local: false }));
+        assert!(only("yes").unwrap_err().contains("ROS_LOCALHOST_ONLY is 'yes'"));
     }
 }

@@ -53,7 +53,7 @@ const DIAGNOSTICS_EVERY: u32 = 10;
 pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&str)) -> Result<(), NodeError> {
     let context = settings.network.join()?;
     let options = parameters::declared(&settings.driver.config);
-    let mut node = dds::node(&context, &settings.names, "surepose", options)?;
+    let mut node = dds::node(&context, &settings.names, settings.names.node(), options)?;
     let publishers = Publishers::new(&mut node, &settings)?;
     let subscriptions = Subscriptions::new(&mut node, &settings)?;
     let action = NavigateAction::new(&mut node, &settings.names)?;

@@ -19,9 +19,7 @@ use surepose_sim::robot::Scenario;
 use surepose_sim::{Seed, SimulatedScan, World};
 
 use crate::convert::{header, pose_message};
-use crate::dds::{
-    self, NodeError, advertise, global_name, latched, publish_result, reliable, sensor, spinning,
-};
+use crate::dds::{self, NodeError, advertise, latched, publish_result, reliable, sensor, spinning};
 use crate::driver::Odom;
 use crate::message::{Imu, LaserScan, Odometry, PoseStamped, TfMessage};
 use crate::names::Names;
@@ -153,13 +151,13 @@ impl RobotPublishers {
     fn new(node: &mut Node, settings: &RobotSettings) -> Result<Self, NodeError> {
         let names = &settings.names;
         let static_transforms =
-            advertise(node, &global_name("tf_static")?, ("tf2_msgs", "TFMessage"), latched(1))?;
+            advertise(node, &names.of("tf_static")?, ("tf2_msgs", "TFMessage"), latched(1))?;
         publish_result(
             static_transforms.publish(messages::mounted(settings.scenario.config.laser().body_from_laser)),
         );
         Ok(Self {
             odometry: advertise(node, &names.of("odom")?, ("nav_msgs", "Odometry"), reliable(10))?,
-            transforms: advertise(node, &global_name("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
+            transforms: advertise(node, &names.of("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
             scans: advertise(node, &names.of("scan")?, ("sensor_msgs", "LaserScan"), sensor(5))?,
             headings: advertise(node, &names.of("imu")?, ("sensor_msgs", "Imu"), sensor(5))?,
             truth: advertise(node, &names.of("truth")?, ("geometry_msgs", "PoseStamped"), reliable(10))?,

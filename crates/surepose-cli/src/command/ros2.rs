@@ -1,5 +1,7 @@
 //! `surepose ros2`: runs the ROS 2 node, on a robot or with a simulated robot.
 
+mod ros_args;
+
 use std::path::PathBuf;
 use std::thread;
 
@@ -20,6 +22,8 @@ use crate::output::{Output, say, text, warning};
 use crate::settings::{LawArgs, PoseArg, whole};
 use crate::{certification, interrupt};
 
+use ros_args::RosArgs;
+
 /// Run the ROS 2 node: parks a robot at the goal pose that RViz ("2D Goal Pose") or the action navigate_to_pose sends
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -27,6 +31,9 @@ use crate::{certification, interrupt};
   surepose ros2 --map building.toml --start 1,2,90      a robot with odometry and laser, from a known pose
   surepose ros2 --map building.toml --compass           a robot with a compass, with global localization
   surepose ros2 --config robot.toml --remap odom:=/diff_drive/odom --cmd-vel twist
+  surepose ros2 --map building.toml --ros-args -r __ns:=/robot1 -p law.k_v:=2 --params-file robot.yaml
+
+Parameters: a later source wins: defaults, --config, --params-file, -p, --set. The names are those of the configuration.
 
 Subscribes to odom (nav_msgs/Odometry), goal_pose and initialpose (as RViz publishes them); with --map to scan \
 (sensor_msgs/LaserScan); with --compass to imu (sensor_msgs/Imu, absolute heading), with --gyroscope to its yaw rate; with either to /tf_static, which gives \
@@ -75,6 +82,9 @@ pub(crate) struct Ros2Command {
     /// The name of the map frame
     #[arg(long, value_name = "NAME", default_value = "map", value_parser = frame)]
     map_frame: String,
+    /// Arguments of ROS, up to --: -r FROM:=TO, -r __ns:=NAME, -r __node:=NAME, -p NAME:=VALUE, --params-file FILE, --log-level LEVEL
+    #[arg(long, num_args = 0.., allow_hyphen_values = true, value_terminator = "--", value_name = "ARGUMENT")]
+    ros_args: Vec<String>,
     #[command(flatten)]
     config: LawArgs,
 }
@@ -89,9 +99,10 @@ enum CommandType {
 
 impl Ros2Command {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
-        let config = self.config.over(Config::default())?;
-        let names = Names::new(&self.namespace, &self.remap)
-            .map_err(|error| usage(&error, "see --help for the names of the node"))?;
+        let ros_args = RosArgs::parse(&self.ros_args)?;
+        let names = self.names(&ros_args)?;
+        let config = self.config.file_over(Config::default())?;
+        let config = self.config.options_over(ros_args.over(config, &names)?)?;
         let network = Network::from_env(|name| std::env::var(name).ok())
             .map_err(|error| usage(&error, "correct or unset the environment variable"))?;
         let (simulated, settings) = self.settings(config, names, network)?;
@@ -107,7 +118,14 @@ impl Ros2Command {
             })
         });
         say(&format_args!("running in ROS domain {}; stop with Ctrl-C", network.domain));
-        let ran = node::run(settings, interrupt::asked, |line| say(&line)).map_err(|error| failure(&error));
+        let is_said =
+            |line: &str| !ros_args.is_quiet || line.starts_with("warning") || line.contains("rejected");
+        let said = |line: &str| {
+            if is_said(line) {
+                say(&line);
+            }
+        };
+        let ran = node::run(settings, interrupt::asked, said).map_err(|error| failure(&error));
         if ran.is_err() {
             // The thread of the simulated robot ends with the process.
             return ran.map(|()| Exit::Done);
@@ -120,6 +138,18 @@ impl Ros2Command {
             text("{\"outcome\":\"stopped\"}\n")?;
         }
         Ok(Exit::Done)
+    }
+
+    /// Returns the names of the node; those after --ros-args win.
+    fn names(&self, ros_args: &RosArgs) -> Result<Names, CliError> {
+        let namespace = ros_args.namespace.as_ref().unwrap_or(&self.namespace);
+        let remappings = [&self.remap[..], &ros_args.remappings[..]].concat();
+        let names = Names::new(namespace, &remappings);
+        let names = match &ros_args.node {
+            Some(node) => names.and_then(|names| names.with_node(node)),
+            None => names,
+        };
+        names.map_err(|error| usage(&error, "see --help for the names of the node"))
     }
 
     /// Returns the settings of the simulated robot (`None` without --simulate) and of the node.

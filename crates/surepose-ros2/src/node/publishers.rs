@@ -8,7 +8,7 @@ use surepose::safety::Health;
 use surepose::time::Stamp;
 
 use crate::convert::{belief_message, header, rotation_of, transform};
-use crate::dds::{NodeError, advertise, global_name, latched, publish_result, reliable};
+use crate::dds::{NodeError, advertise, latched, publish_result, reliable};
 use crate::driver::DriverReport;
 use crate::message::{
     self, ColorRgba, CompressedImage, DiagnosticArray, Marker, MeshFile, Odometry, Point,
@@ -46,11 +46,11 @@ impl Publishers {
         Ok(Self {
             cmd_vel: CmdVelPublisher::new(node, names, settings.stamped)?,
             pose: advertise(node, &names.of("pose")?, pose, reliable(1))?,
-            transforms: advertise(node, &global_name("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
+            transforms: advertise(node, &names.of("tf")?, ("tf2_msgs", "TFMessage"), reliable(100))?,
             walls: advertise(node, &names.of("walls")?, ("visualization_msgs", "Marker"), latched(1))?,
             diagnostics: advertise(
                 node,
-                &global_name("diagnostics")?,
+                &names.of("diagnostics")?,
                 ("diagnostic_msgs", "DiagnosticArray"),
                 reliable(10),
             )?,

@@ -6,7 +6,7 @@ use futures::stream::{self, FusedStream, LocalBoxStream, StreamExt};
 use ros2_client::{Node, RmwRequestId, Server, ServiceMapping, ServiceTypeName, Subscription};
 use serde::de::DeserializeOwned;
 
-use crate::dds::{NodeError, global_name, latched, refused, reliable, sensor, subscribe};
+use crate::dds::{NodeError, latched, refused, reliable, sensor, subscribe};
 use crate::message::{Empty, Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
 
 use super::action::{CancelRequest, NewGoal, Served, cancels, goals};
@@ -57,7 +57,7 @@ impl Subscriptions {
                 None => None,
             },
             static_transforms: if settings.driver.map.is_some() || settings.driver.hears_imu() {
-                let name = global_name("tf_static")?;
+                let name = names.of("tf_static")?;
                 Some(subscribe(node, &name, ("tf2_msgs", "TFMessage"), latched(100))?)
             } else {
                 None
