@@ -51,7 +51,7 @@ pub struct NavigatorSetup {
 impl ScanMethod {
     /// Uncertainty of the map that all beams of a scan share, x \[m], y \[m] and heading \[rad]: rounding for exact walls, part
     /// of a cell for walls traced from a grid.
-    fn map_std(self) -> [f64; 3] {
+    pub fn map_std(self) -> [f64; 3] {
         match self {
             Self::Lines => [0.002, 0.002, 0.05_f64.to_radians()],
             Self::Beams => [0.03, 0.03, 0.3_f64.to_radians()],

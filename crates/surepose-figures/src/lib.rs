@@ -8,6 +8,7 @@ pub mod drive;
 mod html_player;
 mod margin;
 pub mod plot;
+mod replay;
 mod sweep;
 mod walls;
 
@@ -17,5 +18,6 @@ pub use downsampled::downsampled;
 pub use drive::{heading_error, lyapunov, overview, trajectory, velocities};
 pub use html_player::html_player;
 pub use margin::{margin, margin_over_distance};
+pub use replay::{replay_errors, replay_map};
 pub use sweep::{quantile_plots, start_map};
 pub use walls::{MapBackground, wall_map};

@@ -5,39 +5,44 @@
 //! | line | meaning |
 //! |---|---|
 //! | `FLASER n r1..rn x y θ x' y' θ' t host t` | n ranges \[m\] over 180°, counter-clockwise; corrected pose; robot pose |
-//! | `ODOM x y θ v ω a t host t` | odometry pose |
+//! | `ROBOTLASER1 type first fov step max … n r1..rn m i1..im x y θ x' y' θ' … t host t` | the same, with the laser's angles |
+//! | `RAWLASER1 type first fov step max … n r1..rn m i1..im t host t` | the same without a pose |
+//! | `ODOM x y θ … t host t` | odometry pose, with any number of columns |
 //! | `#…`, `PARAM`, `NEFF`, any other upper-case word | ignored |
 //!
 //! # Raw odometry
-//! After every `FLASER` line, the SLAM program wrote an `ODOM` line that repeats the corrected pose, with a stamp from
+//! After every scan line, the SLAM program wrote an `ODOM` line that repeats the corrected pose, with a stamp from
 //! uninitialized memory (0, 1e−91, even −2.9). Such a line resets odometry to that pose and is no motion. The motions
 //! between successive `ODOM` lines are concatenated from the first one on; the result is the odometry before correction.
+//! After a `RAWLASER1` line, such a line is recognized by its stamp, which precedes that of the scan, and its pose is the
+//! scan's reference.
 //!
 //! # Laser position
-//! The pose on a `FLASER` line is used as the pose of the laser: [`ScanRecord::mount`] is zero, and the parameter
+//! The pose on a scan line is used as the pose of the laser: [`ScanRecord::mount`] is zero, and the parameter
 //! `robot_frontlaser_offset` is ignored. In `freiburg-101`, where it is −0.04 m, the map of all scans is sharpest without
 //! it (entropy over 6 cm cells: 8.668 without, 8.817 with; 9.226 and 9.329 in `belgioioso`).
+//!
 //! # Stamps
-//! Some logs, for example `belgioioso`, have stamps rounded to hours. [`ScanRecord::odometry`] and
-//! [`ScanRecord::odometry_before`] associate scans with odometry without stamps.
+//! The order of the lines is the order of the records. Stamps that step back, are below 0 or are absent are counted in
+//! [`Recording::irregular`]; see `LineClock` for the time that replaces them. Some logs, for example `belgioioso`, have stamps
+//! rounded to hours. [`ScanRecord::odometry`] and [`ScanRecord::odometry_before`] associate scans with odometry without stamps.
+//!
+//! # Scans of both kinds
+//! A `RAWLASER1` line with the ranges of the preceding scan line, or followed by a line with its ranges, is the same scan. Scans
+//! without a reference are left out, and counted, if others have one.
 
-use std::ops::Range;
+mod scan_line;
+
 use std::path::Path;
 
-use surepose::geometry::{Angle, Body, Map, Pose};
-
 use crate::error::{DataError, Problem, excerpt};
-use crate::half_circle;
-use crate::lines::{Clock, Field, LineReader, TextLine};
-use crate::quantity::{ANGLE, POSITION};
+use crate::lines::{Field, LineClock, LineReader, TextLine};
 use crate::recording::{Recording, ScanRecord, SensorPose, StampedPose};
 
-/// Ranges that count as returns \[m\]. Without a return the laser reports 81.9 m; values from 50 m to that are beyond its
-/// rated range.
-const RETURNS: Range<f64> = f64::MIN_POSITIVE..50.0;
+use scan_line::{MapFromBody, ScanLine, pose};
 
-/// Number of columns of a `FLASER` line that are not ranges.
-const FLASER_OTHERS: usize = 11;
+/// Stamps nearer to 0 than this are from uninitialized memory \[s\].
+const UNSET: f64 = 1e-3;
 
 /// Reads a log, plain or compressed.
 ///
@@ -50,25 +55,39 @@ pub fn read(path: &Path) -> Result<Recording<StampedPose>, DataError> {
 /// Parses the lines of a log.
 ///
 /// # Errors
-/// A malformed line, with its number, or a log without scans.
+/// A malformed line, with its number, or a log without scans. A log without odometry is valid, for example for mapping.
 pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedPose>, DataError> {
     let mut log = Log::default();
     while let Some(line) = lines.next_record()? {
         let columns = line.all_columns();
         match columns.split_first() {
-            Some((name, values)) if name.text() == b"FLASER" => log.flaser(line, values)?,
-            Some((name, _)) if name.text() == b"ODOM" => log.odom(line)?,
+            Some((name, values)) if name.text() == b"FLASER" => {
+                log.scan(ScanLine::from_flaser(line, values)?)?;
+            }
+            Some((name, values)) if name.text() == b"ROBOTLASER1" => {
+                log.scan(ScanLine::from_laser1(line, values, true)?)?;
+            }
+            Some((name, values)) if name.text() == b"RAWLASER1" => {
+                log.scan(ScanLine::from_laser1(line, values, false)?)?;
+            }
+            Some((name, values)) if name.text() == b"ODOM" => log.odom(line, values)?,
             Some((name, _)) if is_message_name(name.text()) => {}
             _ => {
                 let found = excerpt(line.text());
-                return Err(line.error(Problem::UnknownRecord { found, expected: "FLASER, ODOM, PARAM, …" }));
+                let expected = "FLASER, ROBOTLASER1, RAWLASER1, ODOM, PARAM, …";
+                return Err(line.error(Problem::UnknownRecord { found, expected }));
             }
         }
     }
     if log.recording.scans.is_empty() {
-        return Err(lines.error(Problem::Empty { what: "FLASER lines" }));
+        let what = if log.recording.odometry.is_empty() {
+            "odometry (ODOM lines) and no scans (FLASER, ROBOTLASER1 or RAWLASER1 lines)"
+        } else {
+            "scans (FLASER, ROBOTLASER1 or RAWLASER1 lines)"
+        };
+        return Err(lines.error(Problem::Empty { what }));
     }
-    Ok(log.recording)
+    Ok(log.finish())
 }
 
 /// Returns whether `word` is a CARMEN message name: upper-case letters, digits and dashes.
@@ -78,52 +97,34 @@ fn is_message_name(word: &[u8]) -> bool {
 }
 
 /// The recording so far, with the state for concatenating odometry.
+#[derive(Default)]
 struct Log {
     recording: Recording<StampedPose>,
-    odometry_clock: Clock,
-    scan_clock: Clock,
+    /// Reference pose of each scan; `None` of a `RAWLASER1` line without one.
+    poses: Vec<Option<MapFromBody>>,
+    odometry_clock: LineClock,
+    scan_clock: LineClock,
     /// Pose of the previous `ODOM` line.
     previous: Option<MapFromBody>,
     /// That pose in raw odometry.
     raw: Option<MapFromBody>,
-    /// Corrected pose of a `FLASER` line, until the following `ODOM` line is read.
-    corrected: Option<MapFromBody>,
-}
-
-/// A pose of the log. Its frame is the map for corrected poses; for raw poses it drifts from the map.
-type MapFromBody = Pose<Map, Body, f64>;
-
-impl Default for Log {
-    fn default() -> Self {
-        let recording = Recording { odometry: Vec::new(), scans: Vec::new(), reference: Vec::new() };
-        let (odometry_clock, scan_clock) = (Clock::default(), Clock::default());
-        Self { recording, odometry_clock, scan_clock, previous: None, raw: None, corrected: None }
-    }
+    /// Stamp of a scan line, until the following `ODOM` line is read.
+    awaited: Option<f64>,
 }
 
 impl Log {
-    fn flaser(&mut self, line: TextLine<'_>, values: &[Field<'_>]) -> Result<(), DataError> {
-        let Some((count, values)) = values.split_first() else {
-            return Err(too_few(line, 1));
-        };
-        let declared: u64 = count.whole("number of ranges")?;
-        let found = (2 + values.len()).checked_sub(FLASER_OTHERS);
-        let found = found.ok_or_else(|| too_few(line, 2 + values.len()))?;
-        if declared != found as u64 {
-            return Err(line.error(Problem::Count { what: "ranges", declared, found: found as u64 }));
+    fn scan(&mut self, scan: ScanLine<'_>) -> Result<(), DataError> {
+        let ScanLine { ranges, angles: (angle_min, angle_increment), pose, time } = scan;
+        self.awaited = Some(time.finite("time")?);
+        if let (Some(last), Some(last_pose)) = (self.recording.scans.last(), self.poses.last_mut())
+            && (last_pose.is_none() || pose.is_none())
+            && last.odometry_before == self.recording.odometry.len()
+            && last.ranges == ranges
+        {
+            *last_pose = last_pose.or(pose);
+            return Ok(());
         }
-        if found == 0 {
-            return Err(line.error(Problem::Empty { what: "ranges" }));
-        }
-        let (ranges, rest) = values.split_at(found);
-        let [x, y, heading, .., time, _host, _log_time] = rest else {
-            return Err(too_few(line, 2 + values.len()));
-        };
-        let time = self.scan_clock.stamp(*time, 1.0)?;
-        let ranges = ranges.iter().map(|range| range.laser_range(1.0, &RETURNS)).collect::<Result<_, _>>()?;
-        let corrected = place(x, y, heading)?;
-        let (angle_min, angle_increment) = half_circle::beams(found);
-        self.recording.reference.push(stamped(time, corrected));
+        let time = self.scan_clock.stamp(Some(time), &mut self.recording.irregular)?;
         self.recording.scans.push(ScanRecord {
             time,
             angle_min,
@@ -133,15 +134,18 @@ impl Log {
             odometry: self.raw.map(|raw| stamped(time, raw)),
             odometry_before: self.recording.odometry.len(),
         });
-        self.corrected = Some(corrected);
+        self.poses.push(pose);
         Ok(())
     }
 
-    fn odom(&mut self, line: TextLine<'_>) -> Result<(), DataError> {
-        let [_name, x, y, heading, _v, _w, _a, time, _host, _log_time] =
-            line.split("ODOM, x, y, heading, v, w, acceleration, time, host, log time")?;
-        let here = place(&x, &y, &heading)?;
-        if self.corrected.take() == Some(here) {
+    fn odom(&mut self, line: TextLine<'_>, values: &[Field<'_>]) -> Result<(), DataError> {
+        let [x, y, heading, ..] = values else {
+            let layout = "ODOM, x, y, heading, …, time, host, log time";
+            return Err(line.error(Problem::Columns { expected: 4, found: 1 + values.len(), layout }));
+        };
+        let here = pose(x, y, heading)?;
+        let time = stamp_column(values);
+        if self.is_reset(here, time)? {
             self.previous = Some(here);
             self.raw.get_or_insert(here);
             return Ok(());
@@ -150,21 +154,57 @@ impl Log {
             (Some(raw), Some(previous)) => raw * (previous.inverse() * here),
             _ => here,
         };
-        let time = self.odometry_clock.stamp(time, 1.0)?;
+        let time = self.odometry_clock.stamp(time, &mut self.recording.irregular)?;
         self.recording.odometry.push(stamped(time, raw));
         (self.previous, self.raw) = (Some(here), Some(raw));
         Ok(())
     }
+
+    /// Whether an `ODOM` line right after a scan only repeats the corrected pose; the pose of a scan without one is set to it.
+    fn is_reset(&mut self, here: MapFromBody, time: Option<Field<'_>>) -> Result<bool, DataError> {
+        let (Some(scanned), Some(pose)) = (self.awaited.take(), self.poses.last_mut()) else {
+            return Ok(false);
+        };
+        if pose.is_some() {
+            return Ok(*pose == Some(here));
+        }
+        let Some(time) = time else { return Ok(false) };
+        let time = time.finite("time")?;
+        let is_reset = time < scanned || (time.abs() < UNSET && scanned.abs() >= UNSET);
+        if is_reset {
+            *pose = Some(here);
+        }
+        Ok(is_reset)
+    }
+
+    /// Leaves out scans without a reference if others have one.
+    fn finish(self) -> Recording<StampedPose> {
+        let Self { mut recording, poses, .. } = self;
+        if poses.iter().all(Option::is_none) {
+            return recording;
+        }
+        let scans = std::mem::take(&mut recording.scans);
+        for (scan, pose) in scans.into_iter().zip(poses) {
+            let Some(pose) = pose else {
+                *recording.irregular.entry("scan_without_reference").or_default() += 1;
+                continue;
+            };
+            recording.reference.push(stamped(scan.time, pose));
+            recording.scans.push(scan);
+        }
+        recording
+    }
 }
 
-fn too_few(line: TextLine<'_>, found: usize) -> DataError {
-    let layout = "FLASER, number of ranges, ranges, x, y, heading, x, y, heading, time, host, log time";
-    line.error(Problem::Columns { expected: FLASER_OTHERS + 1, found, layout })
-}
-
-fn place(x: &Field<'_>, y: &Field<'_>, heading: &Field<'_>) -> Result<MapFromBody, DataError> {
-    let heading = Angle::from_radians(heading.read("heading", &ANGLE)?);
-    Ok(Pose::new(x.read("x", &POSITION)?, y.read("y", &POSITION)?, heading))
+/// Returns the column of the stamp: the one before the host, which is the last column that is not a number, or else the
+/// seventh value; `None` without stamp.
+fn stamp_column<'l>(values: &[Field<'l>]) -> Option<Field<'l>> {
+    let others = values.get(3..)?;
+    let is_number = |column: &Field<'_>| fast_float2::parse::<f64, _>(column.text()).is_ok();
+    match others.iter().rposition(|column| !is_number(column)) {
+        Some(host) => others.get(host.checked_sub(1)?).copied(),
+        None => others.get(3).copied(),
+    }
 }
 
 fn stamped(time: f64, place: MapFromBody) -> StampedPose {

@@ -3,12 +3,13 @@
 //! Memory is bounded: one line is held at a time. A line has at most [`MAX_LINE_BYTES`] bytes, a text at most
 //! [`MAX_TEXT_BYTES`] bytes after decompression, so that neither binary files nor gzip bombs exhaust the memory.
 
+use std::collections::BTreeMap;
 use std::io::{BufRead, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{DataError, Problem, excerpt};
-use crate::quantity::{Quantity, RANGE, TIME};
+use crate::quantity::{Quantity, RANGE, SIGNED_TIME, TIME};
 use crate::source::Source;
 
 /// Maximum length of a line \[bytes\], enough for a scan of 100 000 ranges.
@@ -256,6 +257,56 @@ impl Clock {
             }
             _ => Ok(found),
         }
+    }
+}
+
+/// Converts stamps to times that do not decrease, where the order of the lines counts.
+///
+/// A single stamp that steps back, or an absent one, takes the time of the record before it. Where the stamps stay back, the
+/// clock was set back: it continues from there. Such stamps, and those below 0, are counted.
+#[derive(Debug, Default)]
+pub(crate) struct LineClock {
+    /// Time of the last record \[s\].
+    time: Option<f64>,
+    /// Added to the stamps \[s\].
+    offset: f64,
+    /// Stamp of the last record, if it stepped back.
+    stepped_back: Option<f64>,
+}
+
+impl LineClock {
+    /// Returns the time of a record with the stamp in `column`; counts what is irregular.
+    pub(crate) fn stamp(
+        &mut self,
+        column: Option<Field<'_>>,
+        irregular: &mut BTreeMap<&'static str, u32>,
+    ) -> Result<f64, DataError> {
+        let mut count = |what| *irregular.entry(what).or_default() += 1;
+        let Some(column) = column else {
+            count("stamp_absent");
+            return Ok(*self.time.get_or_insert(0.0));
+        };
+        let found = column.read("time", &SIGNED_TIME)?;
+        if found < 0.0 {
+            count("stamp_below_zero");
+        }
+        let last = self.time.unwrap_or(f64::NEG_INFINITY);
+        let before = self.stepped_back.take();
+        let mut time = found + self.offset;
+        if time < last {
+            match before {
+                Some(before) if found >= before => {
+                    self.offset = last - before;
+                    time = found + self.offset;
+                }
+                _ => {
+                    count("stamp_stepped_back");
+                    (self.stepped_back, time) = (Some(found), last);
+                }
+            }
+        }
+        self.time = Some(time);
+        Ok(time)
     }
 }
 

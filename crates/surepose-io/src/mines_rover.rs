@@ -65,7 +65,7 @@ pub fn read(path: &Path) -> Result<Recording<StampedTicks>, DataError> {
 /// # Errors
 /// A malformed line, with its number, or a recording without lines.
 pub fn parse(mut lines: LineReader<'_>) -> Result<Recording<StampedTicks>, DataError> {
-    let mut recording = Recording { odometry: Vec::new(), scans: Vec::new(), reference: Vec::new() };
+    let mut recording = Recording::default();
     let mut clock = Clock::default();
     while let Some(line) = lines.next_record()? {
         let columns = line.all_columns();

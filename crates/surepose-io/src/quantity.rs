@@ -15,6 +15,8 @@ pub(crate) struct Quantity {
 
 /// Time stamps, from 0 to the year 2286, where an `f64` still resolves 2 µs.
 pub(crate) const TIME: Quantity = Quantity { unit: "s", min: 0.0, max: 1e10 };
+/// Time stamps of a logger whose clock may begin below 0.
+pub(crate) const SIGNED_TIME: Quantity = Quantity { unit: "s", min: -1e10, max: 1e10 };
 /// Map coordinates; UTM northings reach 10⁷ m.
 pub(crate) const POSITION: Quantity = Quantity { unit: "m", min: -1e8, max: 1e8 };
 /// Headings, possibly unwrapped, up to 10⁵ turns.

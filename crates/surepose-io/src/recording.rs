@@ -4,6 +4,8 @@
 //! returns (see [`ScanRecord::ranges`]). Headings are as recorded and not always normalized. Stamps are as recorded: they
 //! do not decrease within a list, and their origin depends on the recording.
 
+use std::collections::BTreeMap;
+
 use surepose::geometry::{Angle, Body, Laser, Pose};
 
 /// Recording of a robot with a laser: odometry of type `O`, scans, and reference poses if there are any.
@@ -15,6 +17,14 @@ pub struct Recording<O> {
     pub scans: Vec<ScanRecord>,
     /// Reference poses, by time; empty if the recording has none.
     pub reference: Vec<StampedPose>,
+    /// Number of records with an irregular stamp or without use, by kind; empty if there are none.
+    pub irregular: BTreeMap<&'static str, u32>,
+}
+
+impl<O> Default for Recording<O> {
+    fn default() -> Self {
+        Self { odometry: Vec::new(), scans: Vec::new(), reference: Vec::new(), irregular: BTreeMap::new() }
+    }
 }
 
 /// A pose with a time stamp.

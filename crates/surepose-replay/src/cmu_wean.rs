@@ -109,6 +109,7 @@ pub fn replay(
                 grid_localizer.reset();
                 found_trajectory.clear();
                 trajectory.fill(None);
+                report.track.points.clear();
                 (replay, overlap) = (None, ScanOverlap::default());
             }
         }
@@ -116,7 +117,9 @@ pub fn replay(
             let seen = replay.correct(stamp, scan);
             overlap.add(&seen);
             report.skip(seen.skip_reason());
-            replay.localizer.estimator().belief().pose
+            let belief = replay.localizer.estimator().belief();
+            report.track.add(scan.time, &belief, None, true);
+            belief.pose
         }));
     }
     report.beams_on_walls = overlap.mean();

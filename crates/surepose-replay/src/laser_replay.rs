@@ -1,22 +1,33 @@
 //! Laser replay shared by all formats: odometry predicts, scan matching corrects.
 
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, MeasurementOutcome, WheelOdometry};
-use surepose::geometry::{Angle, Body, Map, Pose};
+use surepose::geometry::{Angle, Body, Map, Point, Pose};
 use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
 use surepose::lidar::{
     BeamMatch, BeamModelMatcher, BeamStats, LaserGeometry, RangeFinder, Scan, ScanEvent, ScanModel,
     ScanProcessor,
 };
-use surepose::localization::{Localizer, LoopObserver, Odometry, SensorInput, SensorReading};
+use surepose::localization::{
+    AcceptanceCriteria, LocalSearch, Localizer, LoopObserver, MonitorConfig, Odometry, SensorInput,
+    SensorReading,
+};
 use surepose::map::{MapView, Wall};
 use surepose::param;
+use surepose::safety::SupervisorConfig;
 use surepose::time::{Stamp, Stamped};
 use surepose_config::{Config, beam_model};
+use surepose_io::owned_map::OwnedMap;
 use surepose_io::recording::{self, laser_extrinsics};
 
 /// Standard deviations of x \[m], y \[m] and θ \[rad] of the error common to all beams of a scan: twice those of a robot.
 /// The errors of a map extracted from a log are correlated with those of its scans.
 const SCAN_STD: [f64; 3] = [0.12, 0.12, 1.2_f64.to_radians()];
+
+/// Normalized innovation squared of a consistent scan: the quantile 99 % of χ² with 3 degrees of freedom.
+const CONSISTENT_NIS: f64 = 11.34;
+
+/// Largest factor on the variance of odometry.
+const MAX_NOISE_FACTOR: f64 = 64.0;
 
 /// Maximum number of beams of a scan.
 const MAX_BEAMS: usize = 2048;
@@ -114,12 +125,32 @@ pub(super) fn scan_view(scan: &recording::ScanRecord) -> Scan<'_, f64> {
     Scan::new(Angle::from_radians(scan.angle_min), scan.angle_increment, &scan.ranges).with_geometry(geometry)
 }
 
+/// Returns the ends of some beams of a scan taken at `pose` \[m].
+pub(super) fn beam_ends(scan: &recording::ScanRecord, pose: Pose<Map, Body, f64>) -> Vec<(f64, f64)> {
+    let map_from_laser = pose * laser_extrinsics(scan.mount);
+    let returns =
+        scan.ranges.iter().enumerate().step_by(DRAWN_BEAMS).filter(|(_, range)| **range < MAX_RANGE);
+    let end = |(number, range): (usize, &f64)| {
+        let (sin, cos) = scan.angle(number).sin_cos();
+        let end = map_from_laser * Point::new(range * cos, range * sin);
+        (end.x, end.y)
+    };
+    returns.map(end).collect()
+}
+
+/// Every beam of this number is drawn.
+const DRAWN_BEAMS: usize = 4;
+
 /// Estimator of a robot with a laser among known walls.
 #[derive(Debug)]
 pub(super) struct LaserReplay {
     pub(super) localizer: Box<Localizer<f64, 64, MAX_BEAMS>>,
     settings: LaserReplaySettings,
     walls: Vec<Wall<f64>>,
+    /// Map of the global search; `None` without supervision.
+    map: Option<OwnedMap>,
+    /// Factor on the variance of odometry.
+    noise_factor: f64,
 }
 
 /// Result of processing a scan.
@@ -187,7 +218,22 @@ impl LaserReplay {
         // Each scan brings the mounting of its laser.
         let laser = settings.laser(recording::SensorPose::default());
         let scan_processor = ScanProcessor::new(laser, ScanModel::BeamModel(settings.beam_model));
-        Self { localizer: Box::new(Localizer::unsupervised(estimator, scan_processor)), settings, walls }
+        let localizer = Box::new(Localizer::unsupervised(estimator, scan_processor));
+        Self { localizer, settings, walls, map: None, noise_factor: 1.0 }
+    }
+
+    /// Starts at `pose` at `stamp`, supervised and with relocalization, for scans about a meter apart.
+    pub(super) fn supervised(
+        walls: Vec<Wall<f64>>,
+        settings: LaserReplaySettings,
+        stamp: Stamp,
+        pose: Pose<Map, Body, f64>,
+    ) -> Self {
+        let Self { localizer, settings, walls, .. } = Self::new(walls, settings, stamp, pose);
+        let (estimator, scan_processor) = (*localizer.estimator(), localizer.scan_processor().clone());
+        let map = Some(OwnedMap::from_walls(walls.clone()));
+        let localizer = Localizer::new(estimator, scan_processor, sparse_monitor(&settings));
+        Self { localizer: Box::new(localizer), settings, walls, map, noise_factor: 1.0 }
     }
 
     /// Replaces the map.
@@ -198,9 +244,56 @@ impl LaserReplay {
     /// Predicts by `motion` until `stamp`.
     pub(super) fn predict(&mut self, stamp: Stamp, motion: Motion<f64>) {
         // The report includes rejections from the estimator's statistics.
-        let travel = self.settings.wheel_odometry(motion);
+        self.roll(stamp, self.settings.wheel_odometry(motion));
+    }
+
+    fn roll(&mut self, stamp: Stamp, mut travel: WheelOdometry<f64>) {
+        travel.variance = travel.variance.scaled(self.noise_factor);
         let input = SensorInput { stamp, odometry: Odometry::WithVariance(travel), readings: &[] };
         self.localizer.update(&input, travel, &MapView::empty(), &mut ());
+    }
+
+    /// Predicts by `motion` over a gap, in whose time the robot may have moved by `unseen` in addition.
+    pub(super) fn predict_over_gap(&mut self, stamp: Stamp, motion: Motion<f64>, unseen: Motion<f64>) {
+        let mut travel = self.settings.wheel_odometry(motion);
+        let additional = self.settings.wheel_odometry(unseen).variance;
+        travel.variance =
+            WheelPair::new(travel.variance.right + additional.right, travel.variance.left + additional.left);
+        self.roll(stamp, travel);
+    }
+
+    /// Beam model of the next scan.
+    pub(super) fn beam_model(&self) -> BeamModelMatcher<f64> {
+        self.settings.beam_model
+    }
+
+    /// Walls of the map.
+    pub(super) fn walls(&self) -> &[Wall<f64>] {
+        &self.walls
+    }
+
+    /// Adapts the odometry noise to the innovation of a scan, within [`MAX_NOISE_FACTOR`].
+    ///
+    /// An innovation beyond the 99 % quantile of χ² with 3 degrees of freedom, or a contradicting scan, doubles the standard
+    /// deviation; a consistent one reduces it again.
+    pub(super) fn adapt_odometry_noise(&mut self, seen: &ScanOutcome) {
+        let is_consistent = match seen {
+            ScanOutcome::Evaluated(MeasurementOutcome::Accepted { nis }, _) => *nis < CONSISTENT_NIS,
+            _ => false,
+        };
+        let change = if is_consistent { 0.7 } else { 4.0 };
+        self.noise_factor = (self.noise_factor * change).clamp(1.0, MAX_NOISE_FACTOR);
+    }
+
+    /// Predicts by `motion` of one record until `stamp`, of which a part with the standard deviation `timing_std` belongs to
+    /// the other side of a scan.
+    pub(super) fn predict_with_timing(&mut self, stamp: Stamp, motion: Motion<f64>, timing_std: f64) {
+        let mut travel = self.settings.wheel_odometry(motion);
+        let moved = [motion.length, motion.turn * self.settings.wheel_separation * 0.5];
+        // The length is the mean of both rims, the turn their difference.
+        let variance = moved.iter().map(|moved| 2.0 * (moved * timing_std).powi(2)).sum::<f64>();
+        travel.variance = WheelPair::new(travel.variance.right + variance, travel.variance.left + variance);
+        self.roll(stamp, travel);
     }
 
     /// Corrects the belief by a scan taken at `stamp`.
@@ -209,7 +302,7 @@ impl LaserReplay {
         let mut last_scan = LastScan::default();
         self.localizer.process(
             &Stamped::new(stamp, SensorReading::Scan(scan_view(scan))),
-            &MapView::from_walls(&self.walls),
+            &self.map.as_ref().map_or_else(|| MapView::from_walls(&self.walls), OwnedMap::view),
             &mut last_scan,
         );
         match (last_scan.beam_match, last_scan.outcome) {
@@ -219,6 +312,36 @@ impl LaserReplay {
             (Some(BeamMatch { stats, .. }), Some(outcome)) => ScanOutcome::Evaluated(outcome, stats),
             (Some(_), None) => ScanOutcome::LowOverlap,
         }
+    }
+}
+
+/// Largest mean of the normalized innovation squared per row, of a map extracted from a log.
+const MAX_MEAN_NIS: f64 = 20.0;
+
+/// Monitor for scans that are seconds and about a meter apart, where the clock may count records instead of seconds.
+///
+/// Two scans against the map make the robot lost, and two explained by one pose alone find it again, because each shows another
+/// part of the map. Time-outs are off.
+fn sparse_monitor(settings: &LaserReplaySettings) -> MonitorConfig<f64> {
+    let scan_std = settings.beam_model.scan_std;
+    MonitorConfig {
+        supervisor: SupervisorConfig {
+            odometry_timeout: f64::INFINITY,
+            aiding_timeout: f64::INFINITY,
+            max_wheel_rate_error: f64::INFINITY,
+            slow_std: f64::INFINITY,
+            stop_std: f64::INFINITY,
+            min_hit_ratio: settings.beam_model.min_hit_ratio,
+            max_behind_wall_ratio: 0.5,
+            max_mean_nis: MAX_MEAN_NIS,
+            max_scan_excess: 2,
+            max_outlier_excess: 2,
+            ..SupervisorConfig::default()
+        },
+        acceptance: AcceptanceCriteria { min_scans: 2, min_rotation: 0.0, ..AcceptanceCriteria::default() },
+        local_search: LocalSearch::from_scan_std(scan_std),
+        relocalization_std: scan_std,
+        local_search_interval: 0.0,
     }
 }
 

@@ -13,8 +13,10 @@ pub mod mrclam;
 mod odometry;
 mod reference;
 mod report;
+mod track;
 
 pub use building_map::BuildingMap;
 pub use laser_replay::LaserReplaySettings;
 pub use reference::Reference;
 pub use report::{ReplayError, ReplayReport};
+pub use track::{AbsolutePoseError, RelativePoseError, Track, TrackPoint};

@@ -72,7 +72,9 @@ pub fn replay_log(
             overlap.add(&seen);
             report.skip(seen.skip_reason());
         }
-        let pose = replay.localizer.estimator().belief().pose;
+        let belief = replay.localizer.estimator().belief();
+        report.track.add(scan.time, &belief, None, true);
+        let pose = belief.pose;
         way.push(pose);
         dead_reckoning.push(dead);
         let is_new = views.last().is_none_or(|(_, at)| {

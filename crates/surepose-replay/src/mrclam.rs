@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Measurement, WheelOdometry};
-use surepose::geometry::Point;
+use surepose::geometry::{Body, Map, Point, Pose};
 use surepose::kinematics::{DiffDrive, Integration, Motion, Twist, WheelPair};
 use surepose::lidar::ScanProcessor;
 use surepose::localization::{Localizer, Odometry, SensorInput, SensorReading};
@@ -20,6 +20,7 @@ use surepose_sim::ErrorAccumulator;
 
 use super::reference::Reference;
 use super::report::{ReplayError, ReplayReport};
+use super::track::Track;
 
 pub use camera::Camera;
 pub use response::Response;
@@ -44,6 +45,8 @@ pub struct MrclamSettings {
     pub gate_probability: f64,
     /// Maximum age of a late observation \[s].
     pub history: f64,
+    /// Start pose; `None` for the reference pose.
+    pub start: Option<Pose<Map, Body, f64>>,
     /// Standard deviations of the reference pose at the start: x \[m], y \[m], θ \[rad].
     pub start_std: [f64; 3],
 }
@@ -58,6 +61,7 @@ impl Default for MrclamSettings {
             camera: Camera::default(),
             gate_probability: 0.999_999,
             history: 0.5,
+            start: None,
             start_std: [0.01, 0.01, 1.0_f64.to_radians()],
         }
     }
@@ -86,14 +90,17 @@ pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayRep
     let reference = Reference::new(&log.reference);
     let dead_time = settings.response.dead_time;
     let starts = |command: &StampedTwist| reference.at(command.time + dead_time).is_some();
-    let first = log.odometry.iter().position(starts).ok_or(ReplayError::NoStart)?;
+    let first = match settings.start {
+        Some(_) => 0,
+        None => log.odometry.iter().position(starts).ok_or(ReplayError::NoStart)?,
+    };
     let commands = log.odometry.get(first..).unwrap_or_default();
     let (Some(begin), Some(end)) = (commands.first(), commands.last()) else {
         return Err(ReplayError::NoStart);
     };
 
     let mut replay = Replay::start(log, settings, &reference, begin).ok_or(ReplayError::NoStart)?;
-    let mut score = ErrorAccumulator::default();
+    let mut track = Track::default();
     let mut sightings = log.sightings.iter().peekable();
     for command in commands {
         let effective = command.time + dead_time;
@@ -102,11 +109,7 @@ pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayRep
         }
         replay.advance(effective);
         replay.command = twist(command);
-        if let Some(truth) = reference.at(effective) {
-            let belief = replay.localizer.estimator().belief();
-            score.add(belief.error(truth));
-            score.add_nees(belief.nees(truth));
-        }
+        track.add(effective, &replay.localizer.estimator().belief(), reference.at(effective), true);
     }
     for sighting in sightings {
         replay.correct(sighting);
@@ -116,12 +119,15 @@ pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayRep
     report.steps = commands.len() as u64;
     report.duration_s = end.time - begin.time;
     report.distance_m = reference.distance(begin.time, end.time);
-    report.set_filter_errors(score.summary());
+    report.set_track(track, reference.interval());
     report.set_odometry_errors(dead_reckoning(commands, &reference).summary());
     report.count(replay.localizer.estimator().measurement_stats());
     report.wall_s = begun.elapsed().as_secs_f64();
     Ok(report)
 }
+
+/// Standard deviations of a start pose from the user: x \[m], y \[m], θ \[rad].
+const PICKED_START_STD: [f64; 3] = [0.1, 0.1, 0.1];
 
 /// State of a replay.
 struct Replay<'a> {
@@ -142,7 +148,10 @@ impl<'a> Replay<'a> {
         begin: &StampedTwist,
     ) -> Option<Self> {
         let time = begin.time + settings.response.dead_time;
-        let belief = Belief::new(reference.at(time)?, settings.start_std);
+        let belief = match settings.start {
+            Some(start) => Belief::new(start, PICKED_START_STD),
+            None => Belief::new(reference.at(time)?, settings.start_std),
+        };
         // Rim travel is derived from commands, so neither the wheel radius nor δ has an effect.
         let drive = DiffDrive::new(1.0, settings.wheel_separation);
         let ekf = Ekf { drive, delta: 0.0, integration: Integration::Arc };

@@ -9,6 +9,7 @@ use surepose_io::DataError;
 use surepose_sim::ErrorSummary;
 
 use super::grid_localizer::ConsistencyShares;
+use super::track::{AbsolutePoseError, RelativePoseError, Track};
 
 /// Figures of one replay; those that need a reference are `None` for recordings without one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -43,6 +44,15 @@ pub struct ReplayReport {
     /// Root mean square heading error of the recorded odometry alone \[°].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dead_reckoning_heading_rmse_deg: Option<f64>,
+    /// Absolute pose error of the judged estimates, without alignment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ape: Option<AbsolutePoseError>,
+    /// Relative pose error of the judged estimates over one meter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rpe: Option<RelativePoseError>,
+    /// Fraction of the recording in which the estimate could be judged; `None` without reference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub judged_share: Option<f64>,
     /// Fraction of the returns on walls of the map, mean over scans.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beams_on_walls: Option<f64>,
@@ -74,12 +84,24 @@ pub struct ReplayReport {
     /// Fraction of the observed surface where the map allows no observation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beyond_walls: Option<f64>,
+    /// Delay of a scan's record in the log, in odometry records, and its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan_lag_records: Option<f64>,
+    /// Standard error of the delay, in odometry records.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan_lag_std_records: Option<f64>,
+    /// Number of poses found by a search around an estimate that a scan contradicted; `None` without any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relocalizations: Option<u32>,
     /// Measurements that corrected the estimate.
     pub accepted: u32,
     /// Measurements that the filter rejected, by reason.
     pub rejected: BTreeMap<&'static str, u32>,
     /// Records that did not reach the filter, by kind.
     pub skipped: BTreeMap<&'static str, u32>,
+    /// Estimated trajectory, for files and pictures.
+    #[serde(skip)]
+    pub track: Track,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
@@ -144,6 +166,12 @@ pub enum ReplayError {
     /// The recording cannot be read or is malformed.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// No odometry.
+    #[error("recording: no odometry (no ODOM lines); replay a log with odometry")]
+    NoOdometry,
+    /// No map, and no reference poses to make one.
+    #[error("recording: no reference poses, from which a map is made; give a map with --map")]
+    NoMap,
     /// No pose to start from.
     #[error(
         "recording: no reference pose at the time of any odometry record, start unknown; check the stamps of odometry and reference"

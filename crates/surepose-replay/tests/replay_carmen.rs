@@ -23,14 +23,16 @@ fn log(name: &str) -> Option<Recording<StampedPose>> {
 /// others, from its reference pose, differs from the reference by 0.033 m and 0.27° in the first log and
 /// 0.023 m and 0.29° in the second. This is the accuracy of the reference.
 const MEASURED: [(&str, f64, f64, u32); 2] =
-    [("freiburg-101", 0.042, 0.33, 146), ("belgioioso", 0.042, 0.42, 197)];
+    [("freiburg-101", 0.041, 0.33, 146), ("belgioioso", 0.036, 0.40, 197)];
 
 fn assert_followed(name: &str, report: &ReplayReport, position: f64, heading: f64, scans: u32) {
     println!("{name}: {report:?}");
     assert!(report.position_rmse_m.is_some_and(|rmse| rmse <= position), "{name}");
     assert!(report.heading_rmse_deg.is_some_and(|rmse| rmse <= heading), "{name}");
     assert!(report.nees_mean.is_some_and(|nees| (2.0..4.0).contains(&nees)), "{name}");
-    assert_eq!(report.accepted, scans, "{name}");
+    // A scan that contradicted the map at first is matched twice.
+    assert!((scans..=scans + 2).contains(&report.accepted), "{name}");
+    assert!(report.judged_share.is_some_and(|share| share > 0.97), "{name}");
 }
 
 #[test]
@@ -84,7 +86,7 @@ fn a_map_from_all_scans_explains_them() {
     assert!(mapped.report.residual_rms_m.is_some_and(|rms| rms < 0.024));
     let report = replay_log(&log, Some(&mapped.map), &CarmenSettings::default(), &CancelToken::default())
         .expect("a log with scans");
-    assert_eq!(report.accepted, 291, "with its own map every scan but the first is accepted");
+    assert!(report.accepted >= 291, "with its own map every scan but the first is accepted");
 }
 
 #[test]

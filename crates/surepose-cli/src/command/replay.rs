@@ -1,5 +1,8 @@
 //! `surepose replay`: runs the estimator on a recording and compares it with the reference.
 
+mod track;
+mod verdict;
+
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -22,19 +25,21 @@ use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, PoseArg, names_of, whole};
 use crate::{interrupt, progress};
 
+use track::write_track;
+
 /// Run the estimator on a recording and compare the estimate with the reference of the recording
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose replay mrclam MRCLAM_Dataset7 --robot 3
-  surepose replay carmen freiburg-101-corrected.log.gz
+  surepose replay carmen freiburg-101-corrected.log.gz --out freiburg
   surepose replay wean robotdata1.log.gz --map wean.dat.gz --start 40,41.4,-96 --out pictures
   surepose replay wean robotdata1.log.gz --map wean.dat.gz
   surepose replay ticks exp1.dat.gz
   surepose replay mcap rosbag2/drive_0.mcap --map building.toml --compass --remap truth:=/mocap/pose
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
 
-Exit codes: 0 done; 1 the estimate is inconsistent, or nothing could be evaluated: the robot was not localized, the \
-recording has no odometry step, or no measurement was accepted; 2 usage or configuration error; 3 recording or map \
+Exit codes: 0 done; 1 the estimate is inconsistent (NEES mean above 10 or median above 6), less than 20 % of the recording \
+could be judged, the robot was not localized, the recording has no odometry step, or no measurement was accepted; 2 usage or configuration error; 3 recording or map \
 unreadable or malformed; 130 interrupted (carmen, ticks and wean: the part replayed until then is evaluated).")]
 pub(crate) struct ReplayCommand {
     /// The format of the recording
@@ -44,7 +49,7 @@ pub(crate) struct ReplayCommand {
     /// A wall map (.toml), or an occupancy grid from which walls are extracted (.yaml, or the grid of Wean Hall); without it, `carmen` builds a map from every second scan and is evaluated on the others
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// The start pose, in meters, meters and degrees, for formats without one; without it, `wean` localizes globally and exits with 1 while several poses are possible
+    /// The start pose, in meters, meters and degrees, for recordings without reference, or to replace it; without it, `wean` localizes globally and exits with 1 while several poses are possible
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     start: Option<PoseArg>,
     /// Use the absolute heading of the topic imu (mcap only)
@@ -59,7 +64,7 @@ pub(crate) struct ReplayCommand {
     /// The number of the robot (mrclam only); default 1
     #[arg(long, value_parser = whole(0..=u32::MAX), allow_negative_numbers = true)]
     robot: Option<u32>,
-    /// A directory for a plot of the scans and the trajectory on the map (wean only)
+    /// A directory for the trajectory (TUM and CSV, with errors and NEES over time) and pictures of it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -83,18 +88,23 @@ enum Format {
 impl ReplayCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         self.check()?;
+        let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
         let report = match self.format {
             Format::Mrclam => {
                 let config = self.config.over(mrclam::MrclamSettings::preset())?;
-                mrclam::replay(
-                    &self.path,
-                    self.robot.unwrap_or(1),
-                    &mrclam::MrclamSettings::from_config(&config),
-                )
+                let settings = mrclam::MrclamSettings {
+                    start: self.start.map(PoseArg::pose),
+                    ..mrclam::MrclamSettings::from_config(&config)
+                };
+                mrclam::replay(&self.path, self.robot.unwrap_or(1), &settings)
             }
             Format::Carmen => {
-                let settings =
-                    carmen::CarmenSettings::from_config(&self.config.over(carmen::CarmenSettings::preset())?);
+                let settings = carmen::CarmenSettings {
+                    start: self.start.map(PoseArg::pose),
+                    ..carmen::CarmenSettings::from_config(
+                        &self.config.over(carmen::CarmenSettings::preset())?,
+                    )
+                };
                 let map = self.map.as_deref().map(walls_in).transpose()?;
                 let log = surepose_io::carmen::read(&self.path)?;
                 let replay = |cancel: &CancelToken| carmen::replay_log(&log, map.as_ref(), &settings, cancel);
@@ -106,15 +116,21 @@ impl ReplayCommand {
                 let replay = |cancel: &CancelToken| mines_rover::replay_log(&log, &settings, cancel);
                 Ok(watched(output, log.scans.len(), replay)?.report)
             }
-            Format::Wean => Ok(self.wean(output)?),
+            Format::Wean => Ok(self.wean(output, folder.as_ref())?),
             Format::Mcap => Ok(self.mcap()?),
         };
         let report = report.map_err(|error| match error {
             ReplayError::Data(error) => CliError::Data(error),
-            ReplayError::NoStart => CliError::Recording { path: self.path.clone(), what: error.to_string() },
+            ReplayError::NoStart | ReplayError::NoOdometry | ReplayError::NoMap => {
+                CliError::Recording { path: self.path.clone(), what: error.to_string() }
+            }
         })?;
         let mut json = object(&report);
         interrupt::mark(&mut json);
+        if let Some(folder) = &folder {
+            write_track(folder, &report.track)?;
+            folder.summary(&json)?;
+        }
         output.result(&json, || {
             let mut table = table(&[]);
             for row in worded(&json, &WORDS) {
@@ -128,15 +144,14 @@ impl ReplayCommand {
         if let Some(why) = skipped(&report) {
             warning(&why);
         }
-        let Some(why) = failing(&report) else { return Ok(Exit::Done) };
-        warning(why);
+        let Some(why) = verdict::failure(&report) else { return Ok(Exit::Done) };
+        warning(&why);
         Ok(Exit::Negative)
     }
 
     /// Replays a Wean Hall log, with global localization if no start pose is given, and draws the result.
-    fn wean(&self, output: Output) -> Result<ReplayReport, CliError> {
+    fn wean(&self, output: Output, folder: Option<&OutputDir>) -> Result<ReplayReport, CliError> {
         let config = self.config.over(cmu_wean::preset())?;
-        let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
         let building = match self.map.as_deref().map(read_map_file).transpose()? {
             Some(MapFile::Grid(grid)) => BuildingMap::from_grid(grid),
             Some(MapFile::Walls(map)) => BuildingMap::from_wall_map(&map),
@@ -194,11 +209,8 @@ impl ReplayCommand {
                 "--map: required for wean recordings",
                 "add --map wean.dat.gz, the occupancy grid of Wean Hall",
             ),
-            Format::Mrclam | Format::Carmen | Format::Ticks | Format::Mcap if self.out.is_some() => {
-                usage("--out: only wean recordings are drawn on a map", "leave out --out")
-            }
-            Format::Mrclam | Format::Carmen | Format::Ticks if self.start.is_some() => {
-                usage("--start: only wean and mcap recordings take a start pose", "leave out --start")
+            Format::Ticks if self.start.is_some() => {
+                usage("--start: ticks starts at the origin of its own map", "leave out --start")
             }
             Format::Mcap => Ok(()),
             _ if self.compass || self.gyroscope || !self.remap.is_empty() => usage(
@@ -221,27 +233,15 @@ fn watched<T: Send>(
     progress::attended(&bar, part, || cancel.cancel(), || replay(&cancel))
 }
 
-/// Returns why the estimate is inconsistent or cannot be evaluated; `None` if it is neither. Its errors are no reason.
-fn failing(report: &ReplayReport) -> Option<&'static str> {
-    // NEES threshold: the χ² quantile with 3 degrees of freedom for one estimate in 10⁶ is 31.
-    const SURE_OF_ITSELF: f64 = 100.0;
-    if report.steps == 0 {
-        return Some("nothing could be evaluated: the recording has no step of odometry");
-    }
-    // Several remaining hypotheses count as a failed localization.
-    if !report.hypotheses_left.is_none_or(|left| left == 1 && report.found_s.is_some()) {
-        return Some("nothing could be evaluated: the robot was not localized");
-    }
-    if report.accepted == 0 {
-        return Some("nothing could be evaluated: no measurement was accepted; the result is dead reckoning");
-    }
-    report.nees_median.is_some_and(|nees| nees > SURE_OF_ITSELF).then_some(
-        "the estimate is inconsistent (median NEES above 100); check that the map and the settings match the robot",
-    )
-}
-
 /// Returns a warning if a skipped kind of record makes up more than a tenth of the steps; else `None`.
 fn skipped(report: &ReplayReport) -> Option<String> {
+    let stamps: u32 = STAMP_KINDS.iter().filter_map(|kind| report.skipped.get(kind)).sum();
+    if stamps > 0 {
+        return Some(format!(
+            "{stamps} time stamps step back, are below 0 or are absent; the order of the lines counts, see `skipped` in the \
+             output of --json"
+        ));
+    }
     // A tenth of the steps.
     let much = report.steps / 10;
     let (why, count) = report.skipped.iter().max_by_key(|(_, count)| **count)?;
@@ -249,8 +249,11 @@ fn skipped(report: &ReplayReport) -> Option<String> {
         .then(|| format!("{count} records were skipped ({why}); see `skipped` in the output of --json"))
 }
 
+/// Irregular stamps among the skipped kinds; their records are used.
+const STAMP_KINDS: [&str; 3] = ["stamp_stepped_back", "stamp_below_zero", "stamp_absent"];
+
 /// Table labels of the keys of the report.
-const WORDS: [(&str, &str); 22] = [
+const WORDS: [(&str, &str); 28] = [
     ("steps", "odometry steps"),
     ("duration_s", "duration [s]"),
     ("distance_m", "path length [m]"),
@@ -262,6 +265,12 @@ const WORDS: [(&str, &str); 22] = [
     ("nees_median", "NEES, median (2.37 if consistent)"),
     ("dead_reckoning_position_rmse_m", "dead reckoning, position error, RMS [m]"),
     ("dead_reckoning_heading_rmse_deg", "dead reckoning, heading error, RMS [°]"),
+    ("ape", "absolute pose error"),
+    ("rpe", "relative pose error over 1 m"),
+    ("judged_share", "judged fraction of the recording"),
+    ("scan_lag_records", "lag of the scans [odometry records]"),
+    ("scan_lag_std_records", "standard error of the lag"),
+    ("relocalizations", "poses found by search"),
     ("beams_on_walls", "fraction of beams on walls"),
     ("found_s", "localized after [s]"),
     ("found_x_m", "localized at x [m]"),

@@ -36,6 +36,7 @@ impl MrclamSettings {
             },
             gate_probability: number(&param::GATE_PROBABILITY),
             history: number(&param::HISTORY),
+            start: None,
             start_std: Self::default().start_std,
         }
     }

@@ -8,8 +8,9 @@ use surepose::geometry::{Body, Map, Pose};
 use surepose::kinematics::Motion;
 use surepose::safety::Health;
 use surepose::time::Stamp;
+use surepose_config::ScanMethod;
 use surepose_io::recording::StampedPose;
-use surepose_replay::{Reference, ReplayReport};
+use surepose_replay::{Reference, ReplayReport, Track};
 use surepose_sim::ErrorAccumulator;
 
 use crate::convert::MessageError;
@@ -50,7 +51,12 @@ pub fn replay(
     let compass = settings.config.compass();
     let (has_map, hears_compass, hears_gyroscope) =
         (settings.map.is_some(), settings.compass, settings.gyroscope);
-    let mut set_filter_errors = Judge::new(&poses);
+    // Walls traced from a grid are not where the truth has them.
+    let reference_std = match (&settings.map, settings.scan_method) {
+        (Some(_), ScanMethod::Beams) => ScanMethod::Beams.map_std(),
+        _ => [0.0; 3],
+    };
+    let mut set_filter_errors = Judge::new(&poses, reference_std);
     let mut driver = NodeDriver::new(settings);
     bag.messages(|said| {
         let refused: Result<(), MessageError> = match said {
@@ -98,7 +104,7 @@ pub fn replay(
 /// Reference poses of the recording, and the errors of the estimates.
 struct Judge<'a> {
     reference: Reference<'a>,
-    score: ErrorAccumulator,
+    track: Track,
     dead_reckoning: ErrorAccumulator,
     /// Time of the first odometry, pose of its frame at the first known pose, and newest odometry.
     first: Option<Stamp>,
@@ -108,10 +114,10 @@ struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    fn new(poses: &'a [StampedPose]) -> Self {
+    fn new(poses: &'a [StampedPose], reference_std: [f64; 3]) -> Self {
         Self {
             reference: Reference::new(poses),
-            score: ErrorAccumulator::default(),
+            track: Track { reference_std, ..Track::default() },
             dead_reckoning: ErrorAccumulator::default(),
             first: None,
             map_from_odom: None,
@@ -136,16 +142,13 @@ impl<'a> Judge<'a> {
     }
 
     fn ticked(&mut self, ticked: &DriverReport, report: &mut ReplayReport) {
-        if ticked.health == Health::Lost {
+        let is_lost = ticked.health == Health::Lost;
+        let truth = self.reference.at(ticked.stamp.seconds());
+        self.track.add(ticked.stamp.seconds(), &ticked.belief, truth, !is_lost);
+        if is_lost {
             (self.was_lost, report.found_s) = (true, None);
-            return;
-        }
-        if self.was_lost && report.found_s.is_none() {
+        } else if self.was_lost && report.found_s.is_none() {
             report.found_s = self.first.map(|first| ticked.stamp.since(first));
-        }
-        if let Some(truth) = self.reference.at(ticked.stamp.seconds()) {
-            self.score.add(ticked.belief.error(truth));
-            self.score.add_nees(ticked.belief.nees(truth));
         }
     }
 
@@ -153,7 +156,7 @@ impl<'a> Judge<'a> {
         if let (Some(first), Some((last, _))) = (self.first, self.last) {
             report.duration_s = last.since(first);
         }
-        report.set_filter_errors(self.score.summary());
+        report.set_track(self.track, self.reference.interval());
         report.set_odometry_errors(self.dead_reckoning.summary());
     }
 }
