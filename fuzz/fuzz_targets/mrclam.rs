@@ -17,6 +17,6 @@ fuzz_target!(|bytes: &[u8]| {
         landmarks: next("landmarks"),
         odometry: next("odometry"),
         sightings: next("sightings"),
-        reference: next("reference"),
+        reference: Some(next("reference")),
     });
 });

@@ -87,21 +87,53 @@ impl RobotLog {
 
 /// Reads the files of one robot from the directory of a data set.
 ///
+/// A directory with one odometry file of another name than `RobotN_Odometry.dat` is data of one robot, whose files have that
+/// prefix. The reference may be absent.
+///
 /// # Errors
 /// A missing, unreadable or malformed file, with name and line, or a robot that the data set does not contain.
 pub fn read(folder: &Path, robot: u32) -> Result<RobotLog, DataError> {
+    let prefix = prefix_of(folder, robot)?;
+    let reference = format!("{prefix}_Groundtruth.dat");
+    let has_reference =
+        [reference.clone(), format!("{reference}.gz")].iter().any(|name| folder.join(name).exists());
+    parse(Files {
+        barcodes: open(folder, "Barcodes.dat")?,
+        landmarks: open(folder, "Landmark_Groundtruth.dat")?,
+        odometry: open(folder, &format!("{prefix}_Odometry.dat"))?,
+        sightings: open(folder, &format!("{prefix}_Measurement.dat"))?,
+        reference: has_reference.then(|| open(folder, &reference)).transpose()?,
+    })
+}
+
+/// Returns the prefix of the files of `robot`: `RobotN`, or that of the only odometry file of another name.
+fn prefix_of(folder: &Path, robot: u32) -> Result<String, DataError> {
+    let others = prefixes(folder)?;
+    if let [prefix] = others.as_slice()
+        && robot_of_prefix(prefix).is_none()
+    {
+        return Ok(prefix.clone());
+    }
     let present = robots(folder)?;
     if !present.contains(&robot) {
         let present = present.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
         return Err(DataError::in_file(folder, Problem::UnknownRobot { expected: robot, present }));
     }
-    parse(Files {
-        barcodes: open(folder, "Barcodes.dat")?,
-        landmarks: open(folder, "Landmark_Groundtruth.dat")?,
-        odometry: open(folder, &format!("Robot{robot}_Odometry.dat"))?,
-        sightings: open(folder, &format!("Robot{robot}_Measurement.dat"))?,
-        reference: open(folder, &format!("Robot{robot}_Groundtruth.dat"))?,
-    })
+    Ok(format!("Robot{robot}"))
+}
+
+/// Returns the prefixes of all odometry files in the directory, in ascending order.
+fn prefixes(folder: &Path) -> Result<Vec<String>, DataError> {
+    let unreadable = |error| DataError::in_file(folder, Problem::Unreadable(error));
+    let mut prefixes = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let name = entry.map_err(unreadable)?.file_name();
+        let name = name.to_str().map(|name| name.strip_suffix(".gz").unwrap_or(name));
+        prefixes.extend(name.and_then(|name| name.strip_suffix("_Odometry.dat")).map(str::to_owned));
+    }
+    prefixes.sort_unstable();
+    prefixes.dedup();
+    Ok(prefixes)
 }
 
 /// Returns the numbers of the robots with an odometry file in the directory, in ascending order.
@@ -109,13 +141,8 @@ pub fn read(folder: &Path, robot: u32) -> Result<RobotLog, DataError> {
 /// # Errors
 /// An unreadable directory, or one without a robot.
 pub fn robots(folder: &Path) -> Result<Vec<u32>, DataError> {
-    let unreadable = |error| DataError::in_file(folder, Problem::Unreadable(error));
-    let mut robots = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
-        let name = entry.map_err(unreadable)?.file_name();
-        let name = name.to_str().map(|name| name.strip_suffix(".gz").unwrap_or(name));
-        robots.extend(name.and_then(robot_of_odometry));
-    }
+    let mut robots: Vec<u32> =
+        prefixes(folder)?.iter().filter_map(|prefix| robot_of_prefix(prefix)).collect();
     robots.sort_unstable();
     robots.dedup();
     if robots.is_empty() {
@@ -135,8 +162,8 @@ pub struct Files<'a> {
     pub odometry: LineReader<'a>,
     /// `RobotN_Measurement.dat`.
     pub sightings: LineReader<'a>,
-    /// `RobotN_Groundtruth.dat`.
-    pub reference: LineReader<'a>,
+    /// `RobotN_Groundtruth.dat`; `None` without reference.
+    pub reference: Option<LineReader<'a>>,
 }
 
 /// Parses the files of one robot.
@@ -154,14 +181,14 @@ pub fn parse(files: Files<'_>) -> Result<RobotLog, DataError> {
     Ok(RobotLog {
         odometry: parse_odometry(files.odometry)?,
         sightings: parse_sightings(files.sightings, target)?,
-        reference: parse_reference(files.reference)?,
+        reference: files.reference.map(parse_reference).transpose()?.unwrap_or_default(),
         landmarks: landmarks.into_values().collect(),
     })
 }
 
-/// Returns `N` of `RobotN_Odometry.dat`; `None` for other names.
-fn robot_of_odometry(name: &str) -> Option<u32> {
-    name.strip_prefix("Robot")?.strip_suffix("_Odometry.dat")?.parse().ok()
+/// Returns `N` of `RobotN`; `None` for other prefixes.
+fn robot_of_prefix(prefix: &str) -> Option<u32> {
+    prefix.strip_prefix("Robot")?.parse().ok()
 }
 
 /// Opens `name` or, if it is absent, `name.gz`.

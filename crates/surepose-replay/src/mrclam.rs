@@ -118,7 +118,11 @@ pub fn replay_log(log: &RobotLog, settings: &MrclamSettings) -> Result<ReplayRep
     let mut report = replay.report;
     report.steps = commands.len() as u64;
     report.duration_s = end.time - begin.time;
-    report.distance_m = reference.distance(begin.time, end.time);
+    report.distance_m = if log.reference.is_empty() {
+        commands.windows(2).map(|pair| pair[0].speed.abs() * (pair[1].time - pair[0].time)).sum()
+    } else {
+        reference.distance(begin.time, end.time)
+    };
     report.set_track(track, reference.interval());
     report.set_odometry_errors(dead_reckoning(commands, &reference).summary());
     report.count(replay.localizer.estimator().measurement_stats());

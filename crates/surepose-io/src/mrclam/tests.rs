@@ -34,7 +34,7 @@ impl<'a> Texts<'a> {
             landmarks: lines("landmarks", self.landmarks),
             odometry: lines("odometry", self.odometry),
             sightings: lines("sightings", self.sightings),
-            reference: lines("reference", self.reference),
+            reference: Some(lines("reference", self.reference)),
         })
     }
 

@@ -20,6 +20,8 @@ use crate::track::Track;
 
 /// Scans in succession that contradict the map before the robot counts as lost.
 const MAX_CONTRADICTIONS: u32 = 3;
+/// Agreeing scans after a search until its pose is trusted.
+const CONFIRMATIONS: u32 = 2;
 /// Standard deviations of a pose found around a wrong estimate: x \[m], y \[m], θ \[rad].
 const FOUND_STD: [f64; 3] = [0.1, 0.1, 0.05];
 /// Smallest fraction of explained beams of a scan that agrees with the map, relative to the mean of such scans; that mean
@@ -27,6 +29,10 @@ const FOUND_STD: [f64; 3] = [0.1, 0.1, 0.05];
 const MIN_HIT_RATIO: f64 = 0.72;
 const USUAL_HIT_RATIO: f64 = 0.85;
 const HIT_RATIO_GAIN: f64 = 0.05;
+/// Standard deviation of the heading's displacement at the first contradicting scan, and at later ones, which clutter does not
+/// explain \[rad].
+const HEADING_STD: f64 = 1.2;
+const LOST_HEADING_STD: f64 = 1.5;
 /// Displacement of a robot whose odometry is wrong: at least, per meter driven, and at most \[m].
 const MIN_RADIUS: f64 = 0.6;
 const DISPLACEMENT: f64 = 2.0;
@@ -58,6 +64,8 @@ pub(super) struct Follower {
     before: Option<Pose<Map, Body, f64>>,
     /// Whether the last scan agreed with the map; `false` also for a pose that a search has just found.
     is_trusted: bool,
+    /// Number of agreeing scans until a pose from a search is trusted.
+    unconfirmed: u32,
     /// Mean fraction of explained beams of scans that agree with the map.
     hit_ratio: f64,
     /// Scans in succession that contradicted the map, and length of the path since one agreed \[m].
@@ -102,6 +110,7 @@ impl Follower {
             start,
             before: truth,
             is_trusted: true,
+            unconfirmed: 0,
             hit_ratio: USUAL_HIT_RATIO,
             contradictions: 0,
             since_agreement: 0.0,
@@ -168,11 +177,13 @@ impl Follower {
         self.replay.adapt_odometry_noise(&seen);
         if self.agrees(&seen) {
             self.hit_ratio += (hit_ratio(&seen) - self.hit_ratio) * HIT_RATIO_GAIN;
-            // The next scan, from another place, confirms a pose that was searched.
-            self.is_trusted = !is_new;
+            // The next scans, from other places, confirm a pose that was searched.
+            self.unconfirmed = if is_new { CONFIRMATIONS } else { self.unconfirmed.saturating_sub(1) };
+            self.is_trusted = self.unconfirmed == 0;
             (self.contradictions, self.since_agreement) = (0, 0.0);
         } else {
             self.is_trusted = false;
+            self.unconfirmed = self.unconfirmed.max(1);
             self.contradictions += 1;
             if self.contradictions == MAX_CONTRADICTIONS {
                 self.replay.localizer.mark_lost();
@@ -216,6 +227,7 @@ impl Follower {
             laser: &laser,
             walls: self.replay.walls(),
             min_hit_ratio: MIN_HIT_RATIO * self.hit_ratio,
+            heading_std: if self.contradictions == 0 { HEADING_STD } else { LOST_HEADING_STD },
             radius: (MIN_RADIUS + DISPLACEMENT * self.since_agreement).min(MAX_RADIUS),
         };
         search.find(&view, pose)

@@ -20,10 +20,11 @@ const TRIED_STD: [f64; 3] = [0.2, 0.2, 0.07];
 const REFINED: usize = 12;
 const REFINED_STD: [f64; 3] = [0.2, 0.2, 0.06];
 
+/// Standard deviations of a refined pose, by which its scan is judged: those of a map extracted from a log.
+const FOUND_STD: [f64; 3] = [0.03, 0.03, 0.015];
+
 /// Weight of −2 log of the beams' likelihood against the displacement: a scan counts as a few independent measurements.
 const LIKELIHOOD_WEIGHT: f64 = 0.03;
-/// Standard deviation of the heading's displacement \[rad].
-const HEADING_STD: f64 = 0.8;
 /// Maximum fraction of beams behind walls, and minimum cost difference to any other pose.
 const MAX_BEHIND_WALL_RATIO: f64 = 0.15;
 const MIN_MARGIN: f64 = 1.0;
@@ -38,6 +39,8 @@ pub(super) struct WideSearch<'a> {
     pub(super) walls: &'a [Wall<f64>],
     /// Minimum fraction of explained beams.
     pub(super) min_hit_ratio: f64,
+    /// Standard deviation of the heading's displacement \[rad].
+    pub(super) heading_std: f64,
     /// Largest displacement \[m]; the heading may be any.
     pub(super) radius: f64,
 }
@@ -49,9 +52,10 @@ impl WideSearch<'_> {
         let tried = Covariance::from_std(TRIED_STD);
         let prior = |pose: Pose<Map, Body, f64>| {
             let moved = pose.origin().distance(at.origin()) / self.radius.max(SPACING);
-            let turned = (pose.heading - at.heading).radians() / HEADING_STD;
+            let turned = (pose.heading - at.heading).radians() / self.heading_std;
             moved * moved + turned * turned
         };
+        let refined_covariance = Covariance::from_std(FOUND_STD);
         let steps = libm::ceil(self.radius / SPACING) as i32;
         let turns = (PI / TURN) as i32;
         let mut poses = Vec::new();
@@ -84,7 +88,7 @@ impl WideSearch<'_> {
             };
             let Some(fix) = matched.fix else { continue };
             let refined = self.ekf.correct(belief, &fix.innovation(&belief), f64::MAX).belief;
-            let stats = beams.evaluate(refined.pose, &tried, self.walls);
+            let stats = beams.evaluate(refined.pose, &refined_covariance, self.walls);
             if stats.hit_ratio() >= self.min_hit_ratio && stats.behind_wall_ratio() <= MAX_BEHIND_WALL_RATIO {
                 let cost = stats.neg2_log_likelihood * LIKELIHOOD_WEIGHT + prior(refined.pose);
                 found.push((cost, refined));
@@ -92,6 +96,11 @@ impl WideSearch<'_> {
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (cost, first) = *found.first()?;
+        let here =
+            beams.evaluate(at, &refined_covariance, self.walls).neg2_log_likelihood * LIKELIHOOD_WEIGHT;
+        if here - cost < MIN_MARGIN && !is_same(first.pose, at) {
+            return None;
+        }
         let rival = found.iter().find(|(_, other)| !is_same(first.pose, other.pose));
         rival.is_none_or(|(other, _)| other - cost >= MIN_MARGIN).then_some(first)
     }
