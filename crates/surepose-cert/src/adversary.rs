@@ -28,6 +28,8 @@ pub struct AdversarySearch<'a> {
     pub capture_radius: f64,
     /// Certified largest distance after capture \[m]. ∞: none.
     pub final_position_bound: f64,
+    /// Certified largest time until capture \[s].
+    pub time_bound: f64,
     /// Number of simulated control periods.
     pub ticks: u64,
 }
@@ -107,15 +109,10 @@ impl AdversarySearch<'_> {
                 let (fate, driven) = self.fate(&drive);
                 ticks += driven;
                 worst.kept_out = worst.kept_out.max(fate.kept_out);
-                if fate.farthest > worst.farthest {
-                    worst.farthest = fate.farthest;
-                    if fate.farthest > self.final_position_bound {
-                        worst.violation = Some(drive);
-                    }
+                if fate.violation.is_some() && (worst.violation.is_none() || fate.farthest > worst.farthest) {
+                    worst.violation = fate.violation;
                 }
-                if fate.kept_out > self.capture_radius && worst.violation.is_none() {
-                    worst.violation = Some(drive);
-                }
+                worst.farthest = worst.farthest.max(fate.farthest);
                 // Half of the searches keep the robot out, the others push it away again.
                 let score = if search.is_multiple_of(2) { fate.kept_out } else { fate.farthest };
                 if score > best {
@@ -127,21 +124,30 @@ impl AdversarySearch<'_> {
         worst
     }
 
-    /// Worst distances of one drive, and its number of ticks.
+    /// Worst distances of one drive, and its number of ticks. A drive that is not captured continues until the time bound.
     fn fate(&self, drive: &AdversarialDrive) -> (WorstDrives, u64) {
         let mut fate = WorstDrives { kept_out: f64::INFINITY, ..WorstDrives::default() };
         let (mut captured, mut ticks) = (false, 0);
-        drive.each(self.controller, |sample| {
+        drive.each(self.controller, self.longest(), |sample| {
             ticks += 1;
-            if sample.time > 0.5 * DURATION {
+            if (0.5 * DURATION..DURATION).contains(&sample.time) {
                 fate.kept_out = fate.kept_out.min(sample.distance);
             }
             captured |= sample.distance < self.capture_radius;
             if captured {
                 fate.farthest = fate.farthest.max(sample.distance);
             }
+            sample.time < DURATION || !captured
         });
+        if !captured || fate.farthest > self.final_position_bound {
+            fate.violation = Some(*drive);
+        }
         (fate, ticks)
+    }
+
+    /// Longest duration of a drive \[s].
+    fn longest(&self) -> f64 {
+        DURATION.max(self.time_bound)
     }
 }
 
@@ -152,14 +158,18 @@ fn random_start(near: f64, rng: &mut Rng) -> [f64; 3] {
 }
 
 impl AdversarialDrive {
-    /// Simulates the drive with the shipped step of `controller`.
+    /// Simulates the first minute of the drive with the shipped step of `controller`.
     pub fn samples(&self, controller: &Controller<f64>) -> Vec<DriveSample> {
         let mut samples = Vec::new();
-        self.each(controller, |sample| samples.push(sample));
+        self.each(controller, DURATION, |sample| {
+            samples.push(sample);
+            true
+        });
         samples
     }
 
-    fn each(&self, controller: &Controller<f64>, mut visit: impl FnMut(DriveSample)) {
+    /// Simulates the drive for `duration` \[s], or until `visit` returns `false`.
+    fn each(&self, controller: &Controller<f64>, duration: f64, mut visit: impl FnMut(DriveSample) -> bool) {
         let [x, y, heading] = self.start;
         let pose = Pose::new(x, y, Angle::from_radians(heading));
         let mut now = Moment { pose, state: ControllerState::new() };
@@ -169,15 +179,18 @@ impl AdversarialDrive {
         // Commands that have not taken effect, the oldest first.
         let late = (delay / controller.period).round() as usize;
         let mut sent: VecDeque<_> = core::iter::repeat_n(Twist::zero(), late).collect();
-        for tick in 0..(DURATION / controller.period) as u32 {
+        for tick in 0..(duration / controller.period) as u32 {
             let estimate = self.policy.estimate(&now, &self.noise);
             let parts = |pose: Pose<Map, Body, f64>| [pose.x, pose.y, pose.heading.radians()];
-            visit(DriveSample {
+            let goes_on = visit(DriveSample {
                 time: f64::from(tick) * controller.period,
                 pose: parts(now.pose),
                 estimate: parts(estimate),
                 distance: now.pose.x.hypot(now.pose.y),
             });
+            if !goes_on {
+                return;
+            }
             let step = controller.step(now.state, stage.predict(&model, estimate), goal);
             let period = controller.period;
             sent.push_back(stage.execute(

@@ -41,6 +41,7 @@ fn searched(
         noise: sensed,
         capture_radius: radius,
         final_position_bound: last,
+        time_bound: certificate.time_bound.unwrap(),
         ticks,
     };
     let worst = search.run();

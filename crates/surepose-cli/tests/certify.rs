@@ -68,6 +68,9 @@ fn slow_wheels_are_refused_with_a_drive() {
     assert!(json["capture_radius_m"].is_null() && json["reason"].is_string(), "{json}");
     assert!(drive["distance_m"].as_f64() > drive["bound_m"].as_f64(), "{json}");
     assert!(out.join("counterexample_drive.csv").is_file());
+    // A slow law is no violation: it comes within the radius before the time bound.
+    let late = surepose(&["certify", "--json", "--set", "law.k_v=0.02"]).json();
+    assert!(late["certified"] == true && late["searched_kept_out_m"].as_f64() > Some(0.04), "{late}");
     // The default robot's wheels are faster; ideal wheels are not searched.
     let default = surepose(&["certify", "--json"]).json();
     assert!(default["certified"] == true && default["searched_final_position_m"].is_number(), "{default}");

@@ -166,13 +166,7 @@ impl CertifyCommand {
                 table.add_row(["counterexample".to_owned(), described(found)]);
             }
             if let Some(drive) = drive {
-                let number = |key: &str| drive[key].as_f64().unwrap_or(f64::NAN);
-                let [x, y, heading] = ["start_x_m", "start_y_m", "start_heading_deg"].map(number);
-                let [distance, time] = ["distance_m", "time_s"].map(number);
-                let told = format!(
-                    "from {x:.3} m, {y:.3} m, {heading:.1}°: {distance:.4} m from the goal after {time:.1} s; all of it in --out"
-                );
-                table.add_row(["counterexample".to_owned(), told]);
+                table.add_row(["counterexample".to_owned(), slow_wheels::described(&drive)]);
             }
             for (k, words) in assumptions.iter().enumerate() {
                 table.add_row([if k == 0 { "assumed" } else { "" }, words]);

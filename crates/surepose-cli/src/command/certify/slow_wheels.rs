@@ -64,6 +64,7 @@ impl<'a> SlowWheels<'a> {
             noise: sensed,
             capture_radius: certificate.capture_radius?,
             final_position_bound: certificate.final_position_bound.unwrap_or(f64::INFINITY),
+            time_bound: certificate.time_bound?,
             ticks: TICKS,
         };
         Some(Self { config, certificate, worst: search.run() })
@@ -104,7 +105,7 @@ impl<'a> SlowWheels<'a> {
         folder.table("counterexample_drive.csv", rows)
     }
 
-    /// Start of the drive, and the place after the capture that is farthest from the goal.
+    /// Start of the drive, and the place after the capture that is farthest from the goal; `None` without a capture.
     fn farthest(&self, drive: &AdversarialDrive) -> DriveSummary {
         let radius = self.certificate.capture_radius.unwrap_or(0.0);
         let samples = drive.samples(&self.config.controller());
@@ -120,6 +121,17 @@ impl<'a> SlowWheels<'a> {
             bound_m: self.certificate.final_position_bound,
         }
     }
+}
+
+/// Describes the value of `counterexample_drive` in a sentence.
+pub(super) fn described(drive: &Json) -> String {
+    let number = |key: &str| drive[key].as_f64().unwrap_or(0.0);
+    let [x, y, heading] = ["start_x_m", "start_y_m", "start_heading_deg"].map(number);
+    let fate = match drive["distance_m"].as_f64() {
+        Some(distance) => format!("{distance:.4} m from the goal after {:.1} s", number("time_s")),
+        None => "outside of the capture radius at the time bound".to_owned(),
+    };
+    format!("from {x:.3} m, {y:.3} m, {heading:.1}°: {fate}; its first minute is in --out")
 }
 
 #[derive(Serialize)]
