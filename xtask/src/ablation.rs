@@ -41,11 +41,12 @@ const DISABLED: [(&str, &str); 25] = [
 ];
 
 /// Arguments of the trials, with the words for them; `STARTS` stands for the file of starts beside the goal.
-const TRIALS: [(&str, &str); 10] = [
+const TRIALS: [(&str, &str); 11] = [
     ("no noise, 0.02 s", "sweep --runs 20000"),
     ("bench noise, 0.02 s", "sweep --runs 20000 --noise bench"),
     ("bench noise, 0.1 s", "sweep --runs 20000 --noise bench --period 0.1"),
     ("noise unknown to the law", "sweep --runs 20000 --noise bench --set law.position_noise_m=0"),
+    ("noise overstated", "sweep --runs 5000 --noise bench --set law.position_noise_m=0.02"),
     ("starts beside the goal", "sweep --starts STARTS --noise bench --set law.position_noise_m=0"),
     (
         "0.2 m/s² wheels",

@@ -10,7 +10,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
 pub struct ConfigError {
     /// The file, or the option on the command line.
     pub file: PathBuf,
-    text: NamedSource<String>,
+    text: Box<NamedSource<String>>,
     /// The problems, in the order of the file; at most 20.
     pub problems: Vec<ConfigProblem>,
     /// Number of further problems.
@@ -39,7 +39,7 @@ pub struct ConfigProblem {
 
 impl Diagnostic for ConfigError {
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.text)
+        Some(&*self.text)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
@@ -72,7 +72,7 @@ impl ConfigError {
             label: String::new(),
             help: Some(help.to_owned()),
         };
-        let text = NamedSource::new("", String::new());
+        let text = Box::new(NamedSource::new("", String::new()));
         Self { file: file.to_owned(), text, problems: vec![problem], more: 0 }
     }
 }
@@ -135,7 +135,7 @@ impl<'t> Problems<'t> {
             return None;
         }
         self.found.sort_by_key(|problem| problem.line);
-        let text = NamedSource::new(self.file.display().to_string(), self.text.to_owned());
+        let text = Box::new(NamedSource::new(self.file.display().to_string(), self.text.to_owned()));
         Some(ConfigError { file: self.file.to_owned(), text, problems: self.found, more: self.more })
     }
 }
