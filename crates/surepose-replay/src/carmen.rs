@@ -3,8 +3,8 @@
 //! Without a given map, every second scan at its reference pose makes the map. The estimate uses, and is
 //! evaluated at, the other scans only.
 
-mod follower;
 mod lag;
+mod supervised_replay;
 mod wide_search;
 
 use std::time::Instant;
@@ -20,8 +20,8 @@ use surepose_sim::CancelToken;
 use super::laser_replay::LaserReplaySettings;
 use super::odometry::{RecordedOdometry, pose_of};
 use super::report::{ReplayError, ReplayReport};
-use follower::Follower;
 pub use lag::ScanLag;
+use supervised_replay::SupervisedReplay;
 
 /// Standard deviations of x \[m], y \[m] and θ \[rad] of the error common to all beams of a scan.
 ///
@@ -96,7 +96,9 @@ pub fn replay_log(
     if log.odometry.is_empty() {
         return Err(ReplayError::NoOdometry);
     }
-    let first = log.scans.first().filter(|_| log.scans.len() > 1).ok_or(ReplayError::NoStart)?;
+    if log.scans.len() < 2 {
+        return Err(ReplayError::NoStart);
+    }
     // The map's own scans would repeat the reference.
     let (walls, every) = match map {
         Some(map) => (walls_from_map(map), 1),
@@ -105,14 +107,14 @@ pub fn replay_log(
     };
     let odometry = RecordedOdometry::new(&log.odometry);
     let lag = settings.lag.unwrap_or_else(|| ScanLag::estimate(log, &odometry));
-    let mut follower = Follower::new(log, odometry, lag, walls, settings, first);
+    let mut replay = SupervisedReplay::new(log, odometry, lag, walls, settings.replay, settings.start);
     for (number, scan) in cancel.take_until_cancelled(log.scans.iter().enumerate().skip(1)) {
-        follower.roll(scan.odometry_before);
+        replay.roll(scan.odometry_before);
         let truth = log.reference.get(number).map(pose_of);
-        follower.drive_to(truth);
+        replay.drive_to(truth);
         if number % every == every - 1 {
-            follower.see(scan, truth);
+            replay.see(scan, truth);
         }
     }
-    Ok(follower.finish(log, begun))
+    Ok(replay.finish(log, begun))
 }

@@ -18,7 +18,7 @@ const MIN_GAP_MOTION: [f64; 2] = [0.3, 0.3];
 /// Share of the usual motion that adds to the noise over a gap. The noise of the presets is several times that of usual odometry,
 /// and the encoders count on.
 const UNSEEN_SHARE: f64 = 0.2;
-/// Length of a motion below which its direction is undefined \[m].
+/// Length \[m] or turn \[rad] that counts as a motion of usual size, at least.
 const MIN_LENGTH: f64 = 1e-9;
 
 /// Odometry poses by record, with the gaps between them.
@@ -100,26 +100,6 @@ impl RecordedOdometry {
     }
 }
 
-/// Splits the motion from `before` to `after` into arcs that keep all of it.
-///
-/// A motion that is no arc is a turn, a straight line and a turn. Between neighboring records the arc is close enough, and
-/// the rest is zero.
-pub(crate) fn whole_motion(before: Pose<Map, Body, f64>, after: Pose<Map, Body, f64>) -> [Motion<f64>; 3] {
-    let zero = Motion { length: 0.0, turn: 0.0 };
-    let step = before.inverse() * after;
-    let length = libm::hypot(step.x, step.y);
-    let turn = step.heading.radians();
-    if length < MIN_LENGTH {
-        return [Motion { length: 0.0, turn }, zero, zero];
-    }
-    let forward = libm::atan2(step.y, step.x);
-    let is_reverse = forward.abs() > core::f64::consts::FRAC_PI_2;
-    let half_turn = core::f64::consts::PI.copysign(forward);
-    let (first, length) = if is_reverse { (forward - half_turn, -length) } else { (forward, length) };
-    let last = Angle::from_radians(turn - first).radians();
-    [Motion { length: 0.0, turn: first }, Motion { length, turn: 0.0 }, Motion { length: 0.0, turn: last }]
-}
-
 /// Returns the quantile of `values`; 0 if there are none.
 fn quantile(values: &[f64], share: f64) -> f64 {
     let mut values = values.to_vec();
@@ -160,12 +140,12 @@ mod tests {
 
     #[test]
     fn whole_motion_keeps_any_increment() {
-        let before = Pose::new(1.0, 2.0, Angle::from_radians(0.4));
+        let before: Pose<Map, Body, f64> = Pose::new(1.0, 2.0, Angle::from_radians(0.4));
         for (x, y, turn) in
             [(1.0, 0.5, 2.0), (-1.0, -0.3, -3.0), (0.0, 0.7, 0.1), (0.0, 0.0, 1.0), (-2.0, 0.0, 0.0)]
         {
             let after = before * Pose::<Body, Body, f64>::new(x, y, Angle::from_radians(turn));
-            let end = whole_motion(before, after)
+            let end = Motion::turn_drive_turn(before, after)
                 .iter()
                 .fold(before, |pose, motion| pose.integrate(*motion, Integration::Arc));
             assert!(end.origin().distance(after.origin()) < 1e-12, "{x} {y} {turn}");

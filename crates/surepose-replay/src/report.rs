@@ -119,6 +119,16 @@ impl ReplayReport {
         self.nees_median = filter.and_then(|summary| summary.nees_median);
     }
 
+    /// Sets the errors of the filter and keeps its trajectory. `reference_interval` is that of [`Track::judged_share`]; `None` for
+    /// a recording without reference.
+    pub fn set_track(&mut self, track: Track, reference_interval: Option<f64>) {
+        self.set_filter_errors(track.summary());
+        (self.ape, self.rpe) = (track.absolute_error(), track.relative_error());
+        self.judged_share =
+            reference_interval.map(|interval| track.judged_share(interval).unwrap_or_default());
+        self.track = track;
+    }
+
     /// Sets the errors of the odometry alone.
     pub fn set_odometry_errors(&mut self, odometry: Option<ErrorSummary>) {
         self.dead_reckoning_position_rmse_m = odometry.map(|summary| summary.position_rmse);

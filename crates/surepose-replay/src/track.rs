@@ -4,9 +4,7 @@ use serde::Serialize;
 use surepose::estimation::Belief;
 use surepose::geometry::{Body, Map, Pose};
 use surepose::linalg::Covariance;
-use surepose_sim::ErrorAccumulator;
-
-use super::report::ReplayReport;
+use surepose_sim::{ErrorAccumulator, ErrorSummary};
 
 /// Path length over which the relative pose error is evaluated \[m].
 const RELATIVE_DISTANCE: f64 = 1.0;
@@ -93,6 +91,16 @@ impl Track {
         self.points.iter().filter_map(|point| Some((point, point.truth?, point.nees?)))
     }
 
+    /// Statistics of the errors; `None` if no estimate is judged.
+    pub fn summary(&self) -> Option<ErrorSummary> {
+        let mut errors = ErrorAccumulator::default();
+        for (point, truth, nees) in self.judged() {
+            errors.add(error(point.pose, truth));
+            errors.add_nees(nees);
+        }
+        errors.summary()
+    }
+
     /// Absolute pose error; `None` if no estimate is judged.
     pub fn absolute_error(&self) -> Option<AbsolutePoseError> {
         let errors: Vec<_> = self.judged().map(|(point, truth, _)| error(point.pose, truth)).collect();
@@ -145,23 +153,6 @@ impl Track {
             self.points.len() as f64
         };
         Some((self.judged().count() as f64 / possible.max(1.0)).min(1.0))
-    }
-}
-
-impl ReplayReport {
-    /// Sets the errors of the filter and keeps its trajectory. `reference_interval` is that of [`Track::judged_share`]; `None` for
-    /// a recording without reference.
-    pub fn set_track(&mut self, track: Track, reference_interval: Option<f64>) {
-        let mut errors = ErrorAccumulator::default();
-        for (point, truth, nees) in track.judged() {
-            errors.add(error(point.pose, truth));
-            errors.add_nees(nees);
-        }
-        self.set_filter_errors(errors.summary());
-        (self.ape, self.rpe) = (track.absolute_error(), track.relative_error());
-        self.judged_share =
-            reference_interval.map(|interval| track.judged_share(interval).unwrap_or_default());
-        self.track = track;
     }
 }
 

@@ -13,7 +13,7 @@ use measurement_queue::MeasurementQueue;
 use surepose::control::{Controller, NavigationVariables};
 use surepose::estimation::{Belief, Measurement, MeasurementStats};
 use surepose::geometry::{Body, Goal, Map, Pose};
-use surepose::kinematics::Twist;
+use surepose::kinematics::{Twist, WheelPair};
 use surepose::localization::{Odometry, SensorInput};
 use surepose::map::Wall;
 use surepose::navigator::{AbortReason, GoalResult, StepReport};
@@ -30,6 +30,9 @@ pub(crate) use odometry_accumulator::OdometryAccumulator;
 pub use measurement_queue::{LaserScan, SensorMessage};
 pub use odometry_accumulator::Odom;
 pub use settings::{NodeDriverSettings, START_STD};
+
+/// Time before the end of a gap in odometry from which on measurements are used \[s].
+const GAP_END: f64 = 0.05;
 
 /// Outcome of one step.
 #[derive(Clone, Copy, Debug)]
@@ -110,9 +113,12 @@ impl NodeDriver {
                 // The navigator ends the goal and resets its time; the travel over the jump is unknown.
                 *odometry = OdometryAccumulator::new(at);
                 self.queue = MeasurementQueue::default();
-                Some(surepose::kinematics::WheelPair::zero())
+                Some(WheelPair::zero())
             }
-            Some(odometry) => odometry.add(&controller, at)?,
+            Some(odometry) => match odometry.take_gap(&controller, at) {
+                Some(motions) => return Ok(self.step_over_gap(at, motions)),
+                None => odometry.add(&controller, at)?,
+            },
         };
         if let Some(anchor) = &mut self.anchor {
             anchor.move_to(at.value);
@@ -269,6 +275,25 @@ impl NodeDriver {
     fn initial_belief(&self) -> Option<Belief<f64>> {
         let origin = Belief::new(Pose::identity(), [0.0; 3]);
         self.settings.start.or_else(|| (!self.has_map()).then_some(origin))
+    }
+
+    /// Steps over a gap in odometry, whose increment is kept. Measurements from within the gap are dropped and counted: the way
+    /// between its ends is unknown.
+    fn step_over_gap(
+        &mut self,
+        at: Stamped<Pose<Odom, Body, f64>>,
+        motions: [(Stamp, WheelPair<f64>); 3],
+    ) -> Option<DriverReport> {
+        if let Some(anchor) = &mut self.anchor {
+            anchor.move_to(at.value);
+        }
+        let begin = self.belief_stamp();
+        self.queue.drop_between(begin, at.stamp.after(-GAP_END));
+        let mut last = None;
+        for (stamp, travel) in motions {
+            last = Some(self.step(Stamped::new(stamp, at.value), Odometry::WheelTravel(travel)));
+        }
+        last
     }
 
     fn step(&mut self, at: Stamped<Pose<Odom, Body, f64>>, odometry: Odometry<f64>) -> DriverReport {

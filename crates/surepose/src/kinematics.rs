@@ -1,8 +1,8 @@
 //! Kinematics of the differential drive: wheels, twist and motion of the pose, [Tran2012] Eq. (1), (7)–(9).
 
-use crate::geometry::{Frame, Pose};
+use crate::geometry::{Angle, Frame, Pose};
 use crate::param::impl_choice;
-use crate::scalar::Scalar;
+use crate::scalar::{Float, Scalar};
 
 /// Maximum plausible turn rate of a wheel \[rad/s]. Higher rates come from a faulty encoder or from wrong constants.
 pub(crate) const MAX_WHEEL_RATE: f64 = 1e6;
@@ -213,6 +213,32 @@ impl<S: Scalar> Motion<S> {
         let start = Pose::<To, From, S>::identity();
         let unit = start.integrate(Self { length: one, turn }, Integration::Arc);
         Self { length: chord / unit.origin().distance(start.origin()), turn }
+    }
+
+    /// Splits the way from one pose to another into a turn, a straight line and a turn, which keep all of it.
+    ///
+    /// For a gap in odometry, over which the way was no arc. The line is driven forward or in reverse, whichever turns less at
+    /// first.
+    pub fn turn_drive_turn<To: Frame, From: Frame>(
+        from: Pose<To, From, S>,
+        to: Pose<To, From, S>,
+    ) -> [Self; 3]
+    where
+        S: Float,
+    {
+        let zero = S::from_f64(0.0);
+        let step = from.inverse() * to;
+        let turn = (to.heading - from.heading).radians();
+        let length = from.origin().distance(to.origin());
+        let is_reverse = step.x < zero;
+        let sign = S::from_f64(if is_reverse { -1.0 } else { 1.0 });
+        let first = (step.y * sign).atan2(step.x * sign);
+        let last = Angle::from_radians(turn - first).radians();
+        [
+            Self { length: zero, turn: first },
+            Self { length: length * sign, turn: zero },
+            Self { length: zero, turn: last },
+        ]
     }
 
     /// Returns the ratio of the chord to the length Δs.

@@ -1,7 +1,7 @@
 //! `surepose replay`: runs the estimator on a recording and compares it with the reference.
 
+mod consistency;
 mod track;
-mod verdict;
 
 use std::path::PathBuf;
 
@@ -144,7 +144,7 @@ impl ReplayCommand {
         if let Some(why) = skipped(&report) {
             warning(&why);
         }
-        let Some(why) = verdict::failure(&report) else { return Ok(Exit::Done) };
+        let Some(why) = consistency::failure(&report) else { return Ok(Exit::Done) };
         warning(&why);
         Ok(Exit::Negative)
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use recorder::{File, Recorder, Robot, recorded_by, round, winding};
+use recorder::{File, Recorder, Robot, recorded_by, round, winding, with_gap};
 use surepose::geometry::Pose;
 use surepose::kinematics::{DiffDrive, Twist};
 use surepose::param::{self, Choice};
@@ -192,7 +192,7 @@ fn folder_with_one_recording_is_read() {
     let robot = || {
         let scenario = Scenario::default();
         let base = scenario.world().drive;
-        Robot { scenario, base, hangs: false }
+        Robot { scenario, base, hangs: false, pause: 0.0 }
     };
     // Parts of one recording in the order of time; the tenth follows the ninth.
     let whole = recorded_by(&robot(), 6.0, "/odom", |_| Twist::new(0.2, 0.2));
@@ -233,7 +233,7 @@ fn base_with_wrong_wheel_parameters_is_calibrated() {
     let scenario = Scenario::default();
     let truth = scenario.world().drive;
     let base = DiffDrive::new(1.03 * truth.radius.right, 1.05 * truth.wheel_separation);
-    let robot = Robot { scenario: scenario.clone(), base, hangs: false };
+    let robot = Robot { scenario: scenario.clone(), base, hangs: false, pause: 0.0 };
     let mut recorder = recorded_by(&robot, 120.0, "/odom", winding);
     // Scans without a stamp are skipped.
     let unstamped =
@@ -275,7 +275,8 @@ fn the_stamped_beam_is_found() {
         let options = ["laser.sweep_s=0.1", &format!("laser.stamp={stamped}")];
         let add = |config: Config, option: &&str| config.with_option(option).unwrap();
         let scenario = Scenario::configured(options.iter().fold(Config::default(), add));
-        let robot = Robot { scenario: scenario.clone(), base: scenario.world().drive, hangs: false };
+        let robot =
+            Robot { scenario: scenario.clone(), base: scenario.world().drive, hangs: false, pause: 0.0 };
         let file = File::new(stamped, &recorded_by(&robot, 120.0, "/odom", winding).finished());
         let Recorded { recording, options, .. } =
             recorded(&file.0, &Config::default(), &Names::default(), true).unwrap();
@@ -296,7 +297,7 @@ fn laser_extrinsics_are_read_from_tf_static() {
     let sits = config.laser().body_from_laser;
     let scenario = Scenario::configured(config);
     let base = scenario.world().drive;
-    let robot = Robot { scenario, base, hangs: true };
+    let robot = Robot { scenario, base, hangs: true, pause: 0.0 };
     let record = || recorded_by(&robot, 60.0, "/odom", winding);
     let without = File::new("untold", &record().finished());
     let mut told = messages::mounted(sits);
@@ -325,5 +326,26 @@ fn laser_extrinsics_are_read_from_tf_static() {
     {
         let value = found[name].value.unwrap();
         assert!((value - truth).abs() < nearer_than, "{name}: {value}, truth {truth}");
+    }
+}
+
+/// Odometry that pauses while the robot turns, as a busy network makes it. The whole increment counts.
+#[test]
+fn gap_in_odometry_keeps_its_whole_increment() {
+    for seconds in [0.3, 1.0, 4.0, 10.0] {
+        let file = File::new("gap", &with_gap(seconds).finished());
+        // Odometry alone shows an increment that is lost.
+        let blind = NodeDriverSettings { map: None, compass: false, ..settings() };
+        let report = replay(&file.0, &blind, &Names::default()).unwrap();
+        println!("gap of {seconds} s: {:?} {:?}", report.position_rmse_m, report.nees_mean);
+        let reckoned = report.dead_reckoning_position_rmse_m.unwrap();
+        assert!((report.position_rmse_m.unwrap() - reckoned).abs() < 0.01, "{seconds} s: {report:?}");
+        assert!(report.nees_mean.unwrap() <= 10.0, "{seconds} s: {report:?}");
+        let within = |at: &surepose_replay::TrackPoint| {
+            let [x, y, _] = at.std;
+            at.truth.is_none_or(|truth| at.pose.origin().distance(truth.origin()) <= 3.0 * x.hypot(y))
+        };
+        let inside = report.track.points.iter().filter(|at| within(at)).count();
+        assert!(inside as f64 >= 0.95 * report.track.points.len() as f64, "{seconds} s");
     }
 }

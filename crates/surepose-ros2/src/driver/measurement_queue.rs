@@ -107,6 +107,13 @@ impl MeasurementQueue {
         self.waiting.push_back(message);
     }
 
+    /// Drops the messages with stamps after `begin` and before `end`.
+    pub(super) fn drop_between(&mut self, begin: Stamp, end: Stamp) {
+        let before = self.waiting.len();
+        self.waiting.retain(|message| message.stamp <= begin || message.stamp >= end);
+        self.dropped = self.dropped.saturating_add((before - self.waiting.len()) as u64);
+    }
+
     /// Removes and returns the messages that are complete at `stamp`, in the order of arrival: a scan once its last beam
     /// was measured.
     pub(super) fn until(&mut self, stamp: Stamp) -> Vec<Stamped<SensorMessage>> {

@@ -55,7 +55,20 @@ impl Recorder {
 pub(super) fn round(seconds: f64, odometry_topic: &str) -> Recorder {
     let scenario = Scenario::default();
     let base = scenario.world().drive;
-    recorded_by(&Robot { scenario, base, hangs: false }, seconds, odometry_topic, |_| Twist::new(0.2, 0.2))
+    recorded_by(&Robot { scenario, base, hangs: false, pause: 0.0 }, seconds, odometry_topic, |_| {
+        Twist::new(0.2, 0.2)
+    })
+}
+
+/// Time at which odometry pauses \[s].
+const PAUSE: f64 = 5.0;
+
+/// Records the robot on a circle, with odometry that pauses for `pause` seconds.
+pub(super) fn with_gap(pause: f64) -> Recorder {
+    let scenario = Scenario::default();
+    let base = scenario.world().drive;
+    let robot = Robot { scenario, base, hangs: false, pause };
+    recorded_by(&robot, 20.0, "/odom", |_| Twist::new(0.2, 0.4))
 }
 
 /// Robot that is recorded.
@@ -65,6 +78,8 @@ pub(super) struct Robot {
     pub(super) base: DiffDrive<f64>,
     /// Whether its laser is upside down.
     pub(super) hangs: bool,
+    /// Duration for which odometry pauses, from 5 s on \[s].
+    pub(super) pause: f64,
 }
 
 /// Twist with alternating turns at time `t` \[s].
@@ -79,7 +94,7 @@ pub(super) fn recorded_by(
     odometry_topic: &str,
     told: impl Fn(f64) -> Twist<f64>,
 ) -> Recorder {
-    let Robot { scenario, base, hangs } = robot;
+    let Robot { scenario, base, hangs, pause } = robot;
     let mut world = World::new(scenario.world(), scenario.start(), Seed(5));
     let mut odometry: Pose<Odom, Body, f64> = Pose::identity();
     let mut recorder = Recorder::new();
@@ -92,7 +107,9 @@ pub(super) fn recorded_by(
         odometry = odometry.integrate(base.motion_from_travel(rims), Integration::Arc);
         let now = at(sensed.stamp);
         let rolled = messages::odometry(now, odometry, Twist::zero());
-        recorder.write(odometry_topic, "nav_msgs/msg/Odometry", now, &rolled);
+        if !(PAUSE..PAUSE + pause).contains(&world.now().seconds()) {
+            recorder.write(odometry_topic, "nav_msgs/msg/Odometry", now, &rolled);
+        }
         let truth = PoseStamped { header: header(now, "map"), pose: pose_message(world.pose()) };
         recorder.write("/truth", "geometry_msgs/msg/PoseStamped", now, &truth);
         for heading in &sensed.headings {

@@ -1,4 +1,4 @@
-//! Verdict on a replay: consistency decides, the size of the errors does not.
+//! Outcome of a replay: consistency decides, the size of the errors does not.
 
 use surepose_replay::ReplayReport;
 

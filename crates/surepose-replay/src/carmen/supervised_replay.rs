@@ -11,10 +11,10 @@ use surepose::time::Stamp;
 use surepose_io::recording::{Recording, ScanRecord, StampedPose};
 use surepose_sim::ErrorAccumulator;
 
+use super::lag::ScanLag;
 use super::wide_search::WideSearch;
-use super::{CarmenSettings, ScanLag};
-use crate::laser_replay::{LaserReplay, ScanOutcome, beam_ends, scan_view};
-use crate::odometry::{RecordedOdometry, whole_motion};
+use crate::laser_replay::{LaserReplay, LaserReplaySettings, ScanOutcome, beam_ends, scan_view};
+use crate::odometry::RecordedOdometry;
 use crate::report::ReplayReport;
 use crate::track::Track;
 
@@ -50,7 +50,7 @@ fn hit_ratio(seen: &ScanOutcome) -> f64 {
 }
 
 /// State of a replay. Its clock counts odometry records: in some logs the stamps are unusable, but the order is right.
-pub(super) struct Follower {
+pub(super) struct SupervisedReplay {
     odometry: RecordedOdometry,
     lag: ScanLag,
     replay: LaserReplay,
@@ -73,22 +73,23 @@ pub(super) struct Follower {
     since_agreement: f64,
 }
 
-impl Follower {
+impl SupervisedReplay {
     /// Starts at the first scan.
     pub(super) fn new(
         log: &Recording<StampedPose>,
         odometry: RecordedOdometry,
         lag: ScanLag,
         walls: Vec<Wall<f64>>,
-        settings: &CarmenSettings,
-        first: &ScanRecord,
+        settings: LaserReplaySettings,
+        start: Option<Pose<Map, Body, f64>>,
     ) -> Self {
-        let rolled = odometry.before(first.odometry_before, lag.records);
+        let first = log.scans.first().map_or(0, |scan| scan.odometry_before);
+        let rolled = odometry.before(first, lag.records);
         let raw_start = odometry.pose_after(rolled).unwrap_or_default();
         let truth = log.reference.first().map(crate::odometry::pose_of);
-        let known = settings.start.or(truth);
+        let known = start.or(truth);
         let start = known.unwrap_or_default();
-        let mut replay = LaserReplay::supervised(walls, settings.replay, Stamp::from_seconds(rolled), start);
+        let mut replay = LaserReplay::supervised(walls, settings, Stamp::from_seconds(rolled), start);
         if known.is_none() {
             replay.localizer.mark_lost();
         }
@@ -133,7 +134,7 @@ impl Follower {
             let record = libm::ceil(self.rolled) as usize;
             if self.odometry.is_gap(record) {
                 let unseen = self.odometry.unseen_motion(record);
-                let motions = whole_motion(before, after);
+                let motions = Motion::turn_drive_turn(before, after);
                 let part = (self.rolled - from) / motions.len() as f64;
                 for (k, motion) in motions.into_iter().enumerate() {
                     let stamp = from + (k as f64 + 1.0) * part;
