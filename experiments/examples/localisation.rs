@@ -30,6 +30,12 @@ fn main() -> ExitCode {
                 );
             }
         }
+        let considered = world.clone().with_model_errors(&config);
+        let cancel = CancelToken::default();
+        if let Some(a) = localization(&considered, Configuration::Both, 1..runs + 1, &cancel) {
+            let (position, heading) = (a.position_rmse * 1e3, a.heading_rmse.to_degrees());
+            println!("  with considered errors   {position:8.3} mm {heading:7.4}° NEES {:.3}", a.nees_mean);
+        }
         let Some(e) = extraction(&world, 1..runs.min(50) + 1, &CancelToken::default()) else { continue };
         println!(
             "  found {} of {}, line NEES {:.3} over {}, spurious {}, wrong {} of {}",

@@ -1,5 +1,6 @@
 //! Describes an aborted goal, for all programs: the reason and the parameter to look at.
 
+use surepose::estimation::DisagreeingSensor;
 use surepose::navigator::AbortReason;
 use surepose::safety::{MotionChannel, MotionFault};
 
@@ -14,6 +15,15 @@ pub fn describe_abort(reason: AbortReason) -> String {
                 ": the base does not execute the commanded {}, although it is large enough; something holds the base",
                 describe_channel(channel)
             )
+        }
+        AbortReason::Disagreement(DisagreeingSensor::Compass) => {
+            ": the compass disagrees with odometry and the other sensors".to_owned()
+        }
+        AbortReason::Disagreement(DisagreeingSensor::Laser) => {
+            ": the laser disagrees with odometry, as with a wrong mounting or stamp".to_owned()
+        }
+        AbortReason::Disagreement(DisagreeingSensor::Map) => {
+            ": walls that the laser measures disagree with the map".to_owned()
         }
         AbortReason::NoProgress => ": the robot drives but does not get closer to the goal".to_owned(),
         _ => String::new(),

@@ -6,7 +6,7 @@ use surepose::control::{
     ActuatorLimits, ActuatorModel, BrakingProfile, Controller, Deadband, Direction, Gains, HybridLaw, Law,
     Limits, MinSpeeds, Tolerance, Tran2012Law,
 };
-use surepose::estimation::{Belief, DelayedEkf, Ekf, Gate, Gyroscope};
+use surepose::estimation::{Belief, ConsideredParameters, DelayedEkf, Ekf, Gate, Gyroscope};
 use surepose::geometry::{Angle, Body, Goal, Laser, Map, Pose};
 use surepose::kinematics::{DiffDrive, WheelPair};
 use surepose::lidar::ScanTiming;
@@ -53,6 +53,20 @@ pub struct LaserParameters {
     /// Field of view of the simulated laser \[rad].
     pub field_of_view: f64,
 }
+
+/// Standard deviations of the constant model errors that the filter considers.
+const CONSIDERED: [&Parameter; 10] = [
+    &param::COMPASS_BIAS_STD,
+    &param::COMPASS_LATENCY_STD,
+    &param::LASER_POSITION_STD,
+    &param::LASER_HEADING_STD,
+    &param::LASER_RANGE_SCALE_STD,
+    &param::LASER_LATENCY_STD,
+    &param::WHEEL_RADIUS_STD,
+    &param::WHEEL_RADIUS_RATIO_STD,
+    &param::WHEEL_SEPARATION_STD,
+    &param::WALL_STD,
+];
 
 /// Preset names of [`Config::fitted`] for gains that are not set.
 const FITTED: &str = "fitted";
@@ -240,7 +254,34 @@ impl Config {
     /// Delayed-state filter, starting at `stamp` with `belief`.
     pub fn estimator<const N: usize>(&self, stamp: Stamp, belief: Belief<f64>) -> DelayedEkf<f64, N> {
         let history = self.number(&param::HISTORY);
-        DelayedEkf::new(self.ekf(), self.gate(), history, stamp, belief).with_gyroscope(self.gyroscope())
+        DelayedEkf::new(self.ekf(), self.gate(), history, stamp, belief)
+            .with_gyroscope(self.gyroscope())
+            .with_considered(&self.considered())
+    }
+
+    /// Returns the standard deviations of the constant model errors that the filter considers.
+    pub fn considered(&self) -> ConsideredParameters<f64> {
+        ConsideredParameters {
+            compass_bias: self.number(&param::COMPASS_BIAS_STD),
+            compass_delay: self.number(&param::COMPASS_LATENCY_STD),
+            laser_position: self.number(&param::LASER_POSITION_STD),
+            laser_heading: self.number(&param::LASER_HEADING_STD),
+            range_scale: self.number(&param::LASER_RANGE_SCALE_STD),
+            laser_delay: self.number(&param::LASER_LATENCY_STD),
+            radius_scale: self.number(&param::WHEEL_RADIUS_STD),
+            radius_difference: self.number(&param::WHEEL_RADIUS_RATIO_STD),
+            separation_scale: self.number(&param::WHEEL_SEPARATION_STD),
+            wall: self.number(&param::WALL_STD),
+        }
+    }
+
+    /// Returns the configuration of a robot whose models are exact but for noise: without considered errors, unless they are
+    /// set.
+    #[must_use]
+    pub fn with_exact_models(self) -> Self {
+        let unset = |parameter: &&Parameter| self.origin(parameter) == ValueSource::Default;
+        let exact: Vec<_> = CONSIDERED.into_iter().filter(unset).map(|parameter| (parameter, 0.0)).collect();
+        self.with_preset("exact models", &exact)
     }
 
     /// Noise of the gyroscope.

@@ -67,9 +67,12 @@ impl ScanMethod {
         }
     }
 
-    fn model(self) -> ScanModel<f64> {
+    fn model(self, [position, _, heading]: [f64; 3]) -> ScanModel<f64> {
         match self {
-            Self::Lines => ScanModel::Lines(LineAssociator::default()),
+            Self::Lines => ScanModel::Lines(LineAssociator {
+                model_variance: [position * position, heading * heading],
+                ..LineAssociator::default()
+            }),
             Self::Beams => ScanModel::BeamModel(beam_model()),
         }
     }
@@ -151,7 +154,14 @@ impl Config {
             range_min: MIN_RANGE,
             range_max: MAX_RANGE,
         };
-        ScanProcessor::new(laser, scan_method.model())
+        ScanProcessor::new(laser, scan_method.model(self.scan_model_std()))
+    }
+
+    /// Standard deviations of the constant errors of laser and map that a whole scan shares: x \[m], y \[m], heading \[rad].
+    fn scan_model_std(&self) -> [f64; 3] {
+        let considered = self.considered();
+        let position = considered.laser_position.hypot(considered.wall);
+        [position, position, considered.laser_heading]
     }
 
     fn navigator_config(&self, setup: &NavigatorSetup) -> NavigatorConfig<f64> {
@@ -178,6 +188,8 @@ impl Config {
 
     fn monitor(&self, setup: &NavigatorSetup) -> MonitorConfig<f64> {
         let aiding_timeout = self.number(&param::AIDING_TIMEOUT);
+        let shared = self.scan_model_std();
+        let with_shared = |std: [f64; 3]| core::array::from_fn(|i| std[i].hypot(shared[i]));
         MonitorConfig {
             supervisor: SupervisorConfig {
                 odometry_timeout: self.number(&param::ODOMETRY_TIMEOUT),
@@ -195,8 +207,8 @@ impl Config {
                 min_clearance: 0.5 * self.drive().wheel_separation,
                 ..AcceptanceCriteria::default()
             },
-            local_search: LocalSearch::from_scan_std(setup.scan_method.map_std()),
-            relocalization_std: setup.scan_method.relocalization_std(),
+            local_search: LocalSearch::from_scan_std(with_shared(setup.scan_method.map_std())),
+            relocalization_std: with_shared(setup.scan_method.relocalization_std()),
             local_search_interval: LOCAL_SEARCH_INTERVAL,
         }
     }

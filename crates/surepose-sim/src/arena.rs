@@ -82,6 +82,18 @@ impl Arena {
         Self::rectangle(ArenaName::Loop.name(), (0.0, 0.0), (6.0, 4.0), &plates)
     }
 
+    /// Returns the arena with all coordinates times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let point = |at: Point<Map, f64>| Point::new(at.x * factor, at.y * factor);
+        let wall = |wall: &WallSegment| WallSegment { start: point(wall.start), end: point(wall.end) };
+        Self {
+            name: self.name,
+            corners: self.corners.map(|(x, y)| (x * factor, y * factor)),
+            walls: self.walls.iter().map(wall).collect(),
+        }
+    }
+
     /// Looks up an arena by name. `None`: unknown name.
     pub fn named(name: &str) -> Option<Self> {
         ArenaName::from_name(name).map(Self::from_name)

@@ -8,6 +8,7 @@ mod summary;
 mod tests;
 
 use surepose::control::{Controller, GoalStatus, NavigationVariables};
+use surepose::estimation::DisagreeingSensor;
 use surepose::geometry::{Goal, Map, Pose};
 use surepose::kinematics::{Twist, WheelPair};
 use surepose::localization::LocalizationMonitor;
@@ -40,6 +41,10 @@ pub struct Simulation {
     commanded: Twist<f64>,
     status: GoalStatus,
     aborted: Option<AbortReason>,
+    /// Whether the navigator reported the goal as reached.
+    has_arrived: bool,
+    /// When a sensor first disagreed with the others \[s], and which.
+    disagreement: Option<(f64, DisagreeingSensor)>,
     timeout: f64,
     optimal_time: f64,
     outcome: Option<SimulationOutcome>,
@@ -69,6 +74,8 @@ impl Simulation {
             wheels: WheelPair::zero(),
             commanded: Twist::zero(),
             status: GoalStatus::Approaching,
+            has_arrived: false,
+            disagreement: None,
             aborted: refused.then_some(AbortReason::Blocked(BlockReason::Wall)),
             timeout: scenario.config.number(&param::TIMEOUT),
             optimal_time: fastest.time,
@@ -128,8 +135,13 @@ impl Simulation {
         if let Some(control) = &report.control {
             self.status = control.state.goal_checker.status(&self.controller.tolerance);
         }
-        if let Some(GoalResult::Aborted(reason)) = report.result {
-            self.aborted = Some(reason);
+        match report.result {
+            Some(GoalResult::Aborted(reason)) => self.aborted = Some(reason),
+            Some(GoalResult::Reached) => self.has_arrived = true,
+            _ => {}
+        }
+        if let Some(sensor) = report.disagreement.filter(|_| self.disagreement.is_none()) {
+            self.disagreement = Some((report.stamp.seconds(), sensor));
         }
     }
 
@@ -165,6 +177,8 @@ impl Simulation {
             accepted: stats.accepted,
             walls: localizer.monitor().map_or(0, LocalizationMonitor::scan_updates),
             rejected: RejectedCounts::from_stats(stats),
+            disagreeing_sensor: self.disagreement.map(|(_, sensor)| sensor.name()),
+            inconsistent_from_s: self.disagreement.map(|(time, _)| time),
             seed: self.seed,
         }
     }
@@ -180,7 +194,7 @@ impl Simulation {
     fn ended(&self) -> Option<SimulationOutcome> {
         let world = self.robot.world();
         let stands = world.rim_speeds() == WheelPair::zero() && world.twist() == Twist::zero();
-        if self.status == GoalStatus::Reached && self.aborted.is_none() && stands {
+        if self.status == GoalStatus::Reached && self.has_arrived && self.aborted.is_none() && stands {
             Some(if self.is_at_goal() { SimulationOutcome::Reached } else { SimulationOutcome::Missed })
         } else if self.stop_reason().is_some() && stands {
             Some(SimulationOutcome::Stopped)

@@ -228,7 +228,9 @@ impl World {
         if let Some((compass, timing)) = &self.model.compass
             && let Some(disturbance) = self.due(Sensor::Compass, timing, before)
         {
-            let read = compass.read(self.pose.heading, &mut self.compass).rotated_by(disturbance.offset);
+            let time = self.now.seconds();
+            let read =
+                compass.read(self.pose.heading, time, &mut self.compass).rotated_by(disturbance.offset);
             send(&mut self.headings, read, self.now, timing, &disturbance);
         }
         if let Some((laser, timing)) = &self.model.laser

@@ -109,6 +109,19 @@ surepose::parameters! {
     TRACTION_LIMIT = "slip" "traction_limit_m_s2", MeterPerSecondSquared,
         positive(1000.0, 1000.0, "at 0 the robot cannot move");
 
+    /// Ratio of the robot's map to the true arena: 1.01 for a map that is 1 % too large, about its origin.
+    MAP_SCALE = "map" "scale", One, in_range(0.5, 2.0, 1.0, "a map of twice the size is of another place");
+
+    /// Change of the compass's offset, at a constant rate.
+    COMPASS_DRIFT = "compass" "drift_deg_s", DegreePerSecond,
+        in_range(-10.0, 10.0, 0.0, "a compass that turns faster is broken");
+
+    /// Fraction of the laser's beams that obstacles on no map hide.
+    CLUTTER = "clutter" "fraction", One, in_range(0.0, 0.99, 0.0, "with all beams hidden the laser shows no wall");
+    /// Mean number of adjacent beams that one of these obstacles hides.
+    CLUTTER_WIDTH = "clutter" "width_beams", One,
+        in_range(1.0, 1000.0, 8.0, "an obstacle hides at least one beam");
+
     /// Whether the robot has a gyroscope that measures the yaw rate.
     GYROSCOPE = "gyroscope" "installed", One, one_of::<Installed>();
     /// Mean of the gyroscope's bias at the start.
@@ -176,6 +189,7 @@ pub(crate) const DEPENDENT: &[(&Parameter, &Parameter)] = &[
     (&param::GYROSCOPE_STD, &GYROSCOPE),
     (&param::GYROSCOPE_BIAS_STD, &GYROSCOPE),
     (&param::GYROSCOPE_BIAS_WALK, &GYROSCOPE),
+    (&CLUTTER_WIDTH, &CLUTTER),
     (&HELD_FROM, &HELD_WHEELS),
     (&LASER_FAULT_FROM, &LASER_FAULT),
     (&LASER_FAULT_DURATION, &LASER_FAULT),

@@ -6,6 +6,7 @@ use surepose_config::{Config, ConfigError, ParameterSet, Setting, Value, option_
 
 use crate::fault::{Fault, FaultKind, ScanFault, Sensor};
 use crate::gyroscope::GyroscopeModel;
+use crate::laser::Clutter;
 use crate::slip::Traction;
 use crate::world_parameters::{
     self as table, CompassFault, HeldWheels, Installed, LaserFault, world_parameters,
@@ -83,6 +84,14 @@ impl WorldSettings {
             slip_ratio: self.number(&table::SLIP_RATIO),
             acceleration: if self.is_given(limit) { self.number(limit) } else { f64::INFINITY },
         }
+    }
+
+    /// Returns the obstacles that are on no map; `None` if they are not set.
+    pub(crate) fn clutter(&self) -> Option<Clutter> {
+        self.is_given(&table::CLUTTER).then(|| Clutter {
+            fraction: self.number(&table::CLUTTER),
+            width: self.number(&table::CLUTTER_WIDTH),
+        })
     }
 
     /// Returns the gyroscope with the true noise; `None` if the robot has none.

@@ -1,6 +1,7 @@
 //! Repeats one operation for instruction counts under callgrind; see `cargo xtask instructions`.
 //!
-//! `instructions NAME COUNT` runs operation NAME (`law`, `predict`, `compass`, `wall`, `cycle`, `step`) COUNT times.
+//! `instructions NAME COUNT` runs operation NAME (`law`, `predict`, `compass`, `wall`, `cycle`, `delayed`, `considered`,
+//! `step`) COUNT times.
 
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -8,9 +9,13 @@ use std::process::ExitCode;
 use surepose::control::{
     Controller, ControllerState, Direction, HybridState, Limits, NavigationVariables, Tolerance,
 };
-use surepose::estimation::{Belief, Ekf, Gate, HeadingMeasurement, LineMeasurement};
+use surepose::estimation::{
+    Belief, ConsideredParameters, DelayedEkf, Ekf, Gate, HeadingMeasurement, LineMeasurement, Measurement,
+    WheelOdometry,
+};
 use surepose::geometry::{Angle, Goal, Line, Map, Pose};
 use surepose::kinematics::{DiffDrive, Integration, WheelPair};
+use surepose::time::{Stamp, Stamped};
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -20,11 +25,21 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let (Some(name), Some(count)) = (name, count) else {
-        eprintln!("usage: instructions law|predict|compass|wall|cycle|step COUNT");
+        eprintln!("usage: instructions law|predict|compass|wall|cycle|delayed|considered|step COUNT");
         return ExitCode::from(2);
     };
     let bench = Bench::new();
+    let mut filter = bench.filter(&ConsideredParameters::default());
+    if name == "considered" {
+        filter = bench.filter(&all_considered());
+    }
     let work: fn(&Bench, u32) = match name.as_str() {
+        "delayed" | "considered" => {
+            for k in 0..count {
+                delayed_cycle(&mut filter, black_box(k));
+            }
+            return ExitCode::SUCCESS;
+        }
         "law" => law,
         "predict" => predict,
         "compass" => compass,
@@ -79,6 +94,10 @@ impl Bench {
         LineMeasurement { wall, seen, distance_variance: 1e-5, direction_variance: 1e-5, covariance: 1e-6 }
     }
 
+    fn filter(&self, parameters: &ConsideredParameters<f64>) -> DelayedEkf<f64, 64> {
+        DelayedEkf::new(self.ekf, self.gate, 1.0, Stamp::default(), self.belief).with_considered(parameters)
+    }
+
     fn rims(k: u32) -> WheelPair<f64> {
         let swing = f64::from(k % 16) * 1e-4;
         WheelPair::new(0.02 + swing, 0.02 - swing)
@@ -124,6 +143,37 @@ fn cycle(bench: &Bench, k: u32) {
         belief = bench.ekf.correct(belief, &wall.innovation(&belief), bench.gate.threshold(2)).belief;
     }
     black_box(belief);
+}
+
+/// All parameters that the filter can consider, with the deviations of an ordinary robot.
+fn all_considered() -> ConsideredParameters<f64> {
+    ConsideredParameters {
+        compass_bias: 0.02,
+        compass_delay: 0.01,
+        laser_position: 0.005,
+        laser_heading: 0.005,
+        range_scale: 0.002,
+        laser_delay: 0.01,
+        radius_scale: 0.005,
+        radius_difference: 0.005,
+        separation_scale: 0.005,
+        wall: 0.005,
+    }
+}
+
+/// The measurements of [`cycle`] in the filter with history; odometry stands still, so that all of them pass the gate.
+#[inline(never)]
+fn delayed_cycle(filter: &mut DelayedEkf<f64, 64>, k: u32) {
+    let stamp = Stamp::from_nanoseconds(20_000_000 * (i64::from(k) + 1));
+    let swing = 1e-4 * f64::from(k % 2) - 5e-5;
+    let odometry =
+        WheelOdometry { travel: WheelPair::new(swing, -swing), variance: WheelPair::new(1e-8, 1e-8) };
+    let _ = black_box(filter.predict_with(stamp, black_box(odometry)));
+    let compass = black_box(HeadingMeasurement { heading: Angle::from_degrees(20.1), std: 0.002 });
+    black_box(filter.update(Stamped::new(stamp, Measurement::Heading(compass))));
+    for wall in black_box(seen()) {
+        black_box(filter.update(Stamped::new(stamp, Measurement::Line(*wall))));
+    }
 }
 
 /// From an estimated pose to turn rates of the wheels.

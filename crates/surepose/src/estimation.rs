@@ -1,5 +1,6 @@
 //! Pose estimation by an extended Kalman filter with gated measurements: [Tran2012] Sec. 3.
 
+mod considered;
 mod delayed_ekf;
 mod ekf;
 mod gate;
@@ -8,6 +9,7 @@ mod history;
 mod measurement;
 mod outcome;
 
+pub use considered::{ConsideredParameters, DisagreeingSensor};
 pub use delayed_ekf::{DelayedEkf, SWEEP_KNOTS, SweepMotion};
 pub use ekf::{Belief, Correction, Ekf, WheelOdometry};
 pub use gate::Gate;

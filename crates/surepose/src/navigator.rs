@@ -107,6 +107,7 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
         // Supervise: assess the estimate.
         let (health, action) = self.localizer.judge();
         let mut report = StepReport::new(input.stamp, belief, health, action);
+        report.disagreement = self.localizer.disagreement();
 
         // How should it move, and how fast may it?
         let ended = if let Some(goal) = self.goal {

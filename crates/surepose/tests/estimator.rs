@@ -2,6 +2,7 @@
 
 mod common;
 mod estimator {
+    mod considered;
     mod consistency;
     mod gyroscope;
 }

@@ -35,7 +35,7 @@ impl LoopWorld {
     /// map.
     ///
     /// The robot's noise is that of the filter's parameters, so the result shows the accuracy of a correctly
-    /// tuned filter.
+    /// tuned filter. Its models are exact, as in the paper: the filter considers no model error that `config` does not set.
     ///
     /// # Errors
     /// None in practice: the dimensions of the course are valid constants.
@@ -52,9 +52,15 @@ impl LoopWorld {
                 clutter,
                 ..LaserModel::half_circle(laser.beams)
             },
-            compass: CompassModel { std: config.compass().std, offset: 0.0 },
-            robot: config.clone(),
+            compass: CompassModel { std: config.compass().std, ..CompassModel::default() },
+            robot: config.clone().with_exact_models(),
         })
+    }
+
+    /// The world with a robot whose filter considers the model errors of `config`, which this world does not have.
+    #[must_use]
+    pub fn with_model_errors(self, config: &Config) -> Self {
+        Self { robot: config.clone(), ..self }
     }
 
     /// Starts one run on the course.
@@ -171,7 +177,7 @@ impl Iterator for Run<'_> {
                 rims: Slip { delta: world.robot.ekf().delta }.apply(travel, &mut self.slip),
                 headings: vec![Stamped::new(
                     stamp,
-                    world.compass.read(self.truth.heading, &mut self.compass),
+                    world.compass.read(self.truth.heading, 0.0, &mut self.compass),
                 )],
                 scans: vec![Stamped::new(
                     stamp,

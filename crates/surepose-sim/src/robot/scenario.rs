@@ -194,12 +194,16 @@ impl Scenario {
         let (given, truth) = (&self.world_settings, self.world_settings.over(&self.config));
         let (compass, laser, drive) = (truth.compass(), truth.laser(), truth.drive());
         let max_speed = truth.limits().wheel_speed;
-        let compass_model = CompassModel { std: compass.std, offset: compass.offset.radians() };
+        let compass_model = CompassModel {
+            std: compass.std,
+            offset: compass.offset.radians(),
+            drift: given.number(&world::COMPASS_DRIFT),
+        };
         let laser_model = LaserModel {
             body_from_laser: laser.body_from_laser,
             range_std: laser.range_std,
             bearing_std: laser.bearing_std,
-            clutter: self.clutter,
+            clutter: given.clutter().unwrap_or(self.clutter),
             sweep: LaserSweep { duration: laser.timing.sweep.unwrap_or(0.0), stamped: laser.timing.stamped },
             ..LaserModel::facing_forward(laser.beams, laser.field_of_view)
         };
@@ -249,12 +253,16 @@ impl Scenario {
 
     /// The arena of the world; without a difference that of the robot's map.
     fn true_arena(&self) -> Arena {
-        if let Some(arena) = &self.world_arena {
-            return arena.clone();
+        let arena = if let Some(arena) = &self.world_arena {
+            arena.clone()
+        } else if self.world_settings.is_given(&param::ARENA) {
+            Arena::from_name(self.world_settings.over(&self.config).choice())
+        } else {
+            self.arena.clone()
+        };
+        if !self.world_settings.is_given(&world::MAP_SCALE) {
+            return arena;
         }
-        if self.world_settings.is_given(&param::ARENA) {
-            return Arena::from_name(self.world_settings.over(&self.config).choice());
-        }
-        self.arena.clone()
+        arena.scaled(1.0 / self.world_settings.number(&world::MAP_SCALE))
     }
 }

@@ -65,6 +65,12 @@ pub struct SimulationSummary {
     pub walls: u32,
     /// Measurements that the filter rejected, by reason.
     pub rejected: RejectedCounts,
+    /// Sensor that disagreed with the others beyond noise and considered errors: `compass`, `laser` or `map`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub disagreeing_sensor: Option<&'static str>,
+    /// When that was first noticed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inconsistent_from_s: Option<f64>,
     /// Seed of all randomness; the same seed repeats the drive.
     pub seed: u64,
 }

@@ -22,13 +22,21 @@ fn assert_parked(summary: &SimulationSummary, what: &str) {
 /// The mean NEES of n independent drives varies less than that of n single draws of χ²₃, whose 95 % band is used.
 #[test]
 fn default_drive_parks_with_consistent_estimate() {
-    let runs: Vec<SimulationSummary> = (1..=8).map(|seed| simulate(&Scenario::default(), seed).1).collect();
+    let exact = Scenario::in_arena(Arena::paper(), Config::default().with_exact_models());
+    let runs: Vec<SimulationSummary> = (1..=8).map(|seed| simulate(&exact, seed).1).collect();
     for summary in &runs {
-        assert_parked(summary, "default");
+        assert_parked(summary, "exact models");
     }
     let nees = runs.iter().filter_map(|s| s.nees_mean).sum::<f64>() / runs.len() as f64;
     let band = 1.96 * (6.0 / runs.len() as f64).sqrt();
     assert!((nees - 3.0).abs() < band, "{nees}");
+    // Considered errors that this world does not have make the filter cautious, and it parks as well.
+    for seed in 1..=8 {
+        let summary = simulate(&Scenario::default(), seed).1;
+        assert_parked(&summary, "default");
+        assert!(summary.nees_mean.is_some_and(|nees| nees < 3.0), "{:?}", summary.nees_mean);
+        assert!(summary.final_position_error_m < 0.003, "{}", summary.final_position_error_m);
+    }
 }
 
 #[test]

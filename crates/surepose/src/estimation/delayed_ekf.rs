@@ -1,11 +1,13 @@
 //! Kalman filter with history: checks and gates measurements, rewinds for late ones, and counts rejections.
 
+mod odometry_noise;
 mod sweep_motion;
 
 use crate::kinematics::WheelPair;
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
+use super::considered::{ConsideredParameters, DisagreeingSensor, InnovationSums, Variances};
 use super::ekf::{Belief, Ekf, WheelOdometry};
 use super::gate::Gate;
 use super::gyroscope::{FilterState, Gyroscope, GyroscopeBias, GyroscopeTurn};
@@ -45,15 +47,15 @@ pub struct DelayedEkf<S, const N: usize = 64> {
     ekf: Ekf<S>,
     gate: Gate<S>,
     gyroscope: Option<Gyroscope<S>>,
+    /// Variances of the considered parameters; `None` without any.
+    considered: Option<Variances<S>>,
+    /// Innovations of the last seconds; unused without considered parameters.
+    sums: InnovationSums<S>,
     /// Maximum age of an entry of the history \[s].
     history_length: f64,
     history: History<S, N>,
     stats: MeasurementStats,
 }
-
-/// Averaging window of the speed in the odometry noise \[s]: long compared with a period, short compared with the
-/// acceleration time of a robot.
-const ODOMETRY_NOISE_WINDOW: f64 = 0.5;
 
 impl<S: Float, const N: usize> DelayedEkf<S, N> {
     /// Starts at `stamp` with `belief`. The history holds at most `history_length` seconds and `N` events, at least
@@ -67,6 +69,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             ekf,
             gate,
             gyroscope: None,
+            considered: None,
+            sums: InnovationSums::new(),
             history_length,
             history: History::new(stamp, FilterState::from_belief(belief)),
             stats: MeasurementStats::default(),
@@ -79,9 +83,23 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         Self { gyroscope: Some(gyroscope), ..self }
     }
 
+    /// The filter with constant model errors of these standard deviations, which its covariance includes from now on.
+    ///
+    /// Deviations that are all 0, or not finite, change nothing.
+    #[must_use]
+    pub fn with_considered(self, parameters: &ConsideredParameters<S>) -> Self {
+        Self { considered: parameters.variances(), ..self }
+    }
+
+    /// Sensor that disagrees with the others beyond noise and considered parameters; `None` where all agree, and without
+    /// considered parameters.
+    pub fn disagreement(&self) -> Option<DisagreeingSensor> {
+        self.considered.as_ref().and_then(|variances| self.sums.disagreement(variances))
+    }
+
     /// Newest belief.
     pub fn belief(&self) -> Belief<S> {
-        self.state().belief
+        self.state().marginal(self.considered.as_ref())
     }
 
     /// Noise of the gyroscope; `None` without one.
@@ -119,12 +137,14 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         if stamp < start {
             return None;
         }
+        let considered = self.considered.as_ref();
         match self.history.get(count) {
             Some(&Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
-                let part = odometry.fraction(fraction(start, stamp, end));
-                Some(self.advance(*state, part, [start, stamp]).belief)
+                let mut state = *state;
+                self.advance(&mut state, odometry.fraction(fraction(start, stamp, end)), [start, stamp]);
+                Some(state.marginal(considered))
             }
-            _ => Some(state.belief),
+            _ => Some(state.marginal(considered)),
         }
     }
 
@@ -142,7 +162,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
 
     /// Clears the history and restarts from a trusted belief. The statistics and the bias of the gyroscope are kept.
     pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
-        self.history = History::new(stamp, self.state().with_new_belief(belief));
+        self.sums = InnovationSums::new();
+        self.history = History::new(stamp, self.state().with_new_belief(belief, self.considered.as_ref()));
     }
 
     /// Restarts from a trusted `belief` at the earlier time `stamp`, and replays the odometry since then.
@@ -179,48 +200,6 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         self.predict_with(stamp, self.wheel_odometry(stamp, travel))
     }
 
-    /// Odometry for the wheel travel `travel` \[m] since the last call, up to the time `stamp`.
-    ///
-    /// # Departure
-    /// [Tran2012] Eq. (15) takes the variance from the measured speed, δω². A wheel speed that is measured too high is then
-    /// less certain than one measured too low. A heading update couples the two errors and moves the robot by their
-    /// product, whose mean is not 0: with 20 % wheel noise by a thirtieth of the travel. Here the square is the mean over
-    /// the last half second, of which this interval is a small part.
-    /// Tested by `odometry::noisy_odometry_with_heading_updates_is_unbiased`.
-    pub fn wheel_odometry(&self, stamp: Stamp, travel: WheelPair<S>) -> WheelOdometry<S> {
-        let own = stamp.since(self.stamp());
-        if own.is_nan() || own <= 0.0 {
-            return self.ekf.wheel_odometry(travel);
-        }
-        let recent = || {
-            core::iter::once((own, travel)).chain(self.odometry_since(stamp.after(-ODOMETRY_NOISE_WINDOW)))
-        };
-        let (count, whole) = recent().fold((0.0, 0.0), |(count, whole), (dt, _)| (count + 1.0, whole + dt));
-        // Jittering stamps may give an interval of nearly zero duration and an implausible speed. Intervals that a late
-        // measurement split are validly short.
-        let time = |dt: f64| S::from_f64(dt.max(0.25 * whole / count));
-        let (mut all, mut sum) = (S::from_f64(0.0), WheelPair::zero());
-        for (dt, travel) in recent() {
-            let (dt, speeds) = (time(dt), travel.scaled(S::from_f64(1.0) / time(dt)));
-            all = all + dt;
-            sum = WheelPair::new(
-                sum.right + speeds.right.squared() * dt,
-                sum.left + speeds.left.squared() * dt,
-            );
-        }
-        WheelOdometry { travel, variance: sum.scaled(time(own).squared() / all * self.ekf.delta) }
-    }
-
-    /// Odometry intervals that ended after `since`, newest first: duration \[s] and wheel travel \[m].
-    fn odometry_since(&self, since: Stamp) -> impl Iterator<Item = (f64, WheelPair<S>)> + '_ {
-        let stamp = |count: usize| self.history.after(count).0;
-        let newest_first = (0..self.history.len()).rev().take_while(move |index| stamp(index + 1) > since);
-        newest_first.filter_map(move |index| match self.history.get(index)?.event {
-            Event::Odometry(odometry) => Some((stamp(index + 1).since(stamp(index)), odometry.wheels.travel)),
-            Event::Measurement(_) => None,
-        })
-    }
-
     /// As [`DelayedEkf::predict`], with a variance that replaces the model of δ.
     ///
     /// # Errors
@@ -248,7 +227,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             self.reset(stamp, self.belief());
         }
         let interval = OdometryInterval { wheels: odometry, turn };
-        let after = self.advance(self.state(), interval, [self.stamp(), stamp]);
+        let mut after = *self.state();
+        self.advance(&mut after, interval, [self.stamp(), stamp]);
         self.history.insert(self.history.len(), Entry { stamp, event: Event::Odometry(interval), after });
         self.history.drop_before(stamp.after(-self.history_length));
         Ok(())
@@ -267,23 +247,19 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         outcome
     }
 
-    fn state(&self) -> FilterState<S> {
-        *self.history.after(self.history.len()).1
+    fn state(&self) -> &FilterState<S> {
+        self.history.after(self.history.len()).1
     }
 
-    /// State after an interval between two stamps.
-    fn advance(
-        &self,
-        state: FilterState<S>,
-        interval: OdometryInterval<S>,
-        [from, to]: [Stamp; 2],
-    ) -> FilterState<S> {
+    /// Advances the state by an interval between two stamps.
+    fn advance(&self, state: &mut FilterState<S>, interval: OdometryInterval<S>, [from, to]: [Stamp; 2]) {
         let OdometryInterval { wheels, turn } = interval;
+        let duration = S::from_f64(to.since(from).max(0.0));
+        let considered = self.considered.as_ref();
         match &self.gyroscope {
-            None => FilterState { belief: self.ekf.predict(state.belief, wheels), ..state },
+            None => self.ekf.predict_considered(state, wheels, duration, considered),
             Some(gyroscope) => {
-                let duration = S::from_f64(to.since(from).max(0.0));
-                self.ekf.predict_with_gyroscope(gyroscope, state, wheels, turn, duration)
+                self.ekf.predict_with_gyroscope(gyroscope, state, wheels, turn, duration, considered);
             }
         }
     }
@@ -315,13 +291,16 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             Some(&Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
                 let part = fraction(start, stamp, end);
                 let (first, rest) = (odometry.fraction(part), odometry.fraction(S::from_f64(1.0) - part));
-                state = self.advance(state, first, [start, stamp]);
+                self.advance(&mut state, first, [start, stamp]);
                 let rest = Entry { stamp: end, event: Event::Odometry(rest), after };
                 Some((Entry { stamp, event: Event::Odometry(first), after: state }, rest))
             }
             _ => None,
         };
-        let (after, nis, accepted) = self.correct(state, &measurement);
+        let mut after = state;
+        let Self { ekf, gate, considered, sums, .. } = self;
+        let constants = (&*ekf, &*gate, considered.as_ref());
+        let (nis, accepted) = correct(constants, &mut after, &measurement, Some((stamp, sums)));
         if !accepted {
             return MeasurementOutcome::Rejected(RejectReason::Outlier);
         }
@@ -332,7 +311,10 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         }
         let entry = Entry { stamp, event: Event::Measurement(measurement), after };
         let index = self.history.insert(index.unwrap_or(0), entry);
-        self.replay(index.map_or(0, |index| index + 1), after);
+        let next = index.map_or(0, |index| index + 1);
+        if next < self.history.len() {
+            self.replay(next, after);
+        }
         MeasurementOutcome::Accepted { nis: nis.to_f64() }
     }
 
@@ -340,32 +322,48 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     fn replay(&mut self, index: usize, mut state: FilterState<S>) {
         for i in index..self.history.len() {
             if let Some(mut entry) = self.history.get(i).copied() {
-                state = match &entry.event {
+                match &entry.event {
                     Event::Odometry(odometry) => {
-                        self.advance(state, *odometry, [self.history.after(i).0, entry.stamp])
+                        self.advance(&mut state, *odometry, [self.history.after(i).0, entry.stamp]);
                     }
-                    Event::Measurement(measurement) => self.correct(state, measurement).0,
-                };
+                    Event::Measurement(measurement) => {
+                        let _gated_again = correct(
+                            (&self.ekf, &self.gate, self.considered.as_ref()),
+                            &mut state,
+                            measurement,
+                            None,
+                        );
+                    }
+                }
                 entry.after = state;
                 self.history.set(i, entry);
             }
         }
     }
+}
 
-    fn correct(&self, state: FilterState<S>, measurement: &Measurement<S>) -> (FilterState<S>, S, bool) {
-        let threshold = self.gate.threshold(measurement.dimension());
-        let (ekf, belief) = (&self.ekf, &state.belief);
-        match measurement {
-            Measurement::Heading(compass) => ekf.correct_state(state, &compass.innovation(belief), threshold),
-            Measurement::Line(wall) => ekf.correct_state(state, &wall.innovation(belief), threshold),
-            Measurement::RangeBearing(landmark) => {
-                ekf.correct_state(state, &landmark.innovation(belief), threshold)
-            }
-            Measurement::Position(position) => {
-                ekf.correct_state(state, &position.innovation(belief), threshold)
-            }
-            Measurement::Pose(pose) => ekf.correct_state(state, &pose.innovation(belief), threshold),
-        }
+/// Corrects the state by a measurement; `sums` take its innovations, with their time. Returns what
+/// [`Ekf::correct_state`] does.
+fn correct<S: Float>(
+    (ekf, gate, considered): (&Ekf<S>, &Gate<S>, Option<&Variances<S>>),
+    state: &mut FilterState<S>,
+    measurement: &Measurement<S>,
+    sums: Option<(Stamp, &mut InnovationSums<S>)>,
+) -> (S, bool) {
+    /// Computes the update by the innovation of one type of measurement.
+    macro_rules! correct {
+        ($innovation:expr) => {{
+            let threshold = gate.threshold(measurement.dimension());
+            ekf.correct_state(state, measurement, &$innovation, threshold, considered, sums)
+        }};
+    }
+    let belief = &{ state.belief };
+    match measurement {
+        Measurement::Heading(compass) => correct!(compass.innovation(belief)),
+        Measurement::Line(wall) => correct!(wall.innovation(belief)),
+        Measurement::RangeBearing(landmark) => correct!(landmark.innovation(belief)),
+        Measurement::Position(position) => correct!(position.innovation(belief)),
+        Measurement::Pose(pose) => correct!(pose.innovation(belief)),
     }
 }
 

@@ -82,6 +82,7 @@ pub struct Ekf<S> {
 }
 
 /// A pose after a motion, with its derivatives.
+#[derive(Clone, Copy)]
 pub(super) struct MotionJacobian<S> {
     pub(super) pose: Pose<Map, Body, S>,
     /// ∂(x, y)/∂θ.
@@ -117,7 +118,18 @@ impl<S: Scalar> Ekf<S> {
     #[inline(always)]
     pub fn predict(&self, belief: Belief<S>, odometry: WheelOdometry<S>) -> Belief<S> {
         let motion = self.drive.motion_from_travel(odometry.travel);
-        let MotionJacobian { pose, by_heading, by_length, by_turn } = self.motion(belief.pose, motion);
+        self.propagate(belief, odometry, &self.motion(belief.pose, motion))
+    }
+
+    /// Belief after `odometry` with the motion that follows from it: [Tran2012] Eq. (12).
+    #[inline(always)]
+    pub(super) fn propagate(
+        &self,
+        belief: Belief<S>,
+        odometry: WheelOdometry<S>,
+        motion: &MotionJacobian<S>,
+    ) -> Belief<S> {
+        let MotionJacobian { pose, by_heading, by_length, by_turn } = *motion;
         let (zero, one, half) = (S::from_f64(0.0), S::from_f64(1.0), S::from_f64(0.5));
         // Eq. (13), and Eq. (14) by the wheels through Eq. (8).
         let a = Matrix([[one, zero, by_heading[0]], [zero, one, by_heading[1]], [zero, zero, one]]);

@@ -1,11 +1,13 @@
 //! Gyroscope: the turn of an odometry interval from a yaw rate, with the bias as a fourth state of the filter.
 
-use crate::geometry::Pose;
+use crate::geometry::{Body, Map, Pose};
 use crate::linalg::{Covariance, Matrix};
 use crate::scalar::Float;
+use crate::time::Stamp;
 
+use super::considered::{InnovationSums, Sensitivity, Variances, observed_row};
 use super::ekf::{Belief, Ekf, MotionJacobian, WheelOdometry};
-use super::measurement::Innovation;
+use super::measurement::{Innovation, Measurement};
 
 /// Innovation of the turn, in standard deviations, beyond which the wheels slip.
 const SLIP_STD_DEVS: f64 = 3.0;
@@ -71,32 +73,48 @@ impl<S: Float> GyroscopeBias<S> {
 /// Belief and, once the gyroscope was heard, its bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FilterState<S> {
+    /// Pose, and the covariance of its error without the considered parameters.
     pub(super) belief: Belief<S>,
     pub(super) bias: Option<GyroscopeBias<S>>,
+    /// Effect of the considered parameters; unused without any.
+    pub(super) sensitivity: Sensitivity<S>,
 }
 
 impl<S: Float> FilterState<S> {
     pub(super) fn from_belief(belief: Belief<S>) -> Self {
-        Self { belief, bias: None }
+        Self { belief, bias: None, sensitivity: Sensitivity::new() }
+    }
+
+    /// The belief with the covariance of the whole error.
+    pub(super) fn marginal(&self, considered: Option<&Variances<S>>) -> Belief<S> {
+        match considered {
+            None => self.belief,
+            Some(variances) => {
+                let covariance = self.sensitivity.marginal(&self.belief.covariance, variances);
+                Belief { covariance, ..self.belief }
+            }
+        }
     }
 
     /// The state with a pose that was found without the gyroscope: the bias is kept, its correlation with the pose is not.
-    pub(super) fn with_new_belief(&self, belief: Belief<S>) -> Self {
+    pub(super) fn with_new_belief(&self, belief: Belief<S>, considered: Option<&Variances<S>>) -> Self {
         let bias = self.bias.map(|bias| {
             let zero = S::from_f64(0.0);
-            let variance = joint_covariance(&self.belief.covariance, &bias).entry(0, 0);
+            let own = joint_covariance(&self.belief.covariance, &bias).entry(0, 0);
+            let variance =
+                considered.map_or(own, |variances| own + self.sensitivity.bias_variance(variances));
             GyroscopeBias { value: bias.value, coupling: [zero; 3], variance }
         });
-        Self { belief, bias }
+        Self { belief, bias, sensitivity: Sensitivity::new() }
     }
 
-    fn from_joint(pose: Belief<S>, value: S, joint: &Covariance<S, 4>) -> Self {
+    fn set_joint(&mut self, pose: Pose<Map, Body, S>, value: S, joint: &Covariance<S, 4>) {
         let (upper, diagonal) = joint.factors();
         let trailing = core::array::from_fn(|i| core::array::from_fn(|j| upper[i + 1][j + 1]));
         let covariance = Covariance::from_factors(trailing, [diagonal[1], diagonal[2], diagonal[3]]);
         let coupling = [upper[0][1], upper[0][2], upper[0][3]];
-        let bias = GyroscopeBias { value, coupling, variance: diagonal[0] };
-        Self { belief: Belief { covariance, ..pose }, bias: Some(bias) }
+        self.belief = Belief { pose, covariance };
+        self.bias = Some(GyroscopeBias { value, coupling, variance: diagonal[0] });
     }
 }
 
@@ -111,7 +129,7 @@ fn joint_covariance<S: Float>(pose: &Covariance<S, 3>, bias: &GyroscopeBias<S>) 
 }
 
 impl<S: Float> Ekf<S> {
-    /// State after an odometry interval in which the gyroscope measured `turn`; `None` for one without a reading.
+    /// Advances the state by an odometry interval in which the gyroscope measured `turn`; `None` for one without a reading.
     ///
     /// Wheels and gyroscope are weighted by their variances: Δθ = (1 − K)·Δθ_w + K·(Δθ_g − b·Δt) with
     /// K = Var(Δθ_w)/(Var(Δθ_w) + Var(Δθ_g)). At rest the wheels are exact, so that K = 0 and the reading measures the bias.
@@ -124,34 +142,57 @@ impl<S: Float> Ekf<S> {
     pub(super) fn predict_with_gyroscope(
         &self,
         gyroscope: &Gyroscope<S>,
-        state: FilterState<S>,
+        state: &mut FilterState<S>,
         wheels: WheelOdometry<S>,
         turn: Option<GyroscopeTurn<S>>,
         duration: S,
-    ) -> FilterState<S> {
+        considered: Option<&Variances<S>>,
+    ) {
         let Some(bias) = state.bias.or_else(|| turn.map(|_| GyroscopeBias::new(gyroscope.bias_std))) else {
-            return FilterState { belief: self.predict(state.belief, wheels), ..state };
+            return self.predict_considered(state, wheels, duration, considered);
         };
+        let sensitivity = &mut state.sensitivity;
         let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         let mut joint = joint_covariance(&state.belief.covariance, &bias);
         let (mut pose, mut value, mut wheels) = (state.belief.pose, bias.value, wheels);
-        let mut motion = self.drive.motion_from_travel(wheels.travel);
+        let by_wheels = self.drive.motion_from_travel(wheels.travel);
+        let mut motion = by_wheels;
         let (mut weight, mut measured_variance, mut measured_time) = (zero, zero, zero);
         if let Some(turn) = turn {
             let innovation = turn.turn - value * turn.duration - motion.turn;
             let bias_variance = joint.entry(0, 0) * turn.duration.squared();
-            let expected = self.turn_variance(&wheels) + turn.variance + bias_variance;
+            let mut expected = self.turn_variance(&wheels) + turn.variance + bias_variance;
+            // Jₑ of the difference between gyroscope and wheels.
+            let mut by_parameter = Sensitivity::turn_error(self, by_wheels);
+            if let Some(variances) = considered {
+                for (k, variance) in variances.iter().enumerate() {
+                    by_parameter[k] = by_parameter[k] + turn.duration * sensitivity.rows[0][k];
+                    expected = expected + by_parameter[k].squared() * *variance;
+                }
+            }
             let limit = S::from_f64(SLIP_STD_DEVS * SLIP_STD_DEVS) * expected;
             if innovation.squared() > limit {
                 wheels = self.with_turn_error(wheels, innovation.squared() - expected);
             }
             let wheel_variance = self.turn_variance(&wheels);
             if wheel_variance <= turn.variance * S::from_f64(REST_RATIO) {
-                let seen = joint.observed([turn.duration, zero, zero, zero], turn.variance + wheel_variance);
-                let [bias_gain, x, y, heading] = seen.gain.map(|gain| gain * innovation);
+                let row = [turn.duration, zero, zero, zero];
+                let variance = turn.variance + wheel_variance;
+                let (gain, covariance) = match considered {
+                    None => {
+                        let seen = joint.observed(row, variance);
+                        (seen.gain, seen.covariance)
+                    }
+                    Some(variances) => {
+                        let rows = &mut sensitivity.rows;
+                        let seen = observed_row(&joint, rows, variances, row, &by_parameter, variance);
+                        (seen.gain, seen.covariance)
+                    }
+                };
+                let [bias_gain, x, y, heading] = gain.map(|gain| gain * innovation);
                 value = value + bias_gain;
                 pose = Pose::new(pose.x + x, pose.y + y, pose.heading.rotated_by(heading));
-                joint = seen.covariance;
+                joint = covariance;
             }
             weight = wheel_variance.div_or_zero(wheel_variance + turn.variance);
             (measured_variance, measured_time) = (turn.variance, turn.duration);
@@ -159,7 +200,12 @@ impl<S: Float> Ekf<S> {
             motion.turn = motion.turn + weight * (corrected - motion.turn);
         }
 
-        let MotionJacobian { pose, by_heading: [dx, dy], by_length, by_turn } = self.motion(pose, motion);
+        let jacobian = self.motion(pose, motion);
+        if considered.is_some() {
+            sensitivity.predict(self, by_wheels, &jacobian, [weight, measured_time]);
+            sensitivity.set_velocity(motion, duration);
+        }
+        let MotionJacobian { pose, by_heading: [dx, dy], by_length, by_turn } = jacobian;
         let by_bias = by_turn.map(|turn| -(turn * weight * measured_time));
         let a = Matrix([
             [one, zero, zero, zero],
@@ -178,28 +224,76 @@ impl<S: Float> Ekf<S> {
         let (upper, mut diagonal) = joint.propagated(&a, &w, noise).factors();
         diagonal[0] = diagonal[0] + gyroscope.bias_walk.squared() * duration;
         let joint = Covariance::from_factors(upper, diagonal);
-        FilterState::from_joint(Belief { pose, ..state.belief }, value, &joint)
+        state.set_joint(pose, value, &joint);
     }
 
-    /// State after a measurement, its normalized innovation squared, and whether the gate accepted it.
+    /// Advances the state by an odometry interval of `duration` \[s] without a gyroscope.
+    pub(super) fn predict_considered(
+        &self,
+        state: &mut FilterState<S>,
+        wheels: WheelOdometry<S>,
+        duration: S,
+        considered: Option<&Variances<S>>,
+    ) {
+        if considered.is_none() {
+            state.belief = self.predict(state.belief, wheels);
+            return;
+        }
+        let zero = S::from_f64(0.0);
+        let motion = self.drive.motion_from_travel(wheels.travel);
+        let jacobian = self.motion(state.belief.pose, motion);
+        state.sensitivity.predict(self, motion, &jacobian, [zero; 2]);
+        state.sensitivity.set_velocity(motion, duration);
+        state.belief = self.propagate(state.belief, wheels, &jacobian);
+    }
+
+    /// Corrects the state by `measurement`; returns its normalized innovation squared, and whether the gate accepted it.
+    ///
+    /// A rejected measurement changes nothing.
     pub(super) fn correct_state<const M: usize>(
         &self,
-        state: FilterState<S>,
+        state: &mut FilterState<S>,
+        measurement: &Measurement<S>,
         innovation: &Innovation<S, M>,
         threshold: S,
-    ) -> (FilterState<S>, S, bool) {
-        let Some(bias) = state.bias else {
-            let corrected = self.correct(state.belief, innovation, threshold);
-            return (FilterState::from_belief(corrected.belief), corrected.nis, corrected.accepted);
+        considered: Option<&Variances<S>>,
+        sums: Option<(Stamp, &mut InnovationSums<S>)>,
+    ) -> (S, bool) {
+        let FilterState { belief, bias, sensitivity } = state;
+        let prior = *belief;
+        let at = |[x, y, heading]: [S; 3]| {
+            Pose::new(prior.pose.x + x, prior.pose.y + y, prior.pose.heading.rotated_by(heading))
         };
-        let joint = joint_covariance(&state.belief.covariance, &bias);
-        let update = innovation.update(&joint, threshold);
-        let [bias_step, x, y, heading] = update.step;
-        let pose = state.belief.pose;
-        let pose = Pose::new(pose.x + x, pose.y + y, pose.heading.rotated_by(heading));
-        let belief = Belief { pose, ..state.belief };
-        let state = FilterState::from_joint(belief, bias.value + bias_step, &update.covariance);
-        (state, update.nis, update.accepted)
+        let Some(bias) = bias else {
+            let Some(variances) = considered else {
+                let corrected = self.correct(prior, innovation, threshold);
+                *belief = corrected.belief;
+                return (corrected.nis, corrected.accepted);
+            };
+            let covariance = &prior.covariance;
+            let update =
+                sensitivity.update((covariance, variances), &prior, measurement, innovation, threshold, sums);
+            if let Some((step, covariance)) = update.accepted {
+                *belief = Belief { pose: at(step), covariance };
+            }
+            return (update.nis, update.accepted.is_some());
+        };
+        let (joint, value) = (joint_covariance(&prior.covariance, bias), bias.value);
+        let (nis, accepted) = match considered {
+            None => {
+                let update = innovation.update(&joint, threshold);
+                (update.nis, update.accepted.then_some((update.step, update.covariance)))
+            }
+            Some(variances) => {
+                let update =
+                    sensitivity.update((&joint, variances), &prior, measurement, innovation, threshold, sums);
+                (update.nis, update.accepted)
+            }
+        };
+        if let Some(([bias_step, x, y, heading], covariance)) = &accepted {
+            state.set_joint(at([*x, *y, *heading]), value + *bias_step, covariance);
+        }
+        (nis, accepted.is_some())
     }
 
     /// Variance of the turn by the wheels \[rad²].

@@ -101,6 +101,11 @@ impl<S: Float, const N: usize> History<S, N> {
             index = index.checked_sub(1)?;
         }
         self.len += 1;
+        if index + 1 == self.len {
+            let slot = self.slot(index);
+            self.ring[slot] = Some(entry);
+            return Some(index);
+        }
         let mut moved = entry;
         for i in index..self.len {
             let slot = self.slot(i);
@@ -122,8 +127,9 @@ impl<S: Float, const N: usize> History<S, N> {
 
     fn drop_oldest(&mut self) {
         let slot = self.slot(0);
-        if let Some(oldest) = self.ring[slot].take() {
+        if let Some(oldest) = &self.ring[slot] {
             self.base = (oldest.stamp, oldest.after);
+            self.ring[slot] = None;
             self.first = (self.first + 1) % N;
             self.len -= 1;
         }

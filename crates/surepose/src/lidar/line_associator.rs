@@ -26,6 +26,9 @@ pub struct LineAssociator<S> {
     pub gate: Gate<S>,
     /// Minimum difference of the normalized innovations of the second-best and the best wall.
     pub ambiguity_margin: S,
+    /// Variances of distance \[m²] and direction \[rad²] that constant errors of laser and map add in the association; 0 for
+    /// none. They are not in the measurements.
+    pub model_variance: [S; 2],
 }
 
 /// Association of one line.
@@ -76,7 +79,8 @@ impl<S> Associations<S> {
 impl<S: Float> Default for LineAssociator<S> {
     /// Gate at 99.9 %; the best wall must be 100 times as likely as the second best.
     fn default() -> Self {
-        Self { gate: Gate::new(0.999), ambiguity_margin: S::from_f64(9.2) }
+        let exact = [S::from_f64(0.0); 2];
+        Self { gate: Gate::new(0.999), ambiguity_margin: S::from_f64(9.2), model_variance: exact }
     }
 }
 
@@ -227,8 +231,18 @@ impl<S: Float> AssociationState<'_, S> {
     }
 
     fn apply(&mut self, sighting: &LineMeasurement<S>) {
-        let innovation = sighting.innovation(&self.belief);
+        let innovation = self.with_model_error(*sighting).innovation(&self.belief);
         self.belief = self.ekf.correct(self.belief, &innovation, self.associator.gate.threshold(2)).belief;
+    }
+
+    /// The measurement with the constant errors of laser and map as noise.
+    fn with_model_error(&self, sighting: LineMeasurement<S>) -> LineMeasurement<S> {
+        let [distance, direction] = self.associator.model_variance;
+        LineMeasurement {
+            distance_variance: sighting.distance_variance + distance,
+            direction_variance: sighting.direction_variance + direction,
+            ..sighting
+        }
     }
 
     /// End points of the line in the map, and their uncertainty \[m].
@@ -248,7 +262,7 @@ impl<S: Float> AssociationState<'_, S> {
     fn nis(&self, pending: &PendingLine<S>, number: usize, ends: [Point<Map, S>; 2], margin: S) -> Option<S> {
         let wall = self.walls.get(number)?;
         let threshold = self.associator.gate.threshold(2);
-        let sighting = LineMeasurement { wall: *wall.line(), ..pending.seen };
+        let sighting = self.with_model_error(LineMeasurement { wall: *wall.line(), ..pending.seen });
         // The innovation of the direction alone is never larger than that of direction and distance, and is cheap.
         let turned =
             (sighting.seen.direction - (sighting.wall.direction - self.belief.pose.heading)).radians();

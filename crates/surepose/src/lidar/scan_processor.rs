@@ -21,7 +21,8 @@ pub enum ScanModel<S> {
 
 /// Compares scans of up to `BEAMS` beams with the walls of the map.
 ///
-/// It owns the workspace and keeps no state from one scan to the next.
+/// It owns the workspace. From one scan to the next it keeps the roughness of the lines: beams that deviate from their lines by more
+/// than the configured noise of the ranges, because of the laser or of the walls, increase the noise of later scans.
 #[derive(Clone, Debug)]
 pub struct ScanProcessor<S, const BEAMS: usize> {
     /// Configured laser.
@@ -29,7 +30,16 @@ pub struct ScanProcessor<S, const BEAMS: usize> {
     /// Model of the comparison.
     pub model: ScanModel<S>,
     extractor: LineExtractor<S, BEAMS>,
+    /// Mean square of the deviations of beams from their lines, in variances of the configured noise.
+    roughness: S,
 }
+
+/// Weight of one scan in the roughness.
+const ROUGHNESS_WEIGHT: f64 = 0.2;
+/// Roughness up to which the configured noise holds: seven standard deviations of what equal noise gives.
+const MIN_ROUGHNESS: f64 = 1.3;
+/// Largest roughness: noise of four times the configured standard deviation.
+const MAX_ROUGHNESS: f64 = 16.0;
 
 /// Result of processing one scan.
 #[derive(Clone, Copy, Debug)]
@@ -45,15 +55,19 @@ pub struct ScanObservation<'a, S> {
 impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
     /// Processor for this laser.
     pub fn new(laser: RangeFinder<S>, model: ScanModel<S>) -> Self {
-        Self { laser, model, extractor: LineExtractor::new() }
+        Self { laser, model, extractor: LineExtractor::new(), roughness: S::from_f64(1.0) }
     }
 
-    /// Laser that took `scan`: the configured one, with the range limits and mounting of the scan where present.
+    /// Laser that took `scan`: the configured one, with the noise that its lines show and with the range limits and mounting of the scan where present.
     pub fn laser_of(&self, scan: &Scan<'_, S>) -> RangeFinder<S> {
+        let mut laser = self.laser;
+        if self.roughness > S::from_f64(MIN_ROUGHNESS) {
+            laser.range_std = laser.range_std * self.roughness.sqrt();
+        }
         let Some(LaserGeometry { body_from_laser, range_min, range_max }) = scan.geometry else {
-            return self.laser;
+            return laser;
         };
-        RangeFinder { body_from_laser, range_min, range_max, ..self.laser }
+        RangeFinder { body_from_laser, range_min, range_max, ..laser }
     }
 
     /// Processes `scan`, given the belief at the time of the scan.
@@ -69,6 +83,10 @@ impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
     ) -> Result<ScanObservation<'_, S>, ScanError> {
         let laser = self.laser_of(scan);
         let extracted = self.extractor.extract(&laser, scan)?;
+        if let ScanModel::Lines(_) = self.model {
+            let used = laser.range_std.squared().div_or_zero(self.laser.range_std.squared());
+            self.roughness = updated_roughness(self.roughness, used, &extracted);
+        }
         let body_from_laser = &laser.body_from_laser;
         let unmatched = ScanObservation { extracted, associations: Associations::new(), beam_match: None };
         Ok(match &self.model {
@@ -82,6 +100,27 @@ impl<S: Float, const BEAMS: usize> ScanProcessor<S, BEAMS> {
             },
         })
     }
+}
+
+/// Roughness after a scan from which lines were extracted with the roughness `used`.
+fn updated_roughness<S: Float>(before: S, used: S, extracted: &LineExtraction<'_, S>) -> S {
+    let zero = S::from_f64(0.0);
+    let (mut squares, mut freedom) = (zero, zero);
+    for line in extracted.lines {
+        let own = S::from_f64(f64::from(line.beams.saturating_sub(2)));
+        squares = squares + line.reduced_chi2 * own;
+        freedom = freedom + own;
+    }
+    // Lines that are too rough to be extracted show that, and not by how much.
+    let seen = if freedom > zero {
+        squares / freedom
+    } else if extracted.rejected.not_straight > 0 {
+        S::from_f64(4.0)
+    } else {
+        return before;
+    };
+    let after = before + (seen * used - before) * S::from_f64(ROUGHNESS_WEIGHT);
+    after.max(S::from_f64(1.0)).min(S::from_f64(MAX_ROUGHNESS))
 }
 
 impl<S: Float> ScanProcessor<S, 0> {

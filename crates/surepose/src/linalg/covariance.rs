@@ -203,6 +203,31 @@ impl<S: Scalar, const N: usize> Covariance<S, N> {
         Observation { gain, variance: total, covariance: result }
     }
 
+    /// Computes P + `weight` v vᵀ, for a `weight` ≥ 0.
+    ///
+    /// The entries of D are sums and products of numbers that are not negative. [Agee1972]; [Bierman1977] Ch. III.
+    #[must_use]
+    #[inline(always)]
+    pub fn with_rank_one(&self, vector: [S; N], weight: S) -> Self {
+        let mut result = *self;
+        let (mut v, mut weight) = (vector, weight);
+        for j in (0..N).rev() {
+            let weighted = weight * v[j];
+            let total = self.diagonal[j] + weighted * v[j];
+            let share = S::from_f64(1.0).div_or_zero(total);
+            result.diagonal[j] = total;
+            let gain = weighted * share;
+            for i in 0..j {
+                v[i] = v[i] - v[j] * self.upper[i][j];
+                result.upper[i][j] = self.upper[i][j] + gain * v[i];
+            }
+            // A component without variance before and after takes nothing.
+            let rest = self.diagonal[j] * share;
+            weight = S::select(total.gt(S::from_f64(0.0)), weight * rest, weight);
+        }
+        result
+    }
+
     /// Returns `yes` where `mask` is true, else `no`.
     #[must_use]
     #[inline(always)]

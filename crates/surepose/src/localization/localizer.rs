@@ -1,12 +1,12 @@
 //! Estimation half of a step: sensor input to a supervised belief.
 
 use crate::estimation::{
-    Belief, DelayedEkf, GyroscopeTurn, Measurement, MeasurementOutcome, MeasurementStats, OdometryOutcome,
-    RejectReason, WheelOdometry,
+    Belief, DelayedEkf, DisagreeingSensor, GyroscopeTurn, Measurement, MeasurementOutcome, MeasurementStats,
+    OdometryOutcome, RejectReason, WheelOdometry,
 };
 use crate::lidar::{Deskewer, Scan, ScanEvent, ScanProcessor};
 use crate::map::MapView;
-use crate::safety::{Health, SafetyAction};
+use crate::safety::{FaultReason, Health, SafetyAction};
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
@@ -134,10 +134,19 @@ impl<S: Float, const HISTORY: usize, const BEAMS: usize, const HYPOTHESES: usize
 
     /// Present quality of the belief and safety action for the wheels, from one evaluation.
     pub fn judge(&self) -> (Health, SafetyAction) {
-        match &self.monitor {
-            Some(monitor) => monitor.judge(self.stamp(), &self.belief()),
-            None => (Health::Healthy, SafetyAction::Proceed),
+        let Some(monitor) = &self.monitor else { return (Health::Healthy, SafetyAction::Proceed) };
+        match monitor.judge(self.stamp(), &self.belief()) {
+            stopped @ (_, SafetyAction::Stop(_)) => stopped,
+            _ if self.disagreement().is_some() => {
+                (Health::Degraded, SafetyAction::Slowdown(FaultReason::Inconsistent))
+            }
+            judged => judged,
         }
+    }
+
+    /// Sensor that disagrees with the others; see [`DelayedEkf::disagreement`].
+    pub fn disagreement(&self) -> Option<DisagreeingSensor> {
+        self.estimator.disagreement()
     }
 
     /// Monitor; `None` for an unsupervised localizer.

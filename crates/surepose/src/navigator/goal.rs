@@ -1,6 +1,7 @@
 //! The active goal: what the controller remembers of it, what holds the robot up, and how it ends.
 
 use crate::control::{ControlStep, ControllerState, GoalStatus};
+use crate::estimation::DisagreeingSensor;
 use crate::geometry::{Goal, Map, Pose};
 use crate::kinematics::Twist;
 use crate::safety::{BlockReason, FaultReason, LyapunovValue, MotionFault, ProgressMonitor, SafetyAction};
@@ -22,6 +23,10 @@ pub(super) struct ActiveGoal<S: Float> {
     impediment: Option<AbortReason>,
     impeded_for: S,
     progress: ProgressMonitor<S>,
+    /// Sensor that disagreed with the others on the way, and the time since \[s]. The pose at which the robot arrives is then
+    /// not known to the tolerance.
+    disputed_by: Option<DisagreeingSensor>,
+    disputed_for: S,
     /// A wall stopped the robot: it brakes, and the goal is over.
     is_stopped_by_wall: bool,
     has_arrived: bool,
@@ -35,6 +40,8 @@ impl<S: Float> ActiveGoal<S> {
             impediment: None,
             impeded_for: S::from_f64(0.0),
             progress: ProgressMonitor::new(),
+            disputed_by: None,
+            disputed_for: S::from_f64(0.0),
             is_stopped_by_wall: false,
             has_arrived: false,
         }
@@ -70,6 +77,10 @@ impl<S: Float> ActiveGoal<S> {
             SafetyAction::Stop(reason) => Some(AbortReason::Fault(reason)),
             _ => blocked.map(AbortReason::Blocked),
         };
+        if self.disputed_by.is_some() {
+            self.disputed_for = self.disputed_for + elapsed;
+        }
+        self.disputed_by = self.disputed_by.or(report.disagreement);
         self.is_stopped_by_wall |= blocked == Some(BlockReason::Wall);
         if impediment.is_some() {
             self.impeded_for = self.impeded_for + elapsed;
@@ -93,7 +104,7 @@ impl<S: Float> ActiveGoal<S> {
     ) -> Option<GoalResult> {
         let rests = limited == Twist::zero();
         let status = self.state.goal_checker.status(&config.controller.tolerance);
-        let is_there = status == GoalStatus::Reached && rests;
+        let is_there = status == GoalStatus::Reached && rests && self.disputed_by.is_none();
         let arrives = is_there && !self.has_arrived;
         self.has_arrived |= is_there;
         // A base that stalls within the tolerance has arrived.
@@ -126,7 +137,11 @@ impl<S: Float> ActiveGoal<S> {
         if self.is_stopped_by_wall && rests {
             return Some(AbortReason::Blocked(BlockReason::Wall));
         }
-        if self.impeded_for >= S::from_f64(config.goal_timeout) {
+        let timeout = S::from_f64(config.goal_timeout);
+        if let Some(sensor) = self.disputed_by.filter(|_| self.disputed_for >= timeout) {
+            return Some(AbortReason::Disagreement(sensor));
+        }
+        if self.impeded_for >= timeout {
             return self.impediment;
         }
         if let Some(fault) = motion {

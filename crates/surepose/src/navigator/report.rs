@@ -1,7 +1,7 @@
 //! Report of a step.
 
 use crate::control::ControlStep;
-use crate::estimation::Belief;
+use crate::estimation::{Belief, DisagreeingSensor};
 use crate::kinematics::{Twist, WheelPair};
 use crate::safety::{BlockReason, Health, SafetyAction};
 use crate::scalar::Float;
@@ -29,6 +29,8 @@ pub struct StepReport<S: Float> {
     pub health: Health,
     /// Action of the supervisor.
     pub action: SafetyAction,
+    /// Sensor that disagrees with the others beyond noise and considered errors; `None` where all agree.
+    pub disagreement: Option<DisagreeingSensor>,
     /// Command; `None` where no goal is active and the wheels are free for another controller.
     pub command: Option<Command<S>>,
     /// The controller's view; `None` without a goal.
@@ -42,6 +44,16 @@ pub struct StepReport<S: Float> {
 impl<S: Float> StepReport<S> {
     /// Report of an estimate without a goal.
     pub(super) fn new(stamp: Stamp, belief: Belief<S>, health: Health, action: SafetyAction) -> Self {
-        Self { stamp, belief, health, action, command: None, control: None, blocked_by: None, result: None }
+        Self {
+            stamp,
+            belief,
+            health,
+            action,
+            disagreement: None,
+            command: None,
+            control: None,
+            blocked_by: None,
+            result: None,
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Results of a goal.
 
+use crate::estimation::DisagreeingSensor;
 use crate::param::{self, Parameter};
 use crate::safety::{BlockReason, FaultReason, MotionChannel, MotionFault};
 
@@ -23,6 +24,8 @@ pub enum GoalResult {
 pub enum AbortReason {
     /// The supervisor stopped the robot for the goal time-out.
     Fault(FaultReason),
+    /// This sensor disagreed with the others beyond noise and considered errors, so that the goal could not be known to be reached.
+    Disagreement(DisagreeingSensor),
     /// A wall, an obstacle or a missing laser blocked the robot.
     Blocked(BlockReason),
     /// The base does not execute its commands.
@@ -38,6 +41,7 @@ impl AbortReason {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fault(reason) => reason.name(),
+            Self::Disagreement(_) => FaultReason::Inconsistent.name(),
             Self::Blocked(reason) => reason.name(),
             Self::Motion(MotionFault::Stalled(_)) => "stalled",
             Self::Motion(MotionFault::Blocked(_)) => "blocked",
@@ -61,6 +65,13 @@ impl AbortReason {
             Self::NoProgress => {
                 &[param::WHEEL_ACCELERATION_LIMIT, param::COMMAND_DELAY, param::MOTOR_TIME_CONSTANT]
             }
+            Self::Disagreement(DisagreeingSensor::Compass) => {
+                &[param::COMPASS_OFFSET, param::WHEEL_RADIUS_RATIO, param::WHEEL_SEPARATION]
+            }
+            Self::Disagreement(DisagreeingSensor::Laser) => {
+                &[param::LASER_HEADING, param::LASER_X, param::LASER_Y, param::LASER_LATENCY]
+            }
+            Self::Disagreement(DisagreeingSensor::Map) => &[param::WALL_STD, param::LASER_RANGE_SCALE_STD],
             Self::Fault(FaultReason::WheelTrackingError) => &[param::WHEEL_ACCELERATION_LIMIT],
             _ => &[],
         }

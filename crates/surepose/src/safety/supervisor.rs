@@ -143,9 +143,13 @@ impl<S: Float> Supervisor<S> {
     pub fn contradicts_map(&self, stats: &BeamStats<S>) -> bool {
         let config = &self.config;
         // Missed returns count as beams that end behind a wall.
-        let all = S::from_f64(f64::from(stats.beams.saturating_add(stats.missed_returns)));
-        let hits = S::from_f64(f64::from(stats.hits));
-        hits < config.min_hit_ratio * all || stats.behind_wall_ratio() > config.max_behind_wall_ratio
+        let share = |count: u16| S::from_f64(f64::from(count));
+        let all = share(stats.beams.saturating_add(stats.missed_returns));
+        let (hits, open) = (share(stats.hits), all - share(stats.short));
+        // Things on no map hide walls and show nothing behind them: of the other beams, more must hit.
+        let hidden = hits < S::from_f64(MIN_CLUTTERED_HITS) * all || hits < S::from_f64(MIN_OPEN_HITS) * open;
+        (hits < config.min_hit_ratio * all && hidden)
+            || stats.behind_wall_ratio() > config.max_behind_wall_ratio
     }
 
     /// Notes the statistics of a scan at the belief of its time, and the normalized innovation squared per row of the pose
@@ -235,6 +239,10 @@ impl<S: Float> Supervisor<S> {
         wrong.into_iter().find_map(|(is_wrong, reason)| is_wrong.then_some(reason))
     }
 }
+
+/// Smallest share of hits of a scan among clutter: of all beams, and of those that nothing hides.
+const MIN_CLUTTERED_HITS: f64 = 0.3;
+const MIN_OPEN_HITS: f64 = 0.85;
 
 /// Maximum contribution of one scan per row: the 1 − 10⁻⁶ quantile of χ² with 3 degrees of freedom, over 3.
 const MAX_SCAN_NIS: f64 = 30.7 / 3.0;

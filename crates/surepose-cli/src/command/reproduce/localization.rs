@@ -8,6 +8,7 @@ use surepose_config::Config;
 use surepose_experiments::picture::{self, LocalizationRun};
 use surepose_experiments::reproduce::{
     Accuracy, Comparison, Configuration, DeviationSample, Extraction, LoopWorld, comparison, deviations,
+    localization,
 };
 use surepose_sim::{CancelToken, Clutter, Seed};
 
@@ -32,21 +33,26 @@ impl LocalizationRuns {
             what: error.to_string(),
             help: "report this as a bug".to_owned(),
         })?;
+        let considered = world.clone().with_model_errors(config);
         let (cancel, bar) = (CancelToken::default(), progress::bar(output, "localizing"));
         let part = || cancel.completed() as f64 / count as f64;
-        let work = || Self::drive(&world, seed..seed.saturating_add(count), &cancel);
+        let work = || Self::drive([&world, &considered], seed..seed.saturating_add(count), &cancel);
         progress::attended(&bar, part, || cancel.cancel(), work)
     }
 
-    fn drive(world: &LoopWorld, seeds: Range<u64>, cancel: &CancelToken) -> Self {
+    /// Runs the series in the `world`, and all sensors once more with a filter that considers model errors.
+    fn drive([world, considered]: [&LoopWorld; 2], seeds: Range<u64>, cancel: &CancelToken) -> Self {
         let first = Seed(seeds.start);
         let runs =
             Configuration::ALL.map(|configuration| (configuration, deviations(world, configuration, first)));
         let mut result = Self { runs: runs.into(), json: Map::new(), rows: Vec::new() };
-        if let Some(Comparison { accuracies, extraction }) = comparison(world, seeds, cancel) {
+        if let Some(Comparison { accuracies, extraction }) = comparison(world, seeds.clone(), cancel) {
             for (configuration, accuracy) in accuracies {
                 result.json.insert(configuration.name().to_owned(), json!(Figures::of(accuracy)));
                 result.rows.push([configuration.name().to_owned(), shown(&accuracy)]);
+            }
+            if let Some(accuracy) = localization(considered, Configuration::Both, seeds, cancel) {
+                result.rows.push(["… with considered errors".to_owned(), shown(&accuracy)]);
             }
             let lines = LineFigures::of(&extraction);
             result.rows.push(["lines".to_owned(), lines.shown()]);

@@ -46,12 +46,12 @@ fn consistent_inputs_raise_no_fault() {
 fn lost_after_six_scans_and_until_relocalized() {
     let mut supervisor = supervisor();
     for contradicting in
-        [stats(30, 5), stats(90, 0), stats(70, 20), stats(30, 5), stats(0, 0), stats(30, 5), stats(30, 5)]
+        [stats(25, 5), stats(90, 0), stats(70, 20), stats(25, 5), stats(0, 0), stats(25, 5), stats(25, 5)]
     {
         supervisor.on_scan(&contradicting, 1.0);
         assert_ne!(supervisor.health(START, &belief(0.01)), Health::Lost);
     }
-    supervisor.on_scan(&stats(30, 5), 1.0);
+    supervisor.on_scan(&stats(25, 5), 1.0);
     assert_eq!(supervisor.action(START, &belief(0.01)), SafetyAction::Stop(FaultReason::Lost));
     for _ in 0..100 {
         supervisor.on_scan(&stats(99, 0), 1.0);
@@ -59,6 +59,21 @@ fn lost_after_six_scans_and_until_relocalized() {
     assert_eq!(supervisor.health(START, &belief(0.01)), Health::Lost);
     supervisor.on_relocalized(START);
     assert_eq!(supervisor.health(START, &belief(0.01)), Health::Healthy);
+}
+
+/// Things on no map hide nearly half of the beams, and the others end at walls.
+#[test]
+fn clutter_alone_does_not_mark_the_robot_lost() {
+    let mut supervisor = supervisor();
+    for _ in 0..100 {
+        supervisor.on_scan(&stats(52, 3), 1.0);
+        assert_eq!(supervisor.health(START, &belief(0.01)), Health::Healthy);
+    }
+    // As many hits, while the others pass through walls.
+    for _ in 0..6 {
+        supervisor.on_scan(&stats(52, 15), 1.0);
+    }
+    assert_eq!(supervisor.health(START, &belief(0.01)), Health::Lost);
 }
 
 #[test]
