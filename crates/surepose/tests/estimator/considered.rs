@@ -330,7 +330,7 @@ fn endured<S: Float>() -> Belief<S> {
     for k in 1..=1_000_000_i64 {
         let phase = k as f64 * 0.01;
         let travel = [0.02 + 0.01 * phase.sin(), 0.02 - 0.01 * phase.sin()].map(S::from_f64);
-        filter.predict(at(20 * k), WheelPair::new(travel[0], travel[1])).unwrap();
+        assert_eq!(filter.predict(at(20 * k), WheelPair::new(travel[0], travel[1])), Ok(()));
         let pose = filter.belief().pose;
         if k % 3 == 0 {
             let heading = Angle::from_radians(pose.heading.radians());
