@@ -43,7 +43,7 @@ pub struct Simulation {
     aborted: Option<AbortReason>,
     /// Whether the navigator reported the goal as reached.
     has_arrived: bool,
-    /// When a sensor first disagreed with the others \[s], and which.
+    /// Time at which a sensor first disagreed with the others \[s], and that sensor; `None` before.
     disagreement: Option<(f64, DisagreeingSensor)>,
     timeout: f64,
     optimal_time: f64,

@@ -68,7 +68,7 @@ pub struct SimulationSummary {
     /// Sensor that disagreed with the others beyond noise and considered errors: `compass`, `laser` or `map`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub disagreeing_sensor: Option<&'static str>,
-    /// When that was first noticed.
+    /// Time at which the disagreement was first noticed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inconsistent_from_s: Option<f64>,
     /// Seed of all randomness; the same seed repeats the drive.

@@ -93,7 +93,7 @@ impl<S: Float> ConsideredParameters<S> {
     }
 }
 
-/// What a position error of the map belongs to: distance \[m] and direction \[rad] of a wall's line. Whole scans have the
+/// Key of a position error of the map: distance \[m] and direction \[rad] of a wall's line. Whole scans have the
 /// distance ∞, and the direction 0 for errors along x, 1 along y. NaN is nothing.
 type WallKey<S> = [S; 2];
 
