@@ -25,6 +25,8 @@ fn every_parameter_of_robot_and_sensors_describes_the_world() {
         let expected = match parameter.section {
             // What only the controller, the filter or a recording has.
             "law" | "goal" | "safety" | "loop" | "camera" | "commands" => false,
+            // What the filter considers of its own models.
+            _ if parameter.meaning.contains("consider") => false,
             // The noise of the wheels is of the world, the other keys of the filter are not.
             "filter" => parameter == &param::DELTA,
             // The simulated robot is a point to its walls.
