@@ -1,7 +1,6 @@
 //! Drives in worlds that differ from the robot's models: `cargo run --release -p surepose-experiments --example mismatch [COUNT] [exact] [WORLD]`.
 //!
-//! Each world takes seeds 1 to COUNT (60) of the default scenario, as `surepose run --world` does. `exact` sets all considered
-//! deviations to 0; WORLD selects the worlds whose name contains it. The columns are shares of the drives: at the goal in truth;
+//! Each world takes seeds 1 to COUNT (60) of the default scenario, as `surepose run --world` does. The filter considers typical model errors, with `exact` none; WORLD selects the worlds whose name contains it. The columns are shares of the drives: at the goal in truth;
 //! at rest outside the tolerance while "reached" is believed, unflagged and flagged; ended for a named reason; ever lost; ever
 //! flagged as inconsistent. Then the median and the largest NEES of a drive, the median time of the first flag, and the median
 //! and largest final position error.
@@ -52,8 +51,8 @@ fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1).peekable();
     let count = arguments.next_if(|text| text.parse::<u64>().is_ok()).map_or(60, |n| n.parse().unwrap_or(60));
     let config = match arguments.next_if(|text| text == "exact") {
-        Some(_) => Config::default().with_exact_models(),
-        None => Config::default(),
+        Some(_) => Config::default(),
+        None => Config::default().with_typical_model_errors(),
     };
     let selected = arguments.next().unwrap_or_default();
     println!(

@@ -54,18 +54,18 @@ pub struct LaserParameters {
     pub field_of_view: f64,
 }
 
-/// Standard deviations of the constant model errors that the filter considers.
-const CONSIDERED: [&Parameter; 10] = [
-    &param::COMPASS_BIAS_STD,
-    &param::COMPASS_LATENCY_STD,
-    &param::LASER_POSITION_STD,
-    &param::LASER_HEADING_STD,
-    &param::LASER_RANGE_SCALE_STD,
-    &param::LASER_LATENCY_STD,
-    &param::WHEEL_RADIUS_STD,
-    &param::WHEEL_RADIUS_RATIO_STD,
-    &param::WHEEL_SEPARATION_STD,
-    &param::WALL_STD,
+/// Typical standard deviations of model errors, in the units of the keys.
+const TYPICAL_MODEL_ERRORS: [(&Parameter, f64); 10] = [
+    (&param::WHEEL_RADIUS_STD, 0.005),
+    (&param::WHEEL_RADIUS_RATIO_STD, 0.003),
+    (&param::WHEEL_SEPARATION_STD, 0.005),
+    (&param::COMPASS_BIAS_STD, 1.0),
+    (&param::COMPASS_LATENCY_STD, 0.01),
+    (&param::LASER_POSITION_STD, 0.002),
+    (&param::LASER_HEADING_STD, 0.2),
+    (&param::LASER_RANGE_SCALE_STD, 0.0005),
+    (&param::LASER_LATENCY_STD, 0.01),
+    (&param::WALL_STD, 0.002),
 ];
 
 /// Preset names of [`Config::fitted`] for gains that are not set.
@@ -275,13 +275,14 @@ impl Config {
         }
     }
 
-    /// Returns the configuration of a robot whose models are exact but for noise: without considered errors, unless they are
-    /// set.
+    /// Returns the configuration with typical deviations of the model errors that the filter considers, unless they are set.
     #[must_use]
-    pub fn with_exact_models(self) -> Self {
-        let unset = |parameter: &&Parameter| self.origin(parameter) == ValueSource::Default;
-        let exact: Vec<_> = CONSIDERED.into_iter().filter(unset).map(|parameter| (parameter, 0.0)).collect();
-        self.with_preset("exact models", &exact)
+    pub fn with_typical_model_errors(self) -> Self {
+        let unset: Vec<_> = TYPICAL_MODEL_ERRORS
+            .into_iter()
+            .filter(|(parameter, _)| self.origin(parameter) == ValueSource::Default)
+            .collect();
+        self.with_preset("typical model errors", &unset)
     }
 
     /// Noise of the gyroscope.

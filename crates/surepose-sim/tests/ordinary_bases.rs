@@ -9,9 +9,7 @@ use surepose_sim::simulation::{SimulationOutcome, SimulationSummary, simulate};
 
 /// A drive in the paper's arena: `set` for robot and world, `world` for the world alone.
 fn drive(set: &[&str], world: &[&str], seed: u64) -> SimulationSummary {
-    let config = set
-        .iter()
-        .fold(Config::default().with_exact_models(), |config, option| config.with_option(option).unwrap());
+    let config = set.iter().fold(Config::default(), |config, option| config.with_option(option).unwrap());
     let mut scenario = Scenario::configured(config);
     scenario.world_settings = WorldSettings::from_options(world.iter().copied()).unwrap();
     simulate(&scenario, seed).1

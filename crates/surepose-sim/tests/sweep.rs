@@ -22,9 +22,7 @@ fn swept(degrees: u32, stamped: &str) -> Scenario {
         "laser.sweep_s=0.1".to_owned(),
         format!("laser.stamp={stamped}"),
     ];
-    let config = options
-        .iter()
-        .fold(Config::default().with_exact_models(), |config, option| config.with_option(option).unwrap());
+    let config = options.iter().fold(Config::default(), |config, option| config.with_option(option).unwrap());
     Scenario::configured(config)
 }
 

@@ -53,14 +53,14 @@ impl LoopWorld {
                 ..LaserModel::half_circle(laser.beams)
             },
             compass: CompassModel { std: config.compass().std, ..CompassModel::default() },
-            robot: config.clone().with_exact_models(),
+            robot: config.clone(),
         })
     }
 
-    /// The world with a robot whose filter considers the model errors of `config`, which this world does not have.
+    /// The world with a robot whose filter considers typical model errors, which this world does not have.
     #[must_use]
     pub fn with_model_errors(self, config: &Config) -> Self {
-        Self { robot: config.clone(), ..self }
+        Self { robot: config.clone().with_typical_model_errors(), ..self }
     }
 
     /// Starts one run on the course.

@@ -22,18 +22,18 @@ fn assert_parked(summary: &SimulationSummary, what: &str) {
 /// The mean NEES of n independent drives varies less than that of n single draws of χ²₃, whose 95 % band is used.
 #[test]
 fn default_drive_parks_with_consistent_estimate() {
-    let exact = Scenario::in_arena(Arena::paper(), Config::default().with_exact_models());
-    let runs: Vec<SimulationSummary> = (1..=8).map(|seed| simulate(&exact, seed).1).collect();
+    let runs: Vec<SimulationSummary> = (1..=8).map(|seed| simulate(&Scenario::default(), seed).1).collect();
     for summary in &runs {
-        assert_parked(summary, "exact models");
+        assert_parked(summary, "default");
     }
     let nees = runs.iter().filter_map(|s| s.nees_mean).sum::<f64>() / runs.len() as f64;
     let band = 1.96 * (6.0 / runs.len() as f64).sqrt();
     assert!((nees - 3.0).abs() < band, "{nees}");
     // Considered errors that this world does not have make the filter cautious, and it parks as well.
+    let cautious = Scenario::in_arena(Arena::paper(), Config::default().with_typical_model_errors());
     for seed in 1..=8 {
-        let summary = simulate(&Scenario::default(), seed).1;
-        assert_parked(&summary, "default");
+        let summary = simulate(&cautious, seed).1;
+        assert_parked(&summary, "typical model errors");
         assert!(summary.nees_mean.is_some_and(|nees| nees < 3.0), "{:?}", summary.nees_mean);
         assert!(summary.final_position_error_m < 0.003, "{}", summary.final_position_error_m);
     }
@@ -162,8 +162,7 @@ fn temporary_range_offset_causes_no_lasting_error() {
         let faults = vec![Fault::between(4.0, 5.0, FaultKind::Offset(Sensor::Laser, off))];
         let sensors = Sensors { compass: false, laser: true };
         for seed in 1..=10 {
-            let config = Config::default().with_exact_models();
-            let scenario = Scenario { sensors, faults: faults.clone(), config, ..Scenario::default() };
+            let scenario = Scenario { sensors, faults: faults.clone(), ..Scenario::default() };
             let summary = simulate(&scenario, seed).1;
             assert_parked(&summary, &format!("ranges off by {off} m"));
             assert!(summary.heading_rmse_deg < Some(1.0), "{summary:?}");

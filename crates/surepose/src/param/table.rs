@@ -98,11 +98,11 @@ parameters! {
         in_range(0.01, 5.0, 0.6, "a wheel separation below 1 cm or above 5 m indicates a wrong unit");
     /// Relative standard deviation of the wheel radii that both wheels share: load, wear, tire pressure. A constant error that the
     /// filter considers and does not estimate; 0 leaves it out.
-    WHEEL_RADIUS_STD = "robot" "wheel_radius_std", One, in_range(0.0, 0.2, 0.005, MODEL_ERROR);
+    WHEEL_RADIUS_STD = "robot" "wheel_radius_std", One, in_range(0.0, 0.2, 0.0, MODEL_ERROR);
     /// Standard deviation of wheel_radius_ratio, considered like wheel_radius_std.
-    WHEEL_RADIUS_RATIO_STD = "robot" "wheel_radius_ratio_std", One, in_range(0.0, 0.2, 0.003, MODEL_ERROR);
+    WHEEL_RADIUS_RATIO_STD = "robot" "wheel_radius_ratio_std", One, in_range(0.0, 0.2, 0.0, MODEL_ERROR);
     /// Relative standard deviation of track_m, considered like wheel_radius_std.
-    WHEEL_SEPARATION_STD = "robot" "track_std", One, in_range(0.0, 0.2, 0.005, MODEL_ERROR);
+    WHEEL_SEPARATION_STD = "robot" "track_std", One, in_range(0.0, 0.2, 0.0, MODEL_ERROR);
     /// Maximum rim speed of a wheel. Faster commands are scaled down; the curvature of the path stays the same.
     WHEEL_SPEED_LIMIT = "robot" "wheel_speed_limit_m_s", MeterPerSecond,
         positive(10.0, 0.3, "at 0 the robot cannot move, and 10 m/s is beyond this class of robot");
@@ -200,9 +200,9 @@ parameters! {
 
     /// Standard deviation of the constant error of the compass: declination, offset_deg, iron nearby. The filter considers it and
     /// does not estimate it; 0 leaves it out.
-    COMPASS_BIAS_STD = "compass" "bias_std_deg", Degree, in_range(0.0, 90.0, 1.0, MODEL_ERROR);
+    COMPASS_BIAS_STD = "compass" "bias_std_deg", Degree, in_range(0.0, 90.0, 0.0, MODEL_ERROR);
     /// Standard deviation of the compass's latency_s, considered like bias_std_deg.
-    COMPASS_LATENCY_STD = "compass" "latency_std_s", Second, in_range(0.0, 1.0, 0.01, MODEL_ERROR);
+    COMPASS_LATENCY_STD = "compass" "latency_std_s", Second, in_range(0.0, 1.0, 0.0, MODEL_ERROR);
 
     /// Standard deviation of one reading of the gyroscope's yaw rate.
     GYROSCOPE_STD = "gyroscope" "std_deg_s", DegreePerSecond, positive(100.0, 0.3, SIGMA);
@@ -235,13 +235,13 @@ parameters! {
     /// Beam that the stamp of a scan belongs to: `first`, as in ROS, `middle` or `last`.
     LASER_STAMP = "laser" "stamp", One, one_of::<StampedBeam>();
     /// Standard deviation of x_m and of y_m. A constant error that the filter considers and does not estimate; 0 leaves it out.
-    LASER_POSITION_STD = "laser" "position_std_m", Meter, in_range(0.0, 1.0, 0.002, MODEL_ERROR);
+    LASER_POSITION_STD = "laser" "position_std_m", Meter, in_range(0.0, 1.0, 0.0, MODEL_ERROR);
     /// Standard deviation of heading_deg, considered like position_std_m.
-    LASER_HEADING_STD = "laser" "heading_std_deg", Degree, in_range(0.0, 90.0, 0.2, MODEL_ERROR);
+    LASER_HEADING_STD = "laser" "heading_std_deg", Degree, in_range(0.0, 90.0, 0.0, MODEL_ERROR);
     /// Standard deviation of the relative error that all ranges share, considered like position_std_m.
-    LASER_RANGE_SCALE_STD = "laser" "range_scale_std", One, in_range(0.0, 0.2, 0.0005, MODEL_ERROR);
+    LASER_RANGE_SCALE_STD = "laser" "range_scale_std", One, in_range(0.0, 0.2, 0.0, MODEL_ERROR);
     /// Standard deviation of the laser's latency_s, considered like position_std_m.
-    LASER_LATENCY_STD = "laser" "latency_std_s", Second, in_range(0.0, 1.0, 0.01, MODEL_ERROR);
+    LASER_LATENCY_STD = "laser" "latency_std_s", Second, in_range(0.0, 1.0, 0.0, MODEL_ERROR);
     /// Field of view of the simulated laser, centered on its x axis.
     LASER_FIELD_OF_VIEW = "laser" "field_of_view_deg", Degree,
         positive(360.0, 180.0, "a laser sees something, and at most one turn");
@@ -251,7 +251,7 @@ parameters! {
 
     /// Standard deviation of the position of each wall, across the wall. A constant error of the map that the filter considers and
     /// does not estimate; 0 leaves it out.
-    WALL_STD = "map" "wall_std_m", Meter, in_range(0.0, 1.0, 0.002, MODEL_ERROR);
+    WALL_STD = "map" "wall_std_m", Meter, in_range(0.0, 1.0, 0.0, MODEL_ERROR);
 
     /// Delay between the true time of a landmark observation and its stamp.
     CAMERA_LATENCY = "camera" "latency_s", Second, in_range(0.0, 10.0, 0.03, CAMERA_LATENCY_REASON);
