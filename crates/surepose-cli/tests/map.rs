@@ -40,6 +40,57 @@ fn walls_of_a_room_round_trip() {
     assert!(shown["residual_rms_m"].is_null(), "a wall map has no residual: {shown}");
 }
 
+/// A path of another computer: the image of the same name beside the YAML file is read. If it is nowhere, both are named.
+#[test]
+fn stale_image_paths_fall_back_to_the_same_directory() {
+    let folder = folder("map-stale");
+    let grid = room(&folder);
+    let out = folder.join("walls.toml");
+    let made = || surepose(&["map", "from-grid", &grid, "--out", out.to_str().expect("UTF-8"), "--json"]);
+    let whole = made().json();
+    let text = std::fs::read_to_string(&grid).expect("there");
+    for stale in ["/home/ann/maps/room.pgm", "C:\\maps\\room.pgm", "../maps/room.pgm"] {
+        file(&folder, "room.yaml", text.replace("room.pgm", stale).as_bytes());
+        let read = made();
+        assert_eq!(read.json(), whole, "{stale}");
+        assert!(read.stderr.contains(stale) && read.stderr.contains("reading "), "{}", read.stderr);
+    }
+    file(&folder, "room.yaml", text.replace("room.pgm", "/home/ann/maps/hall.pgm").as_bytes());
+    std::fs::remove_file(folder.join("room.pgm")).expect("removed");
+    let missing = made();
+    assert_eq!(missing.code, 3);
+    for part in ["got /home/ann/maps/hall.pgm", "map-stale/hall.pgm", "room.yaml"] {
+        assert!(missing.stderr.contains(part), "{part} in {}", missing.stderr);
+    }
+}
+
+/// Thresholds that fit no pixel, and colors that are swapped, are warned of with the remedy.
+#[test]
+fn maps_with_little_on_them_are_warned_of() {
+    let folder = folder("map-sparse");
+    let grid = room(&folder);
+    let out = folder.join("walls.toml");
+    let text = std::fs::read_to_string(&grid).expect("there");
+    for (from, to, warned) in [
+        ("negate: 0", "negate: 0", None),
+        ("negate: 0", "negate: 1", Some("% of the known cells are occupied")),
+        ("free_thresh: 0.196", "free_thresh: 0.001", Some("no cell is free")),
+        ("negate: 0", "mode: raw\nnegate: 0", Some("no cell is occupied (")),
+    ] {
+        assert!(text.contains(from));
+        file(&folder, "room.yaml", text.replace(from, to).as_bytes());
+        let made = surepose(&["map", "from-grid", &grid, "--out", out.to_str().expect("UTF-8"), "--json"]);
+        match warned {
+            None => assert!(!made.stderr.contains("warning"), "{}", made.stderr),
+            Some(problem) => {
+                for part in [problem, "check occupied_thresh, free_thresh, negate and mode"] {
+                    assert!(made.stderr.contains(part), "{part} in {}", made.stderr);
+                }
+            }
+        }
+    }
+}
+
 /// If the YAML file names an absent image, the image with the name of the YAML file is read, with a warning.
 #[test]
 fn renamed_image_is_read_with_a_warning() {

@@ -76,6 +76,86 @@ pub fn is_free(occupancy: Option<f32>) -> bool {
     occupancy.is_some_and(|p| p < 1.0 - SOLID)
 }
 
+/// Reason for which few walls can be traced from a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SparseGrid {
+    /// No cell is solid.
+    #[error("no cell is occupied ({free} % are free, {unknown} % unknown)")]
+    NothingSolid {
+        /// Free cells, in percent.
+        free: u8,
+        /// Unknown cells, in percent.
+        unknown: u8,
+    },
+    /// No cell is free.
+    #[error("no cell is free ({solid} % are occupied, {unknown} % unknown)")]
+    NothingFree {
+        /// Solid cells, in percent.
+        solid: u8,
+        /// Unknown cells, in percent.
+        unknown: u8,
+    },
+    /// Most of the known cells are solid.
+    #[error("{solid} % of the known cells are occupied")]
+    MostlySolid {
+        /// Solid cells, in percent of those that are solid or free.
+        solid: u8,
+    },
+    /// Most of the cells in the rectangle around the known ones are unknown.
+    #[error("{unknown} % of the cells among the known ones are unknown")]
+    MostlyUnknown {
+        /// Unknown cells, in percent.
+        unknown: u8,
+    },
+}
+
+/// Percentage of solid cells, among the known ones, from which a grid is [`SparseGrid::MostlySolid`].
+const MAX_SOLID_PERCENT: u8 = 60;
+
+/// Percentage of unknown cells from which a grid is [`SparseGrid::MostlyUnknown`].
+const MAX_UNKNOWN_PERCENT: u8 = 90;
+
+impl Grid {
+    /// Checks that the grid has solid and free cells in usual proportions; `None` if it has.
+    pub fn sparseness(&self) -> Option<SparseGrid> {
+        let (mut solid, mut free) = (0, 0);
+        let (mut low, mut high) = ((usize::MAX, usize::MAX), (0, 0));
+        for (index, &cell) in self.cells.iter().enumerate() {
+            let counter = if is_solid(cell) {
+                &mut solid
+            } else if is_free(cell) {
+                &mut free
+            } else {
+                continue;
+            };
+            *counter += 1_usize;
+            let (column, row) = (index % self.width, index / self.width);
+            low = (column.min(low.0), row.min(low.1));
+            high = (column.max(high.0), row.max(high.1));
+        }
+        let known = solid + free;
+        let unknown = percent(self.cells.len() - known, self.cells.len());
+        if solid == 0 {
+            return Some(SparseGrid::NothingSolid { free: percent(free, self.cells.len()), unknown });
+        }
+        if free == 0 {
+            return Some(SparseGrid::NothingFree { solid: percent(solid, self.cells.len()), unknown });
+        }
+        let around = (high.0 - low.0 + 1) * (high.1 - low.1 + 1);
+        let (solid, unknown) = (percent(solid, known), percent(around - known, around));
+        match () {
+            () if solid > MAX_SOLID_PERCENT => Some(SparseGrid::MostlySolid { solid }),
+            () if unknown > MAX_UNKNOWN_PERCENT => Some(SparseGrid::MostlyUnknown { unknown }),
+            () => None,
+        }
+    }
+}
+
+/// Percentage of `part` in `whole`, at most 100; 0 of nothing.
+fn percent(part: usize, whole: usize) -> u8 {
+    (100 * part).checked_div(whole).and_then(|percent| u8::try_from(percent).ok()).unwrap_or(0).min(100)
+}
+
 /// The frame of a grid: origin at the outer corner of cell (0, 0), x along a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cells;

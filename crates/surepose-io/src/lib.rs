@@ -10,7 +10,7 @@
 //! | [`mines_rover`] | `mines_rover`: wheel counters and 682 ranges per line | [`Recording`](recording::Recording) of ticks |
 //! | [`cmu_wean`] | CMU Wean Hall: log of `O` and `L` lines; text grid | [`Recording`](recording::Recording) of poses, [`grid::Grid`] |
 //! | [`map_server`] | ROS map server: YAML file and image | [`grid::Grid`] |
-//! | [`pgm`] | grayscale images, `P5` and `P2` | [`pgm::Image`] |
+//! | [`image`] | PGM, PNG and BMP images of grids | [`image::Image`] |
 //! | [`wall_map`] | walls by their end points, TOML; also writes them | [`wall_map::WallMap`] |
 //! | [`start_poses`] | start poses, CSV | poses relative to the goal |
 //! | [`config`] | the configuration, TOML | [`Config`] |
@@ -46,12 +46,12 @@ mod document;
 pub mod error;
 pub mod grid;
 mod half_circle;
+pub mod image;
 pub mod lines;
 pub mod map_server;
 pub mod mines_rover;
 pub mod mrclam;
 pub mod owned_map;
-pub mod pgm;
 mod quantity;
 pub mod recording;
 pub mod ros_parameters;

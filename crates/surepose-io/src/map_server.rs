@@ -1,8 +1,9 @@
-//! Reads occupancy grids of the ROS map server: a YAML file and a PGM image.
+//! Reads occupancy grids of the ROS map server: a YAML file and an image.
 //!
 //! The conversion of gray values follows the map server of Navigation2 (`nav2_map_server`, `map_io.cpp`). A black pixel
 //! has occupancy probability 1, a white one 0; `negate` swaps them. `mode` selects the treatment of values in between.
-//! The bottom row of the image is the row at the origin.
+//! In the mode `trinary`, transparency counts as a fourth channel; in the mode `scale`, pixels that are not opaque are
+//! unknown. The bottom row of the image is the row at the origin.
 
 mod document;
 
@@ -14,7 +15,7 @@ use document::Document;
 use crate::document::{utf8, wrong};
 use crate::error::DataError;
 use crate::grid::{Grid, GridOrigin};
-use crate::pgm::{self, Image};
+use crate::image::{self, Image};
 use crate::quantity::{ANGLE, POSITION, PROBABILITY, Quantity, RESOLUTION, plain};
 use crate::source::{MAX_DOCUMENT_BYTES, read_all};
 
@@ -54,7 +55,7 @@ pub enum MapMode {
 pub struct Renamed {
     /// The absent image.
     pub named: PathBuf,
-    /// The image with the name of the YAML file, which is read instead.
+    /// The image beside the YAML file that is read instead.
     pub read: PathBuf,
 }
 
@@ -66,20 +67,21 @@ impl fmt::Display for Renamed {
 
 /// Reads the grid of a YAML file.
 ///
-/// If the named image is absent, the image with the name of the YAML file is read and the substitution returned: both files
-/// are often renamed together, without editing the YAML file.
+/// If the named image is absent, an image beside the YAML file is read and the substitution returned: the one with the same
+/// file name, because maps are copied without editing an absolute path, or else the one with the name of the YAML file,
+/// because both files are renamed together.
 ///
 /// # Errors
 /// A missing, unreadable or malformed file, with name and line.
 pub fn read(path: &Path) -> Result<(Grid, Option<Renamed>), DataError> {
     let (description, image, renamed) = described(path)?;
-    Ok((description.grid(&pgm::read(&image)?), renamed))
+    Ok((description.grid(&image::read(&image)?), renamed))
 }
 
 /// Returns the path of the image that [`read`] reads.
 ///
 /// # Errors
-/// A missing, unreadable or malformed YAML file, with name and line.
+/// A missing, unreadable or malformed YAML file, with name and line; an image that is nowhere.
 pub fn image_of(path: &Path) -> Result<PathBuf, DataError> {
     described(path).map(|(_, image, _)| image)
 }
@@ -88,12 +90,32 @@ pub fn image_of(path: &Path) -> Result<PathBuf, DataError> {
 fn described(path: &Path) -> Result<(MapMetadata, PathBuf, Option<Renamed>), DataError> {
     let description = parse(path, &read_all(path, MAX_DOCUMENT_BYTES)?)?;
     let named = path.with_file_name("").join(&description.image);
-    let same = path.with_extension("pgm");
-    if named.exists() || !same.exists() {
+    if named.exists() {
         return Ok((description, named, None));
     }
-    Ok((description, same.clone(), Some(Renamed { named, read: same })))
+    // A path may come from another operating system.
+    let written = description.image.to_string_lossy();
+    let file_name = written.rsplit(['/', '\\']).next().unwrap_or_default();
+    let beside = path.with_file_name(file_name);
+    let of_same_name = IMAGE_EXTENSIONS.iter().map(|extension| path.with_extension(extension));
+    match std::iter::once(beside.clone()).chain(of_same_name).find(|image| image.is_file()) {
+        Some(read) => Ok((description, read.clone(), Some(Renamed { named, read }))),
+        None if beside == named => {
+            let message =
+                format!("image: not found (got {}); copy it there, or correct the path", named.display());
+            Err(wrong(path, None, message))
+        }
+        None => {
+            let (named, beside) = (named.display(), beside.display());
+            let message =
+                format!("image: not found (got {named}, and no {beside}); copy it beside this file");
+            Err(wrong(path, None, message))
+        }
+    }
 }
+
+/// Extensions of the images that are looked for under the name of the YAML file.
+const IMAGE_EXTENSIONS: [&str; 3] = ["pgm", "png", "bmp"];
 
 /// Parses the text of a YAML file; `file` is the file name in errors.
 ///
@@ -150,20 +172,31 @@ impl MapMetadata {
     /// Converts `image` to a grid.
     pub fn grid(&self, image: &Image) -> Grid {
         let white = f64::from(image.white);
-        let rows = image.pixels.chunks_exact(image.width.max(1)).rev();
-        let cells = rows.flatten().map(|&pixel| self.occupancy(f64::from(pixel) / white)).collect();
+        let rows = (0..image.height).rev();
+        let of_row = |row: usize| row * image.width..(row + 1) * image.width;
+        let cells = rows.flat_map(of_row).map(|index| {
+            let shade = f64::from(image.pixels.get(index).copied().unwrap_or_default()) / white;
+            self.occupancy(shade, image.alpha.get(index).map(|&alpha| f64::from(alpha) / 255.0))
+        });
         let (resolution, origin) = (self.resolution, self.origin);
-        Grid { width: image.width, height: image.height, resolution, origin, cells }
+        Grid { width: image.width, height: image.height, resolution, origin, cells: cells.collect() }
     }
 
-    /// Converts the brightness of a pixel, from 0 to 1, to occupancy; `None` if unknown.
-    fn occupancy(&self, shade: f64) -> Option<f32> {
+    /// Converts the brightness of a pixel, from 0 to 1, and its opacity to occupancy; `None` if unknown.
+    ///
+    /// The opacity is `None` in an image without an alpha channel.
+    fn occupancy(&self, shade: f64, opacity: Option<f64>) -> Option<f32> {
+        let shade = match opacity {
+            Some(opacity) if self.mode == MapMode::Trinary => 0.75 * shade + 0.25 * opacity,
+            _ => shade,
+        };
         let occupied = if self.negate { shade } else { 1.0 - shade };
         match self.mode {
             MapMode::Raw => {
                 let percent = (shade * 255.0).round();
                 (percent <= 100.0).then_some((percent / 100.0) as f32)
             }
+            MapMode::Scale if opacity.is_some_and(|opacity| opacity < 1.0) => None,
             _ if occupied > self.occupied_threshold => Some(1.0),
             _ if occupied < self.free_threshold => Some(0.0),
             MapMode::Trinary => None,

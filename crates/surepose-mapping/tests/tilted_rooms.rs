@@ -55,7 +55,9 @@ fn error_of(wall: &MapWall, truth: &[Segment]) -> WallError {
 }
 
 fn trace(raster: &Raster, truth: &[Segment]) -> (WallMap, Vec<WallError>) {
-    let map = from_grid::extract_walls(&raster.draw(truth)).map;
+    let traced = from_grid::extract_walls(&raster.draw(truth));
+    assert!(traced.report.explained.is_some_and(|part| part <= 1.0), "{:?}", traced.report);
+    let map = traced.map;
     let errors = map.walls.iter().map(|wall| error_of(wall, truth)).collect();
     (map, errors)
 }

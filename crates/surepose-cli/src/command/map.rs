@@ -8,13 +8,13 @@ use clap::{Args, Subcommand, ValueEnum};
 use output::{MapOutput, keep, name_of, pictures_of};
 use surepose_figures::{self as picture, MapBackground};
 use surepose_io::{carmen, map_server, wall_map};
-use surepose_mapping::{MapReport, MappingResult, from_grid, from_log};
+use surepose_mapping::{MapReport, MappingResult, from_log};
 use surepose_replay::carmen::{map_from_log, views};
 
 use crate::error::CliError;
 use crate::exit::Exit;
 use crate::interrupt;
-use crate::maps::grid_in;
+use crate::maps::{grid_in, walls_of};
 use crate::output::{Output, object, table, warning};
 use crate::output_dir::{OutputDir, write_file};
 
@@ -34,7 +34,7 @@ enum What {
 
 Exit codes: 0 done; 1 no wall found; 2 usage error or output not writable; 3 grid unreadable or malformed; 130 interrupted.")]
     FromGrid {
-        /// The YAML file of the grid; if the image it names is absent, the image with its own name is read
+        /// The YAML file of the grid, with a PGM, PNG or BMP image; if the image it names is absent, the one with the same file name beside it, or with its own name, is read
         grid: PathBuf,
         /// The wall map to write; its plot gets the same name
         #[arg(long, value_name = "MAP.toml")]
@@ -92,7 +92,7 @@ impl MapCommand {
             What::FromGrid { grid, out, picture } => {
                 let target = MapOutput::new(out, picture, &[&grid, &map_server::image_of(&grid)?])?;
                 let grid = grid_in(&grid)?;
-                write(&from_grid::extract_walls(&grid), MapBackground::Grid(&grid), &target)?
+                write(&walls_of(&grid), MapBackground::Grid(&grid), &target)?
             }
             What::FromLog { format: Format::Carmen, path, out, picture } => {
                 let target = MapOutput::new(out, picture, &[&path])?;

@@ -1,6 +1,6 @@
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Grid, GridOrigin};
+use super::{Grid, GridOrigin, SparseGrid};
 
 fn turned() -> Grid {
     Grid {
@@ -45,4 +45,33 @@ fn points_outside_have_no_cell() {
     {
         assert_eq!(grid.cell_at(x, y), None, "{x}, {y}");
     }
+}
+
+#[test]
+fn grids_without_walls_or_room_are_sparse() {
+    let grid = |cells: Vec<Option<f32>>| Grid {
+        width: 10,
+        height: cells.len() / 10,
+        resolution: 0.05,
+        origin: GridOrigin::default(),
+        cells,
+    };
+    let mixed = |solid: usize, free: usize| {
+        let mut cells = vec![Some(1.0); solid];
+        cells.extend(vec![Some(0.0); free]);
+        cells.resize(100, None);
+        grid(cells).sparseness()
+    };
+    assert_eq!(mixed(20, 60), None);
+    assert_eq!(mixed(0, 60), Some(SparseGrid::NothingSolid { free: 60, unknown: 40 }));
+    assert_eq!(mixed(30, 0), Some(SparseGrid::NothingFree { solid: 30, unknown: 70 }));
+    assert_eq!(mixed(70, 30), Some(SparseGrid::MostlySolid { solid: 70 }));
+    // Unknown cells around the known ones do not count.
+    assert_eq!(mixed(2, 5), None);
+    let mut cells = vec![None; 400];
+    (cells[0], cells[399]) = (Some(1.0), Some(0.0));
+    assert_eq!(grid(cells).sparseness(), Some(SparseGrid::MostlyUnknown { unknown: 99 }));
+    let message = SparseGrid::NothingSolid { free: 60, unknown: 40 }.to_string();
+    assert_eq!(message, "no cell is occupied (60 % are free, 40 % unknown)");
+    assert_eq!(grid(vec![]).sparseness(), Some(SparseGrid::NothingSolid { free: 0, unknown: 0 }));
 }

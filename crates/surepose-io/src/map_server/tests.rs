@@ -2,7 +2,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use crate::pgm::Image;
+use crate::image::Image;
 
 use super::{MapMetadata, MapMode, parse};
 
@@ -29,7 +29,7 @@ fn with(from: &str, to: &str) -> Result<MapMetadata, String> {
 fn occupancy(mode: MapMode, negate: bool) -> Vec<Option<f32>> {
     let description = MapMetadata { negate, mode, ..description(YAML).unwrap() };
     let pixels = vec![0, 51, 100, 128, 204, 255];
-    description.grid(&Image { width: 6, height: 1, white: 255, pixels }).cells
+    description.grid(&Image { width: 6, height: 1, white: 255, pixels, alpha: vec![] }).cells
 }
 
 #[test]
@@ -73,7 +73,7 @@ free_thresh: 0.25
 
 #[test]
 fn bottom_row_of_the_image_is_at_the_origin() {
-    let image = Image { width: 2, height: 2, white: 255, pixels: vec![0, 255, 128, 255] };
+    let image = Image { width: 2, height: 2, white: 255, pixels: vec![0, 255, 128, 255], alpha: vec![] };
     let grid = description(YAML).unwrap().grid(&image);
     assert_eq!(grid.cells, [None, Some(0.0), Some(1.0), Some(0.0)]);
 }
@@ -87,6 +87,18 @@ fn modes_and_negation_follow_the_map_server() {
     // 1 − 128/255 lies 0.62 of the way from 0.25 to 0.65.
     assert!((scale[3].unwrap() - 0.620_098).abs() < 1e-6);
     assert_eq!(occupancy(MapMode::Raw, false), [Some(0.0), Some(0.51), Some(1.0), None, None, None]);
+}
+
+/// Opacity is a fourth channel in the mode `trinary`; in the mode `scale` what is not opaque is unknown.
+#[test]
+fn transparency_follows_the_map_server() {
+    let cells = |mode| {
+        let description = MapMetadata { mode, ..description(YAML).unwrap() };
+        let (pixels, alpha) = (vec![0, 0, 255, 255], vec![255, 0, 255, 0]);
+        description.grid(&Image { width: 4, height: 1, white: 255, pixels, alpha }).cells
+    };
+    assert_eq!(cells(MapMode::Trinary), [Some(1.0), Some(1.0), Some(0.0), None]);
+    assert_eq!(cells(MapMode::Scale), [Some(1.0), None, Some(0.0), None]);
 }
 
 #[test]

@@ -1,41 +1,17 @@
-//! Reads portable graymap images, as used for ROS occupancy grids: binary (`P5`) and plain (`P2`).
+//! Parses portable graymap images: binary (`P5`) and plain (`P2`).
 
 use std::path::Path;
 
 use crate::document::line_of;
 use crate::error::{DataError, Problem, excerpt};
 use crate::grid::MAX_CELLS;
-use crate::lines::MAX_TEXT_BYTES;
-use crate::source::read_all;
 
-/// A grayscale image.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Image {
-    /// Pixels per row.
-    pub width: usize,
-    /// Number of rows.
-    pub height: usize,
-    /// The value of white, from 1 to 65535.
-    pub white: u16,
-    /// The pixel values, row by row from the top, at most `white`.
-    pub pixels: Vec<u16>,
-}
-
-/// Reads an image, plain or compressed.
-///
-/// # Errors
-/// A missing, unreadable or malformed file, with its name, and with the line for text.
-pub fn read(path: &Path) -> Result<Image, DataError> {
-    parse(path, &read_all(path, MAX_TEXT_BYTES)?)
-}
+use super::raster::{Image, pixel_count};
 
 /// Parses an image in memory; `file` is the file name in errors.
 ///
 /// Memory use is below four times the length of `bytes`, whatever size the header declares.
-///
-/// # Errors
-/// A malformed header, too few pixels, or a pixel above the value of white.
-pub fn parse(file: &Path, bytes: &[u8]) -> Result<Image, DataError> {
+pub(super) fn parse(file: &Path, bytes: &[u8]) -> Result<Image, DataError> {
     let mut words = Words { file, bytes, at: 0 };
     let magic = words.next();
     if magic != b"P5" && magic != b"P2" {
@@ -45,16 +21,13 @@ pub fn parse(file: &Path, bytes: &[u8]) -> Result<Image, DataError> {
     let width = words.number("width", MAX_CELLS)?;
     let height = words.number("height", MAX_CELLS)?;
     let white = words.number("white value", usize::from(u16::MAX))?;
-    if width == 0 || height == 0 || white == 0 {
-        return Err(words.wrong("width, height, white value: 0 is not allowed"));
+    if white == 0 {
+        return Err(words.wrong("white value: 0 is not allowed"));
     }
-    let count = width.checked_mul(height).filter(|&count| count <= MAX_CELLS);
-    let count = count.ok_or_else(|| {
-        words.wrong(format!("image: too large (expected at most {MAX_CELLS} pixels); crop the map"))
-    })?;
+    let count = pixel_count(width, height).map_err(|problem| words.wrong(problem))?;
     let white = u16::try_from(white).unwrap_or(u16::MAX);
     let pixels = if magic == b"P5" { words.binary(count, white)? } else { words.plain(count, white)? };
-    Ok(Image { width, height, white, pixels })
+    Ok(Image { width, height, white, pixels, alpha: Vec::new() })
 }
 
 /// Splits an image file into words; `#` starts a comment up to the end of the line.

@@ -2,7 +2,8 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::{Image, parse};
+use super::super::Image;
+use super::parse;
 
 fn image(bytes: &[u8]) -> Result<Image, String> {
     parse(Path::new("map.pgm"), bytes).map_err(|error| error.to_string())
@@ -14,7 +15,8 @@ fn message(bytes: &[u8]) -> String {
 
 #[test]
 fn binary_and_plain_give_the_same_image() {
-    let expected = Image { width: 3, height: 2, white: 200, pixels: vec![0, 35, 200, 32, 10, 7] };
+    let expected =
+        Image { width: 3, height: 2, white: 200, pixels: vec![0, 35, 200, 32, 10, 7], alpha: vec![] };
     assert_eq!(image(b"P5\n# made by hand\n3 2\n200\n\x00\x23\xc8\x20\x0a\x07").unwrap(), expected);
     assert_eq!(image(b"P2 #c\n3 2 200\n0 35 200 # row\n32\t10 7\n").unwrap(), expected);
 }
@@ -47,7 +49,7 @@ fn malformed_images_name_the_problem() {
     );
     assert!(message(b"P5\n99999 99999 255\n").starts_with("map.pgm:2: image: too large"));
     assert!(message(b"P5\n99999999999999999999 1 255\n").contains("width: invalid"));
-    assert!(message(b"P5\n0 1 255\n").contains("0 is not allowed"));
+    assert!(message(b"P5\n0 1 255\n").contains("image: empty (got 0 x 1 pixels)"));
     assert!(
         message(b"P5\n1 1 65536\n")
             .contains("white value: invalid (got '65536', expected an integer up to 65535)")
