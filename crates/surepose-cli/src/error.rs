@@ -89,10 +89,14 @@ impl CliError {
     }
 }
 
-/// Installs the style of error messages: width [`WIDTH`], no links, color on terminals only.
+/// Installs the style of error messages: no links; on terminals, color and lines of width [`WIDTH`].
+///
+/// Elsewhere, lines are not broken, so that a search in a log finds a phrase whatever the length of the path
+/// before it.
 pub(crate) fn style_messages() {
     let install = miette::set_hook(Box::new(|_| {
-        let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && !no_color() {
+        let terminal = std::io::IsTerminal::is_terminal(&std::io::stderr());
+        let theme = if terminal && !no_color() {
             miette::GraphicalTheme::unicode()
         } else {
             miette::GraphicalTheme::unicode_nocolor()
@@ -100,6 +104,7 @@ pub(crate) fn style_messages() {
         // Paths are not broken, so that they can be searched and clicked.
         let handler = GraphicalReportHandler::new_themed(theme)
             .with_width(usize::from(WIDTH))
+            .with_wrap_lines(terminal)
             .with_links(false)
             .with_break_words(false)
             .with_word_separator(textwrap::WordSeparator::AsciiSpace)
