@@ -268,8 +268,8 @@ fn follow(
             let (dx, dy) = (point.x - foot.0, point.y - foot.1);
             let along = dx * tangent.0 + dy * tangent.1;
             let near = (dx * normal.0 + dy * normal.1).abs() < rules.tolerance;
-            // The foot itself is collected on one way only.
-            let here = along >= from && along < from + step && (along > 0.0 || way > 0.0);
+            // A point at the foot is collected on both ways: it counts twice in the fit.
+            let here = along >= from && along < from + step;
             if near && here && free.get(number as usize) == Some(&true) && agrees(point, normal, rules) {
                 batch.push((along, number));
             }

@@ -10,6 +10,8 @@ pub mod from_grid;
 pub mod from_log;
 pub mod point_cloud;
 
+use std::collections::BTreeSet;
+
 use fit_walls::FittedWall;
 use serde::Serialize;
 use surepose_io::wall_map::WallMap;
@@ -47,12 +49,14 @@ impl MapReport {
     }
 
     fn from_fit(map: &WallMap, grown: &[FittedWall], points: usize) -> Self {
-        let on_walls: usize = grown.iter().map(|wall| wall.members.len()).sum();
+        let members = || grown.iter().flat_map(|wall| &wall.members);
+        // A point may count twice in a fit, but is explained once.
+        let explained = members().collect::<BTreeSet<_>>().len();
         let squares: f64 = grown.iter().map(|wall| wall.residual_sum_of_squares).sum();
         let of = |sum: f64, count: usize| (count > 0).then(|| sum / count as f64);
         Self {
-            residual_rms_m: of(squares, on_walls).map(libm::sqrt),
-            explained: of(on_walls as f64, points),
+            residual_rms_m: of(squares, members().count()).map(libm::sqrt),
+            explained: of(explained as f64, points),
             ..Self::from_map(map)
         }
     }

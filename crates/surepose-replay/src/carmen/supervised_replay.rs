@@ -29,10 +29,8 @@ const FOUND_STD: [f64; 3] = [0.1, 0.1, 0.05];
 const MIN_HIT_RATIO: f64 = 0.72;
 const USUAL_HIT_RATIO: f64 = 0.85;
 const HIT_RATIO_GAIN: f64 = 0.05;
-/// Standard deviation of the heading's displacement at the first contradicting scan, and at later ones, which clutter does not
-/// explain \[rad].
-const HEADING_STD: f64 = 1.2;
-const LOST_HEADING_STD: f64 = 1.5;
+/// Standard deviation of the heading's displacement \[rad].
+const HEADING_STD: f64 = 1.5;
 /// Displacement of a robot whose odometry is wrong: at least, per meter driven, and at most \[m].
 const MIN_RADIUS: f64 = 0.6;
 const DISPLACEMENT: f64 = 2.0;
@@ -166,8 +164,10 @@ impl SupervisedReplay {
         let mut seen = self.replay.correct(stamp, scan);
         let was_lost = self.replay.localizer.health() == Health::Lost;
         let mut is_new = false;
+        // People in front of the laser explain one contradicting scan better than a wrong pose does.
+        let is_contradicted = self.contradictions > 0 && !self.agrees(&seen);
         if let Some(believed) = believed
-            && (was_lost || !self.agrees(&seen))
+            && (was_lost || is_contradicted)
             && let Some(found) = self.search(scan, believed.pose)
         {
             self.replay.localizer.reset_at(stamp, Belief::new(found.pose, FOUND_STD));
@@ -228,7 +228,7 @@ impl SupervisedReplay {
             laser: &laser,
             walls: self.replay.walls(),
             min_hit_ratio: MIN_HIT_RATIO * self.hit_ratio,
-            heading_std: if self.contradictions == 0 { HEADING_STD } else { LOST_HEADING_STD },
+            heading_std: HEADING_STD,
             radius: (MIN_RADIUS + DISPLACEMENT * self.since_agreement).min(MAX_RADIUS),
         };
         search.find(&view, pose)
