@@ -74,9 +74,8 @@ impl CalibrateCommand {
             Err(CalibrationError::Stopped) => return interrupt::nothing(output),
             found => found.map_err(|why| CliError::Recording { path: self.path, what: why.to_string() })?,
         };
-        if let Some(folder) = &folder {
-            folder.text("calibration.toml", &found.configuration())?;
-        }
+        // A result is printed even if its file cannot be written.
+        let written = folder.map_or(Ok(()), |folder| folder.text("calibration.toml", &found.configuration()));
         let parameters = found.parameters();
         let mut report = object(&parameters);
         let stamped = found.laser_stamp().map(Choice::name);
@@ -100,6 +99,7 @@ impl CalibrateCommand {
             }
             wrapped(table)
         })?;
+        written?;
         Ok(Exit::Done)
     }
     fn ticks(&self) -> Result<(CalibrationRecording, Options), CliError> {

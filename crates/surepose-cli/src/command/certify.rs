@@ -137,7 +137,8 @@ impl CertifyCommand {
         }
         let certified = certificate.certified && slow_wheels.as_ref().is_none_or(SlowWheels::is_kept);
         json.insert("assumptions".to_owned(), json!(assumptions));
-        if let Some(folder) = &folder {
+        // A result is printed even if its files cannot be written.
+        let written: Result<(), CliError> = folder.as_ref().map_or(Ok(()), |folder| {
             folder.summary(&json)?;
             slow_wheels.iter().try_for_each(|found| found.write(folder))?;
             draw(folder, &config, noise, &certificate, output)?;
@@ -145,7 +146,8 @@ impl CertifyCommand {
                 interrupt::mark(&mut json);
                 folder.summary(&json)?;
             }
-        }
+            Ok(())
+        });
         output.result(&json, || {
             let mut table = table(&[]);
             let mut shown = json.clone();
@@ -176,6 +178,7 @@ impl CertifyCommand {
             }
             wrapped(table)
         })?;
+        written?;
         Ok(match certified {
             _ if interrupt::asked() => Exit::Interrupted,
             true => Exit::Done,

@@ -127,10 +127,11 @@ impl ReplayCommand {
         })?;
         let mut json = object(&report);
         interrupt::mark(&mut json);
-        if let Some(folder) = &folder {
+        // A result is printed even if its files cannot be written.
+        let written: Result<(), CliError> = folder.as_ref().map_or(Ok(()), |folder| {
             write_track(folder, &report.track)?;
-            folder.summary(&json)?;
-        }
+            folder.summary(&json)
+        });
         output.result(&json, || {
             let mut table = table(&[]);
             for row in worded(&json, &WORDS) {
@@ -138,6 +139,7 @@ impl ReplayCommand {
             }
             table
         })?;
+        written?;
         if interrupt::asked() {
             return Ok(Exit::Interrupted);
         }

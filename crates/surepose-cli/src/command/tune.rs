@@ -89,14 +89,17 @@ impl TuneCommand {
         let work = || tune.run(&certified, &progress);
         let tuned = progress::attended(&bar, part, || progress.cancel(), work)?;
 
-        if let (Some(path), Some(best)) = (&self.out, &tuned.best) {
-            write(path, &config.clone().with_preset(TUNED, &values(best)), noise)?;
-        }
+        // A result is printed even if its file cannot be written.
+        let written = match (&self.out, &tuned.best) {
+            (Some(path), Some(best)) => write(path, &config.clone().with_preset(TUNED, &values(best)), noise),
+            _ => Ok(()),
+        };
         let has = tuned.best.and_then(|best| certificates.bounds(&best.with(&tune.sweep.law)));
         let mut json = json_of(&tuned, [had, has], clock.elapsed().as_secs_f64(), self.trials.seed);
         json.extend(trials.described().map(|(key, value)| (key.to_owned(), value)));
         interrupt::mark(&mut json);
         output.result(&json, || shown(&tuned, [had, has]))?;
+        written?;
         match tuned.best {
             Some(best) if best != tuned.start => warning(
                 "the trials have no acceleration limit; on a robot with a limit, other gains may be faster: compare with \

@@ -105,7 +105,8 @@ impl<'a> SlowWheels<'a> {
         folder.table("counterexample_drive.csv", rows)
     }
 
-    /// Start of the drive, and the place after the capture that is farthest from the goal; `None` without a capture.
+    /// Start of the drive, and the time and distance after the capture at which it is farthest from the goal; both are `None` without
+    /// a capture.
     fn farthest(&self, drive: &AdversarialDrive) -> DriveSummary {
         let radius = self.certificate.capture_radius.unwrap_or(0.0);
         let samples = drive.samples(&self.config.controller());
