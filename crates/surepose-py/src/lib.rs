@@ -32,5 +32,6 @@ fn _surepose(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulator::PySimulator>()?;
     module.add("CommandError", module.py().get_type::<command::CommandError>())?;
     module.add_function(wrap_pyfunction!(command::call, module)?)?;
+    module.add_function(wrap_pyfunction!(command::sweep_figures, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

@@ -80,7 +80,14 @@ const CRATES: [(&str, &str, &[&str]); 15] = [
     (
         "surepose-py",
         "crates/surepose-py",
-        &["surepose", "surepose-config", "surepose-io", "surepose-sim", "surepose-cli"],
+        &[
+            "surepose",
+            "surepose-config",
+            "surepose-io",
+            "surepose-sim",
+            "surepose-montecarlo",
+            "surepose-cli",
+        ],
     ),
 ];
 

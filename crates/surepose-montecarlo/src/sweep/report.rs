@@ -79,7 +79,8 @@ pub struct SweepReport {
 }
 
 impl SweepReport {
-    pub(super) fn from_trials(trials: Vec<Trial>, wall_s: f64, seed: u64) -> Self {
+    /// Computes the figures of `trials`, which took `wall_s` \[s].
+    pub fn from_trials(trials: Vec<Trial>, wall_s: f64, seed: u64) -> Self {
         let steps = trials.iter().map(|trial| trial.steps).sum::<u64>();
         let spread =
             |value: fn(&Trial) -> Option<f64>| Quantiles::from_values(trials.iter().filter_map(value));

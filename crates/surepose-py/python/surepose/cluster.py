@@ -10,12 +10,14 @@ loses its part, which another worker repeats.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from . import commands
+from ._surepose import sweep_figures
 from .result import Array, Result
 
 PART = 100_000
@@ -88,51 +90,16 @@ def _column(arrays: dict[str, Array], name: str) -> Array:
 
 
 def figures(trials: dict[str, Array], part: dict[str, Any]) -> dict[str, Any]:
-    """The figures of ``surepose sweep`` for these trials; ``part`` has the settings."""
-    success = trials["success"]
-    time, optimal = trials.get("time_s", np.full(len(success), np.nan)), trials["optimal_time_s"]
-    distance = np.hypot(trials["start_x_m"], trials["start_y_m"])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        time_ratio = np.where(optimal > 0, time / optimal, np.nan)
-        path_ratio = np.where(distance > 0, trials.get("path_m", np.full(len(success), np.nan)) / distance, np.nan)
-    steps = int(trials["steps"].sum())
-    summary = {
-        "runs": len(success),
-        "success_rate": _mean(success.astype(float)),
-        "steps": steps,
-        "time_s": quantiles(time),
-        "time_ratio": quantiles(time_ratio),
-        "path_ratio": quantiles(path_ratio),
-        "final_position_error_m": quantiles(trials["final_position_error_m"]),
-        "final_heading_error_deg": quantiles(trials["final_heading_error_deg"]),
-        "cusps_mean": _mean(trials.get("cusps", np.array([]))),
-    }
-    weights = trials["steps"].astype(float)
-    for name, power in (("nees_mean", 1), ("position_rmse_m", 2), ("heading_rmse_deg", 2), ("refused_part", 1)):
-        if name in trials:
-            total = _sum(trials[name] ** power * weights) / steps
-            summary[name] = total if power == 1 else float(np.sqrt(total))
-    settings = ("seed", "loop", "noise", "period_s", "law", "precision")
-    return {**summary, **{name: part[name] for name in settings if name in part}}
+    """The figures of ``surepose sweep`` for these trials, computed by the same code; ``part`` has the settings."""
+    summary = json.loads(sweep_figures(trials, part["seed"]))
+    for time in ("wall_s", "steps_per_s"):
+        del summary[time]
+    return {**summary, **_settings(part)}
 
 
-def quantiles(values: Array) -> dict[str, float] | None:
-    """Median, 95 % quantile and maximum: the smallest value that is not below that fraction of all; NaN values are left out."""
-    values = np.sort(values[np.isfinite(values)])
-    if not len(values):
-        return None
-    p50, p95 = (float(values[max(int(np.ceil(part * len(values))) - 1, 0)]) for part in (0.5, 0.95))
-    return {"p50": p50, "p95": p95, "max": float(values[-1])}
-
-
-def _sum(values: Array) -> float:
-    """Sum from the first to the last, as the program adds: numpy's pairwise sum has other bits."""
-    return float(np.add.accumulate(values)[-1]) if len(values) else 0.0
-
-
-def _mean(values: Array) -> float | None:
-    values = values[np.isfinite(values)]
-    return _sum(values) / len(values) if len(values) else None
+def _settings(part: dict[str, Any]) -> dict[str, Any]:
+    names = ("seed", "loop", "noise", "period_s", "law", "precision")
+    return {name: part[name] for name in names if name in part}
 
 
 class Histogram:
@@ -150,18 +117,9 @@ class Histogram:
     def add(self, trials: dict[str, Array]) -> None:
         """Adds the trials of a part. The order of parts does not change the figures: all sums are of integers."""
         success = trials["success"]
-        distance = np.hypot(trials["start_x_m"], trials["start_y_m"])
-        missing = np.full(len(success), np.nan)
-        time, path = trials.get("time_s", missing), trials.get("path_m", missing)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            values = {
-                **trials,
-                "time_s": time,
-                "time_ratio": time / trials["optimal_time_s"],
-                "path_ratio": path / distance,
-            }
         for name in self.NAMES:
-            finite = values[name][np.isfinite(values[name])]
+            values = trials.get(name, np.array([]))
+            finite = values[np.isfinite(values)]
             self.counts[name] += np.histogram(finite, self.EDGES)[0]
             self.maxima[name] = max(self.maxima[name], float(finite.max(initial=0.0)))
         self.runs += len(success)
@@ -179,5 +137,4 @@ class Histogram:
                 p50, p95 = (min(float(self.EDGES[bin + 1]), self.maxima[name]) for bin in bins)
                 summary[name] = {"p50": p50, "p95": p95, "max": self.maxima[name]}
         summary["cusps_mean"] = self.cusps / self.successes if self.successes else None
-        settings = ("seed", "loop", "noise", "period_s", "law", "precision")
-        return {**summary, **{name: part[name] for name in settings if name in part}}
+        return {**summary, **_settings(part)}

@@ -43,7 +43,7 @@ def _drive(result: Result, ax: Axes) -> Axes:
 
 
 def _times(result: Result, ax: Axes) -> Axes:
-    ratio = result.arrays["time_s"] / result.arrays["optimal_time_s"]
+    ratio = result.arrays["time_ratio"]
     ratio = ratio[np.isfinite(ratio)]
     ax.hist(ratio, bins=np.linspace(1.0, max(1.6, float(np.quantile(ratio, 0.999))), 60).tolist())
     ax.axvline(float(np.median(ratio)), color="black", linestyle="--", label=f"median {np.median(ratio):.3f}")

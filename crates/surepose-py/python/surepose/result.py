@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
@@ -69,11 +68,3 @@ class Result:
         from .plot import plot
 
         return plot(self, ax)
-
-
-def mean_and_error(values: Array) -> tuple[float, float]:
-    """Mean and its standard error; NaN values are left out."""
-    finite = values[np.isfinite(values)]
-    if finite.size < 2:
-        return float(finite.mean()) if finite.size else float("nan"), float("nan")
-    return float(finite.mean()), float(finite.std(ddof=1) / np.sqrt(finite.size))
