@@ -93,6 +93,22 @@ impl<S: Float> ConsideredParameters<S> {
     }
 }
 
+/// Sensitivity of an estimate, which a step changes, and the variances of the parameters.
+pub(super) struct Considered<'a, S> {
+    pub(super) sensitivity: &'a mut Sensitivity<S>,
+    pub(super) variances: &'a Variances<S>,
+}
+
+impl<'a, S> Considered<'a, S> {
+    /// Joins the two; `None` where either is absent.
+    pub(super) fn join(
+        sensitivity: Option<&'a mut Sensitivity<S>>,
+        variances: Option<&'a Variances<S>>,
+    ) -> Option<Self> {
+        sensitivity.zip(variances).map(|(sensitivity, variances)| Self { sensitivity, variances })
+    }
+}
+
 /// Key of a position error of the map: distance \[m] and direction \[rad] of a wall's line. Whole scans have the
 /// distance ∞, and the direction 0 for errors along x, 1 along y. NaN is nothing.
 type WallKey<S> = [S; 2];

@@ -1,5 +1,6 @@
 //! Kalman filter with history: checks and gates measurements, rewinds for late ones, and counts rejections.
 
+mod gated_update;
 mod odometry_noise;
 mod sweep_motion;
 
@@ -7,13 +8,17 @@ use crate::kinematics::WheelPair;
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
-use super::considered::{ConsideredParameters, DisagreeingSensor, InnovationSums, Variances};
+use super::considered::{
+    Considered, ConsideredParameters, DisagreeingSensor, InnovationSums, Sensitivity, Variances,
+};
 use super::ekf::{Belief, Ekf, WheelOdometry};
 use super::gate::Gate;
 use super::gyroscope::{FilterState, Gyroscope, GyroscopeBias, GyroscopeTurn};
 use super::history::{Entry, Event, History, OdometryInterval};
 use super::measurement::{Measurement, finite};
 use super::outcome::{MeasurementOutcome, MeasurementStats, RejectReason};
+
+use gated_update::correct;
 
 pub use sweep_motion::{SWEEP_KNOTS, SweepMotion};
 
@@ -99,7 +104,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
 
     /// Newest belief.
     pub fn belief(&self) -> Belief<S> {
-        self.state().marginal(self.considered.as_ref())
+        let count = self.history.len();
+        self.state().marginal(self.considered_after(count))
     }
 
     /// Noise of the gyroscope; `None` without one.
@@ -137,14 +143,14 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         if stamp < start {
             return None;
         }
-        let considered = self.considered.as_ref();
         match self.history.get(count) {
             Some(&Entry { stamp: end, event: Event::Odometry(odometry), .. }) if stamp > start => {
-                let mut state = *state;
-                self.advance(&mut state, odometry.fraction(fraction(start, stamp, end)), [start, stamp]);
-                Some(state.marginal(considered))
+                let (mut state, mut sensitivity) = (*state, self.sensitivity_after(count));
+                let part = odometry.fraction(fraction(start, stamp, end));
+                self.advance(&mut state, sensitivity.as_mut(), part, [start, stamp]);
+                Some(state.marginal(sensitivity.as_ref().zip(self.considered.as_ref())))
             }
-            _ => Some(state.marginal(considered)),
+            _ => Some(state.marginal(self.considered_after(count))),
         }
     }
 
@@ -163,7 +169,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     /// Clears the history and restarts from a trusted belief. The statistics and the bias of the gyroscope are kept.
     pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
         self.sums = InnovationSums::new();
-        self.history = History::new(stamp, self.state().with_new_belief(belief, self.considered.as_ref()));
+        let considered = self.considered_after(self.history.len());
+        self.history = History::new(stamp, self.state().with_new_belief(belief, considered));
     }
 
     /// Restarts from a trusted `belief` at the earlier time `stamp`, and replays the odometry since then.
@@ -227,9 +234,11 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             self.reset(stamp, self.belief());
         }
         let interval = OdometryInterval { wheels: odometry, turn };
-        let mut after = *self.state();
-        self.advance(&mut after, interval, [self.stamp(), stamp]);
-        self.history.insert(self.history.len(), Entry { stamp, event: Event::Odometry(interval), after });
+        let count = self.history.len();
+        let (mut after, mut sensitivity) = (*self.state(), self.sensitivity_after(count));
+        self.advance(&mut after, sensitivity.as_mut(), interval, [self.stamp(), stamp]);
+        let entry = Entry { stamp, event: Event::Odometry(interval), after };
+        self.history.insert(count, entry, sensitivity.as_ref());
         self.history.drop_before(stamp.after(-self.history_length));
         Ok(())
     }
@@ -251,11 +260,27 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         self.history.after(self.history.len()).1
     }
 
+    /// Sensitivity after the first `count` entries, and variances of the parameters; `None` without considered parameters.
+    fn considered_after(&self, count: usize) -> Option<(&Sensitivity<S>, &Variances<S>)> {
+        self.considered.as_ref().map(|variances| (self.history.sensitivity_after(count), variances))
+    }
+
+    /// As [`DelayedEkf::considered_after`], a copy to change.
+    fn sensitivity_after(&self, count: usize) -> Option<Sensitivity<S>> {
+        self.considered_after(count).map(|(sensitivity, _)| *sensitivity)
+    }
+
     /// Advances the state by an interval between two stamps.
-    fn advance(&self, state: &mut FilterState<S>, interval: OdometryInterval<S>, [from, to]: [Stamp; 2]) {
+    fn advance(
+        &self,
+        state: &mut FilterState<S>,
+        sensitivity: Option<&mut Sensitivity<S>>,
+        interval: OdometryInterval<S>,
+        [from, to]: [Stamp; 2],
+    ) {
         let OdometryInterval { wheels, turn } = interval;
         let duration = S::from_f64(to.since(from).max(0.0));
-        let considered = self.considered.as_ref();
+        let considered = Considered::join(sensitivity, self.considered.as_ref());
         match &self.gyroscope {
             None => self.ekf.predict_considered(state, wheels, duration, considered),
             Some(gyroscope) => {
@@ -285,85 +310,57 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         let Stamped { stamp, value: measurement } = measured;
         let count = self.history.count_until(stamp);
         let (start, state) = self.history.after(count);
-        let mut state = *state;
+        let (mut after, mut sensitivity) = (*state, self.sensitivity_after(count));
         // A measurement inside an odometry interval splits the interval.
         let split = match self.history.get(count) {
-            Some(&Entry { stamp: end, event: Event::Odometry(odometry), after }) if stamp > start => {
+            Some(&Entry { stamp: end, event: Event::Odometry(odometry), after: later }) if stamp > start => {
                 let part = fraction(start, stamp, end);
                 let (first, rest) = (odometry.fraction(part), odometry.fraction(S::from_f64(1.0) - part));
-                self.advance(&mut state, first, [start, stamp]);
-                let rest = Entry { stamp: end, event: Event::Odometry(rest), after };
-                Some((Entry { stamp, event: Event::Odometry(first), after: state }, rest))
+                self.advance(&mut after, sensitivity.as_mut(), first, [start, stamp]);
+                let rest = Entry { stamp: end, event: Event::Odometry(rest), after: later };
+                Some((Entry { stamp, event: Event::Odometry(first), after }, rest, sensitivity))
             }
             _ => None,
         };
-        let mut after = state;
-        let Self { ekf, gate, considered, sums, .. } = self;
-        let constants = (&*ekf, &*gate, considered.as_ref());
-        let (nis, accepted) = correct(constants, &mut after, &measurement, Some((stamp, sums)));
+        let Self { ekf, gate, sums, .. } = self;
+        let considered = Considered::join(sensitivity.as_mut(), self.considered.as_ref());
+        let (nis, accepted) = correct((ekf, gate), &mut after, considered, &measurement, Some((stamp, sums)));
         if !accepted {
             return MeasurementOutcome::Rejected(RejectReason::Outlier);
         }
         let mut index = Some(count);
-        if let Some((first, rest)) = split {
-            self.history.set(count, rest);
-            index = self.history.insert(count, first).map(|index| index + 1);
+        if let Some((first, rest, sensitivity)) = split {
+            self.history.set(count, rest, None);
+            index = self.history.insert(count, first, sensitivity.as_ref()).map(|index| index + 1);
         }
         let entry = Entry { stamp, event: Event::Measurement(measurement), after };
-        let index = self.history.insert(index.unwrap_or(0), entry);
+        let index = self.history.insert(index.unwrap_or(0), entry, sensitivity.as_ref());
         let next = index.map_or(0, |index| index + 1);
         if next < self.history.len() {
-            self.replay(next, after);
+            self.replay(next, after, sensitivity);
         }
         MeasurementOutcome::Accepted { nis: nis.to_f64() }
     }
 
-    /// Applies the entries from `index` on to `state`.
-    fn replay(&mut self, index: usize, mut state: FilterState<S>) {
+    /// Applies the entries from `index` on to a state and its sensitivity.
+    fn replay(&mut self, index: usize, mut state: FilterState<S>, mut sensitivity: Option<Sensitivity<S>>) {
         for i in index..self.history.len() {
             if let Some(mut entry) = self.history.get(i).copied() {
                 match &entry.event {
                     Event::Odometry(odometry) => {
-                        self.advance(&mut state, *odometry, [self.history.after(i).0, entry.stamp]);
+                        let stamps = [self.history.after(i).0, entry.stamp];
+                        self.advance(&mut state, sensitivity.as_mut(), *odometry, stamps);
                     }
                     Event::Measurement(measurement) => {
-                        let _gated_again = correct(
-                            (&self.ekf, &self.gate, self.considered.as_ref()),
-                            &mut state,
-                            measurement,
-                            None,
-                        );
+                        let considered = Considered::join(sensitivity.as_mut(), self.considered.as_ref());
+                        let constants = (&self.ekf, &self.gate);
+                        let _gated_again = correct(constants, &mut state, considered, measurement, None);
                     }
                 }
                 entry.after = state;
-                self.history.set(i, entry);
+                self.history.set(i, entry, sensitivity.as_ref());
             }
         }
-    }
-}
-
-/// Corrects the state by a measurement; `sums` take its innovations, with their time. Returns what
-/// [`Ekf::correct_state`] does.
-fn correct<S: Float>(
-    (ekf, gate, considered): (&Ekf<S>, &Gate<S>, Option<&Variances<S>>),
-    state: &mut FilterState<S>,
-    measurement: &Measurement<S>,
-    sums: Option<(Stamp, &mut InnovationSums<S>)>,
-) -> (S, bool) {
-    /// Computes the update by the innovation of one type of measurement.
-    macro_rules! correct {
-        ($innovation:expr) => {{
-            let threshold = gate.threshold(measurement.dimension());
-            ekf.correct_state(state, measurement, &$innovation, threshold, considered, sums)
-        }};
-    }
-    let belief = &{ state.belief };
-    match measurement {
-        Measurement::Heading(compass) => correct!(compass.innovation(belief)),
-        Measurement::Line(wall) => correct!(wall.innovation(belief)),
-        Measurement::RangeBearing(landmark) => correct!(landmark.innovation(belief)),
-        Measurement::Position(position) => correct!(position.innovation(belief)),
-        Measurement::Pose(pose) => correct!(pose.innovation(belief)),
     }
 }
 

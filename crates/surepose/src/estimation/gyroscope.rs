@@ -5,7 +5,7 @@ use crate::linalg::{Covariance, Matrix};
 use crate::scalar::Float;
 use crate::time::Stamp;
 
-use super::considered::{InnovationSums, Sensitivity, Variances, observed_row};
+use super::considered::{Considered, InnovationSums, Sensitivity, Variances, observed_row};
 use super::ekf::{Belief, Ekf, MotionJacobian, WheelOdometry};
 use super::measurement::{Innovation, Measurement};
 
@@ -76,36 +76,38 @@ pub(super) struct FilterState<S> {
     /// Pose, and the covariance of its error without the considered parameters.
     pub(super) belief: Belief<S>,
     pub(super) bias: Option<GyroscopeBias<S>>,
-    /// Effect of the considered parameters; unused without any.
-    pub(super) sensitivity: Sensitivity<S>,
 }
 
 impl<S: Float> FilterState<S> {
     pub(super) fn from_belief(belief: Belief<S>) -> Self {
-        Self { belief, bias: None, sensitivity: Sensitivity::new() }
+        Self { belief, bias: None }
     }
 
     /// The belief with the covariance of the whole error.
-    pub(super) fn marginal(&self, considered: Option<&Variances<S>>) -> Belief<S> {
+    pub(super) fn marginal(&self, considered: Option<(&Sensitivity<S>, &Variances<S>)>) -> Belief<S> {
         match considered {
             None => self.belief,
-            Some(variances) => {
-                let covariance = self.sensitivity.marginal(&self.belief.covariance, variances);
+            Some((sensitivity, variances)) => {
+                let covariance = sensitivity.marginal(&self.belief.covariance, variances);
                 Belief { covariance, ..self.belief }
             }
         }
     }
 
     /// The state with a pose that was found without the gyroscope: the bias is kept, its correlation with the pose is not.
-    pub(super) fn with_new_belief(&self, belief: Belief<S>, considered: Option<&Variances<S>>) -> Self {
+    pub(super) fn with_new_belief(
+        &self,
+        belief: Belief<S>,
+        considered: Option<(&Sensitivity<S>, &Variances<S>)>,
+    ) -> Self {
         let bias = self.bias.map(|bias| {
             let zero = S::from_f64(0.0);
             let own = joint_covariance(&self.belief.covariance, &bias).entry(0, 0);
             let variance =
-                considered.map_or(own, |variances| own + self.sensitivity.bias_variance(variances));
+                considered.map_or(own, |(sensitivity, variances)| own + sensitivity.bias_variance(variances));
             GyroscopeBias { value: bias.value, coupling: [zero; 3], variance }
         });
-        Self { belief, bias, sensitivity: Sensitivity::new() }
+        Self { belief, bias }
     }
 
     fn set_joint(&mut self, pose: Pose<Map, Body, S>, value: S, joint: &Covariance<S, 4>) {
@@ -146,12 +148,11 @@ impl<S: Float> Ekf<S> {
         wheels: WheelOdometry<S>,
         turn: Option<GyroscopeTurn<S>>,
         duration: S,
-        considered: Option<&Variances<S>>,
+        mut considered: Option<Considered<'_, S>>,
     ) {
         let Some(bias) = state.bias.or_else(|| turn.map(|_| GyroscopeBias::new(gyroscope.bias_std))) else {
             return self.predict_considered(state, wheels, duration, considered);
         };
-        let sensitivity = &mut state.sensitivity;
         let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         let mut joint = joint_covariance(&state.belief.covariance, &bias);
         let (mut pose, mut value, mut wheels) = (state.belief.pose, bias.value, wheels);
@@ -164,7 +165,7 @@ impl<S: Float> Ekf<S> {
             let mut expected = self.turn_variance(&wheels) + turn.variance + bias_variance;
             // Jₑ of the difference between gyroscope and wheels.
             let mut by_parameter = Sensitivity::turn_error(self, by_wheels);
-            if let Some(variances) = considered {
+            if let Some(Considered { sensitivity, variances }) = &considered {
                 for (k, variance) in variances.iter().enumerate() {
                     by_parameter[k] = by_parameter[k] + turn.duration * sensitivity.rows[0][k];
                     expected = expected + by_parameter[k].squared() * *variance;
@@ -178,12 +179,12 @@ impl<S: Float> Ekf<S> {
             if wheel_variance <= turn.variance * S::from_f64(REST_RATIO) {
                 let row = [turn.duration, zero, zero, zero];
                 let variance = turn.variance + wheel_variance;
-                let (gain, covariance) = match considered {
+                let (gain, covariance) = match &mut considered {
                     None => {
                         let seen = joint.observed(row, variance);
                         (seen.gain, seen.covariance)
                     }
-                    Some(variances) => {
+                    Some(Considered { sensitivity, variances }) => {
                         let rows = &mut sensitivity.rows;
                         let seen = observed_row(&joint, rows, variances, row, &by_parameter, variance);
                         (seen.gain, seen.covariance)
@@ -201,7 +202,7 @@ impl<S: Float> Ekf<S> {
         }
 
         let jacobian = self.motion(pose, motion);
-        if considered.is_some() {
+        if let Some(Considered { sensitivity, .. }) = considered {
             sensitivity.predict(self, by_wheels, &jacobian, [weight, measured_time]);
             sensitivity.set_velocity(motion, duration);
         }
@@ -233,17 +234,17 @@ impl<S: Float> Ekf<S> {
         state: &mut FilterState<S>,
         wheels: WheelOdometry<S>,
         duration: S,
-        considered: Option<&Variances<S>>,
+        considered: Option<Considered<'_, S>>,
     ) {
-        if considered.is_none() {
+        let Some(Considered { sensitivity, .. }) = considered else {
             state.belief = self.predict(state.belief, wheels);
             return;
-        }
+        };
         let zero = S::from_f64(0.0);
         let motion = self.drive.motion_from_travel(wheels.travel);
         let jacobian = self.motion(state.belief.pose, motion);
-        state.sensitivity.predict(self, motion, &jacobian, [zero; 2]);
-        state.sensitivity.set_velocity(motion, duration);
+        sensitivity.predict(self, motion, &jacobian, [zero; 2]);
+        sensitivity.set_velocity(motion, duration);
         state.belief = self.propagate(state.belief, wheels, &jacobian);
     }
 
@@ -256,16 +257,16 @@ impl<S: Float> Ekf<S> {
         measurement: &Measurement<S>,
         innovation: &Innovation<S, M>,
         threshold: S,
-        considered: Option<&Variances<S>>,
+        considered: Option<Considered<'_, S>>,
         sums: Option<(Stamp, &mut InnovationSums<S>)>,
     ) -> (S, bool) {
-        let FilterState { belief, bias, sensitivity } = state;
+        let FilterState { belief, bias } = state;
         let prior = *belief;
         let at = |[x, y, heading]: [S; 3]| {
             Pose::new(prior.pose.x + x, prior.pose.y + y, prior.pose.heading.rotated_by(heading))
         };
         let Some(bias) = bias else {
-            let Some(variances) = considered else {
+            let Some(Considered { sensitivity, variances }) = considered else {
                 let corrected = self.correct(prior, innovation, threshold);
                 *belief = corrected.belief;
                 return (corrected.nis, corrected.accepted);
@@ -284,7 +285,7 @@ impl<S: Float> Ekf<S> {
                 let update = innovation.update(&joint, threshold);
                 (update.nis, update.accepted.then_some((update.step, update.covariance)))
             }
-            Some(variances) => {
+            Some(Considered { sensitivity, variances }) => {
                 let update =
                     sensitivity.update((&joint, variances), &prior, measurement, innovation, threshold, sums);
                 (update.nis, update.accepted)

@@ -3,6 +3,7 @@
 use crate::scalar::Float;
 use crate::time::Stamp;
 
+use super::considered::Sensitivity;
 use super::ekf::WheelOdometry;
 use super::gyroscope::{FilterState, GyroscopeTurn};
 use super::measurement::Measurement;
@@ -47,11 +48,32 @@ pub(super) struct History<S, const N: usize> {
     ring: [Option<Entry<S>>; N],
     first: usize,
     len: usize,
+    /// Sensitivity to the considered parameters before the oldest entry, and after each, in the slots of the ring; apart
+    /// from the entries, which are copied at each step. Unused without considered parameters.
+    base_sensitivity: Sensitivity<S>,
+    sensitivities: [Sensitivity<S>; N],
+    has_sensitivities: bool,
 }
 
 impl<S: Float, const N: usize> History<S, N> {
     pub(super) fn new(stamp: Stamp, state: FilterState<S>) -> Self {
-        Self { base: (stamp, state), ring: [None; N], first: 0, len: 0 }
+        Self {
+            base: (stamp, state),
+            ring: [None; N],
+            first: 0,
+            len: 0,
+            base_sensitivity: Sensitivity::new(),
+            sensitivities: [Sensitivity::new(); N],
+            has_sensitivities: false,
+        }
+    }
+
+    /// Sensitivity to the considered parameters after the first `count` entries.
+    pub(super) fn sensitivity_after(&self, count: usize) -> &Sensitivity<S> {
+        match count.checked_sub(1) {
+            Some(index) if index < self.len => &self.sensitivities[self.slot(index)],
+            _ => &self.base_sensitivity,
+        }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -70,9 +92,17 @@ impl<S: Float, const N: usize> History<S, N> {
         if index < self.len { self.ring[self.slot(index)].as_ref() } else { None }
     }
 
-    pub(super) fn set(&mut self, index: usize, entry: Entry<S>) {
+    pub(super) fn set(&mut self, index: usize, entry: Entry<S>, sensitivity: Option<&Sensitivity<S>>) {
         if index < self.len {
             self.ring[self.slot(index)] = Some(entry);
+            self.set_sensitivity(index, sensitivity);
+        }
+    }
+
+    fn set_sensitivity(&mut self, index: usize, sensitivity: Option<&Sensitivity<S>>) {
+        if let Some(sensitivity) = sensitivity {
+            self.sensitivities[self.slot(index)] = *sensitivity;
+            self.has_sensitivities = true;
         }
     }
 
@@ -93,8 +123,14 @@ impl<S: Float, const N: usize> History<S, N> {
 
     /// Inserts `entry` after the first `index` entries and returns its position; a full history first drops its oldest.
     ///
-    /// An entry is not stored if the history [`is_full_before`](History::is_full_before) its time.
-    pub(super) fn insert(&mut self, index: usize, entry: Entry<S>) -> Option<usize> {
+    /// An entry is not stored if the history [`is_full_before`](History::is_full_before) its time. The sensitivities of later
+    /// entries do not move with them; a replay sets them.
+    pub(super) fn insert(
+        &mut self,
+        index: usize,
+        entry: Entry<S>,
+        sensitivity: Option<&Sensitivity<S>>,
+    ) -> Option<usize> {
         let mut index = index.min(self.len);
         if self.len == N {
             self.drop_oldest();
@@ -104,6 +140,7 @@ impl<S: Float, const N: usize> History<S, N> {
         if index + 1 == self.len {
             let slot = self.slot(index);
             self.ring[slot] = Some(entry);
+            self.set_sensitivity(index, sensitivity);
             return Some(index);
         }
         let mut moved = entry;
@@ -115,6 +152,7 @@ impl<S: Float, const N: usize> History<S, N> {
                 None => break,
             }
         }
+        self.set_sensitivity(index, sensitivity);
         Some(index)
     }
 
@@ -129,6 +167,9 @@ impl<S: Float, const N: usize> History<S, N> {
         let slot = self.slot(0);
         if let Some(oldest) = &self.ring[slot] {
             self.base = (oldest.stamp, oldest.after);
+            if self.has_sensitivities {
+                self.base_sensitivity = self.sensitivities[slot];
+            }
             self.ring[slot] = None;
             self.first = (self.first + 1) % N;
             self.len -= 1;
