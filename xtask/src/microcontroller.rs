@@ -6,7 +6,7 @@ use std::process::Command;
 const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Largest number of instructions per firmware tick on the Cortex-M4F.
-const BUDGET: u64 = 23_100;
+const BUDGET: u64 = 13_300;
 
 /// Toolchain for the microcontroller.
 struct Compiler {

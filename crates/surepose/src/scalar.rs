@@ -7,6 +7,7 @@
 
 mod dual;
 mod float;
+pub mod single;
 
 use core::f64::consts::{PI, TAU};
 use core::ops::{Add, Div, Mul, Neg, Not, Sub};

@@ -2,6 +2,8 @@
 
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
+use surepose::scalar::single::{COSINE, SINE};
+
 use super::{Element, element, polynomial};
 
 /// Adding and subtracting 1.5·2^(digits − 1) rounds to an integer; the low bits of the sum are those of the
@@ -10,10 +12,6 @@ const SHIFT: f32 = 12_582_912.0;
 /// π/2 minus its `f32` value.
 const QUARTER_LOW: f32 = -4.371_139e-8;
 
-/// (sin(√z)/√z − 1)/z for z ≤ (π/4)², relative error of the sine 2⁻²⁸.
-const SINE: [f32; 3] = [-0.166_666_55, 0.008_332_176, -0.000_195_169_78];
-/// (cos(√z) − 1 + z/2)/z² for z ≤ (π/4)², error of the cosine 2⁻³³.
-const COSINE: [f32; 3] = [0.041_666_646, -0.001_388_736_4, 0.000_024_438_09];
 /// sin(√z/2)/√z for z ≤ (5π/4)², error 2⁻²⁵·⁶.
 const HALF_SINE: [f32; 5] = [0.499_999_97, -0.020_833_27, 0.000_260_383_8, -1.544_080_4e-6, 4.929_714e-9];
 /// cos(√z/2) for z ≤ (5π/4)², error 2⁻²¹.

@@ -1,6 +1,6 @@
-//! `f32` and `f64` as scalars. Functions come from `libm`, so that results are bit-identical on every target.
+//! `f32` and `f64` as scalars. Functions come from `libm`, or from [`single`], so that results are bit-identical on every target.
 
-use super::Scalar;
+use super::{Scalar, single};
 
 /// Scalar with an order: a single number, for gates, histories and interfaces.
 pub trait Float: Scalar<Mask = bool> + PartialOrd + Default {
@@ -13,7 +13,7 @@ pub trait Float: Scalar<Mask = bool> + PartialOrd + Default {
 }
 
 macro_rules! float {
-    ($float:ident, $shift:expr, $sqrt:ident, $fabs:ident, $sincos:ident, $atan2:ident) => {
+    ($float:ident, $shift:expr, $sqrt:ident, $sincos:expr, $atan2:ident) => {
         impl Scalar for $float {
             type Mask = bool;
 
@@ -32,7 +32,7 @@ macro_rules! float {
             }
             #[inline]
             fn abs(self) -> Self {
-                libm::$fabs(self)
+                <$float>::abs(self)
             }
             #[inline]
             fn min(self, other: Self) -> Self {
@@ -54,13 +54,13 @@ macro_rules! float {
             }
             #[inline]
             fn sin_cos(self) -> (Self, Self) {
-                libm::$sincos(self)
+                $sincos(self)
             }
             #[inline]
             fn atan2(self, x: Self) -> Self {
                 let angle = libm::$atan2(self, x);
                 // atan2(−0, x < 0) is −π, the same direction as π. NaN stays NaN.
-                if angle > -core::$float::consts::PI { angle } else { libm::$fabs(angle) }
+                if angle > -core::$float::consts::PI { angle } else { <$float>::abs(angle) }
             }
         }
 
@@ -80,5 +80,5 @@ macro_rules! float {
     };
 }
 
-float!(f32, 12_582_912.0, sqrtf, fabsf, sincosf, atan2f);
-float!(f64, 6_755_399_441_055_744.0, sqrt, fabs, sincos, atan2);
+float!(f32, 12_582_912.0, sqrtf, single::sin_cos, atan2f);
+float!(f64, 6_755_399_441_055_744.0, sqrt, libm::sincos, atan2);
