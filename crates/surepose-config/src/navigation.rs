@@ -37,6 +37,9 @@ pub enum ScanMethod {
 pub struct NavigatorSetup {
     /// Method that matches scans with the map.
     pub scan_method: ScanMethod,
+    /// Standard deviation of the positions of the map's walls \[m]; 0 for an exact map. See
+    /// [`Wall::position_std_of`](surepose::map::Wall::position_std_of).
+    pub map_std: f64,
     /// Whether the robot has a laser and a map to compare its scans with.
     pub has_laser: bool,
     /// Whether any sensor but odometry measures the pose.
@@ -108,6 +111,11 @@ impl Config {
     ) -> Box<RobotNavigator> {
         on_large_stack(|| {
             let estimator = self.estimator(stamp, belief);
+            let estimator = match setup.scan_method {
+                // Each line says how well its wall is known.
+                ScanMethod::Lines => estimator,
+                ScanMethod::Beams => estimator.with_map_std(setup.map_std),
+            };
             let scan_processor = self.scan_processor(setup.scan_method);
             let localizer = Localizer::new(estimator, scan_processor, self.monitor(setup));
             Box::new(Navigator::new(self.navigator_config(setup), localizer))
@@ -188,7 +196,8 @@ impl Config {
 
     fn monitor(&self, setup: &NavigatorSetup) -> MonitorConfig<f64> {
         let aiding_timeout = self.number(&param::AIDING_TIMEOUT);
-        let shared = self.scan_model_std();
+        let [x, y, heading] = self.scan_model_std();
+        let shared = [x.hypot(setup.map_std), y.hypot(setup.map_std), heading];
         let with_shared = |std: [f64; 3]| core::array::from_fn(|i| std[i].hypot(shared[i]));
         MonitorConfig {
             supervisor: SupervisorConfig {

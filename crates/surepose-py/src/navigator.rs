@@ -47,6 +47,7 @@ impl PyNavigator {
         let stamp = stamp.map_or(Ok(Stamp::default()), |stamp| checks::stamp("stamp", stamp))?;
         let setup = NavigatorSetup {
             scan_method: ScanMethod::Lines,
+            map_std: walls.as_deref().map_or(0.0, Wall::position_std_of),
             has_laser: walls.is_some(),
             is_aided: walls.is_some() || has_compass,
             safety_radius: None,

@@ -218,6 +218,7 @@ impl PyMeasurement {
             distance_variance: checks::standard_deviation("distance_std", distance_std)?.powi(2),
             direction_variance: checks::standard_deviation("direction_std", direction_std)?.powi(2),
             covariance: 0.0,
+            wall_variance: 0.0,
         };
         Self::of(Measurement::Line(measured), stamp)
     }

@@ -91,7 +91,14 @@ impl Bench {
     fn sighting(&self, k: usize) -> LineMeasurement<f64> {
         let wall = self.walls[k];
         let seen = self.belief.pose.inverse() * wall;
-        LineMeasurement { wall, seen, distance_variance: 1e-5, direction_variance: 1e-5, covariance: 1e-6 }
+        LineMeasurement {
+            wall,
+            seen,
+            distance_variance: 1e-5,
+            direction_variance: 1e-5,
+            covariance: 1e-6,
+            wall_variance: 0.0,
+        }
     }
 
     fn filter(&self, parameters: &ConsideredParameters<f64>) -> DelayedEkf<f64, 64> {

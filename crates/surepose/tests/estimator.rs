@@ -272,6 +272,7 @@ fn any_measurement<S: Float>() -> impl Strategy<Value = Measurement<S>> {
                 distance_variance: v[4],
                 direction_variance: v[5],
                 covariance: v[6],
+                wall_variance: v[7],
             }),
             2 => Measurement::RangeBearing(RangeBearingMeasurement {
                 landmark: Point::new(v[0], v[1]),

@@ -104,6 +104,7 @@ proptest! {
             distance_variance: 0.02,
             direction_variance: 0.01,
             covariance: 0.005,
+            wall_variance: 0.0,
         };
         prop_assert!(jacobian_error(belief, |b| wall.innovation(b)) < TOLERANCE);
 
@@ -138,7 +139,7 @@ proptest! {
         let other: Line<Body, f64> = Line::new(-seen.distance, seen.direction + Angle::half_turn());
         for seen in [seen, other] {
             let sighting = LineMeasurement {
-                wall, seen, distance_variance: 1e-4, direction_variance: 1e-4, covariance: 0.0,
+                wall, seen, distance_variance: 1e-4, direction_variance: 1e-4, covariance: 0.0, wall_variance: 0.0,
             };
             prop_assert!(sighting.innovation(&belief).residual.iter().all(|r| r.abs() < 1e-12));
         }

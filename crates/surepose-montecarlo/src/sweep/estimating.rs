@@ -117,6 +117,7 @@ impl<T: Element> Sensor<T, 2> for OfWall<T> {
             distance_variance: LaneScalar::from_f64(filter.wall_distance_std).squared(),
             direction_variance: LaneScalar::from_f64(filter.wall_direction_std).squared(),
             covariance: LaneScalar::from_f64(0.0),
+            wall_variance: LaneScalar::from_f64(0.0),
         };
         sighting.innovation(belief)
     }

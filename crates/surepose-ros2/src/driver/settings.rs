@@ -1,8 +1,9 @@
 //! Settings of the driver.
 
 use surepose::estimation::Belief;
+use surepose::map::Wall;
 use surepose_config::{Config, NavigatorSetup, ScanMethod};
-use surepose_io::wall_map::WallMap;
+use surepose_io::wall_map::{WallMap, walls_from_map};
 
 /// Uncertainty of a configured start pose: standard deviations of x, y \[m] and heading \[rad].
 pub const START_STD: [f64; 3] = [0.1, 0.1, 0.1];
@@ -53,6 +54,7 @@ impl NodeDriverSettings {
     pub(super) fn navigator_setup(&self) -> NavigatorSetup {
         NavigatorSetup {
             scan_method: self.scan_method,
+            map_std: self.map.as_ref().map_or(0.0, |map| Wall::position_std_of(&walls_from_map(map))),
             has_laser: self.map.is_some(),
             is_aided: self.compass || self.map.is_some(),
             safety_radius: Some(self.safety_radius),

@@ -2,6 +2,7 @@
 
 use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::WheelPair;
+use surepose::map::Wall;
 use surepose::param::{self, ArenaName, Parameter};
 use surepose_config::{Config, NavigatorSetup, ScanMethod, ValueSource};
 use surepose_io::owned_map::OwnedMap;
@@ -182,6 +183,7 @@ impl Scenario {
     pub fn navigator_setup(&self) -> NavigatorSetup {
         NavigatorSetup {
             scan_method: self.scan_method,
+            map_std: Wall::position_std_of(self.robot_map().walls()),
             has_laser: self.sensors.laser,
             is_aided: self.sensors != Sensors::NONE,
             safety_radius: None,

@@ -103,6 +103,7 @@ pub(crate) fn park(mut clock: impl FnMut()) -> Parked {
             distance_variance: WALL[0] * WALL[0],
             direction_variance: WALL[1] * WALL[1],
             covariance: 0.0,
+            wall_variance: 0.0,
         });
         let readings = [compass, sighting]
             .map(|measurement| Stamped::new(stamp, SensorReading::Measurement(measurement)));

@@ -62,15 +62,36 @@ const RADIUS_DIFFERENCE: usize = 8;
 const SEPARATION_SCALE: usize = 9;
 const FIRST_WALL: usize = 10;
 
-/// Variances of the parameters.
-pub(super) type Variances<S> = [S; COUNT];
+/// Variances of the parameters. Those of the walls are 1: each wall has a standard deviation of its own, which scales the
+/// sensitivities instead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Variances<S> {
+    pub(super) values: [S; COUNT],
+    /// Variance of every wall's position, beyond that of its measurement \[m²].
+    wall: S,
+}
+
+impl<S: Float> Variances<S> {
+    /// Variances without any parameters but the walls of measurements that have an uncertain one.
+    pub(super) fn walls_only() -> Self {
+        let mut values = [S::from_f64(0.0); COUNT];
+        values[FIRST_WALL..].fill(S::from_f64(1.0));
+        Self { values, wall: S::from_f64(0.0) }
+    }
+
+    /// The variances with `variance` \[m²] more of the position of every wall.
+    pub(super) fn with_wall_variance(self, variance: S) -> Self {
+        Self { wall: self.wall + variance, ..self }
+    }
+}
+
 /// Error that each parameter adds to a pose measurement: rows x \[m], y \[m] and θ \[rad].
 pub(super) type PoseError<S> = [[S; COUNT]; 3];
 
 impl<S: Float> ConsideredParameters<S> {
     /// Variances; `None` where every deviation is 0.
     pub(super) fn variances(&self) -> Option<Variances<S>> {
-        let mut result = [S::from_f64(0.0); COUNT];
+        let mut result = Variances::walls_only();
         let deviations = [
             self.compass_bias,
             self.compass_delay,
@@ -83,13 +104,15 @@ impl<S: Float> ConsideredParameters<S> {
             self.radius_difference,
             self.separation_scale,
         ];
-        for (variance, deviation) in result.iter_mut().zip(deviations) {
+        for (variance, deviation) in result.values.iter_mut().zip(deviations) {
             *variance = deviation.squared();
         }
-        result[FIRST_WALL..].fill(self.wall.squared());
+        result.wall = self.wall.squared();
+        let mut variances = result.values[..FIRST_WALL].iter().chain([&result.wall]);
         // A NaN compares false.
-        let is_sound = result.iter().all(|variance| *variance >= S::from_f64(0.0) && variance.is_finite());
-        (is_sound && result.iter().any(|variance| *variance > S::from_f64(0.0))).then_some(result)
+        let is_sound =
+            variances.clone().all(|variance| *variance >= S::from_f64(0.0) && variance.is_finite());
+        (is_sound && variances.any(|variance| *variance > S::from_f64(0.0))).then_some(result)
     }
 }
 
@@ -161,12 +184,16 @@ impl<S: Float> Sensitivity<S> {
     /// P₀ + A D Aᵀ, the covariance of the pose.
     pub(super) fn marginal(&self, pose: &Covariance<S, 3>, variances: &Variances<S>) -> Covariance<S, 3> {
         let [_, x, y, heading] = self.rows;
-        pose.propagated(&Matrix::from_diagonal([S::from_f64(1.0); 3]), &Matrix([x, y, heading]), *variances)
+        pose.propagated(
+            &Matrix::from_diagonal([S::from_f64(1.0); 3]),
+            &Matrix([x, y, heading]),
+            variances.values,
+        )
     }
 
     /// Variance that the parameters add to the bias of the gyroscope \[rad²/s²].
     pub(super) fn bias_variance(&self, variances: &Variances<S>) -> S {
-        let terms = self.rows[0].iter().zip(variances);
+        let terms = self.rows[0].iter().zip(&variances.values);
         terms.fold(S::from_f64(0.0), |sum, (a, d)| sum + a.squared() * *d)
     }
 
@@ -225,6 +252,7 @@ impl<S: Float> Sensitivity<S> {
         belief: &Belief<S>,
         measurement: &Measurement<S>,
         walls: [Option<usize>; 2],
+        wall_std: S,
     ) -> PoseError<S> {
         let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         let mut error = [[zero; COUNT]; 3];
@@ -245,11 +273,12 @@ impl<S: Float> Sensitivity<S> {
                 let distance = line.wall.distance_from(belief.pose.origin());
                 set(RANGE_SCALE, [-(nx * distance), -(ny * distance), zero]);
                 if let Some(slot) = walls[0] {
-                    set(FIRST_WALL + slot, [-nx, -ny, zero]);
+                    set(FIRST_WALL + slot, [-(nx * wall_std), -(ny * wall_std), zero]);
                 }
             }
             Measurement::Pose(_) => {
-                for (slot, column) in walls.into_iter().zip([[one, zero, zero], [zero, one, zero]]) {
+                for (slot, column) in walls.into_iter().zip([[wall_std, zero, zero], [zero, wall_std, zero]])
+                {
                     if let Some(slot) = slot {
                         set(FIRST_WALL + slot, column);
                     }
@@ -264,6 +293,11 @@ impl<S: Float> Sensitivity<S> {
             set(LASER_DELAY, velocity);
         }
         error
+    }
+
+    /// Standard deviation of the position of the walls of `measurement` \[m].
+    fn wall_std(measurement: &Measurement<S>, variances: &Variances<S>) -> S {
+        (variances.wall + measurement.wall_variance()).sqrt()
     }
 
     /// Lines of the map whose position error is in `measurement`.

@@ -1,5 +1,6 @@
 //! Kalman filter with history: checks and gates measurements, rewinds for late ones, and counts rejections.
 
+mod considered_errors;
 mod gated_update;
 mod odometry_noise;
 mod sweep_motion;
@@ -8,9 +9,7 @@ use crate::kinematics::WheelPair;
 use crate::scalar::Float;
 use crate::time::{Stamp, Stamped};
 
-use super::considered::{
-    Considered, ConsideredParameters, DisagreeingSensor, InnovationSums, Sensitivity, Variances,
-};
+use super::considered::{Considered, InnovationSums, Sensitivity, Variances};
 use super::ekf::{Belief, Ekf, WheelOdometry};
 use super::gate::Gate;
 use super::gyroscope::{FilterState, Gyroscope, GyroscopeBias, GyroscopeTurn};
@@ -52,10 +51,10 @@ pub struct DelayedEkf<S, const N: usize = 64> {
     ekf: Ekf<S>,
     gate: Gate<S>,
     gyroscope: Option<Gyroscope<S>>,
-    /// Variances of the considered parameters; `None` without any.
+    /// Variances of the considered parameters; `None` without any. A measurement of an uncertain wall makes walls considered.
     considered: Option<Variances<S>>,
-    /// Innovations of the last seconds; unused without considered parameters.
-    sums: InnovationSums<S>,
+    /// Innovations of the last seconds; `None` where no parameters were configured.
+    sums: Option<InnovationSums<S>>,
     /// Maximum age of an entry of the history \[s].
     history_length: f64,
     history: History<S, N>,
@@ -75,7 +74,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
             gate,
             gyroscope: None,
             considered: None,
-            sums: InnovationSums::new(),
+            sums: None,
             history_length,
             history: History::new(stamp, FilterState::from_belief(belief)),
             stats: MeasurementStats::default(),
@@ -86,20 +85,6 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     #[must_use]
     pub fn with_gyroscope(self, gyroscope: Gyroscope<S>) -> Self {
         Self { gyroscope: Some(gyroscope), ..self }
-    }
-
-    /// The filter with constant model errors of these standard deviations, which its covariance includes from now on.
-    ///
-    /// Deviations that are all 0, or not finite, change nothing.
-    #[must_use]
-    pub fn with_considered(self, parameters: &ConsideredParameters<S>) -> Self {
-        Self { considered: parameters.variances(), ..self }
-    }
-
-    /// Sensor that disagrees with the others beyond noise and considered parameters; `None` where all agree, and without
-    /// considered parameters.
-    pub fn disagreement(&self) -> Option<DisagreeingSensor> {
-        self.considered.as_ref().and_then(|variances| self.sums.disagreement(variances))
     }
 
     /// Newest belief.
@@ -168,7 +153,7 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
 
     /// Clears the history and restarts from a trusted belief. The statistics and the bias of the gyroscope are kept.
     pub fn reset(&mut self, stamp: Stamp, belief: Belief<S>) {
-        self.sums = InnovationSums::new();
+        self.sums = self.sums.map(|_| InnovationSums::new());
         let considered = self.considered_after(self.history.len());
         self.history = History::new(stamp, self.state().with_new_belief(belief, considered));
     }
@@ -260,16 +245,6 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         self.history.after(self.history.len()).1
     }
 
-    /// Sensitivity after the first `count` entries, and variances of the parameters; `None` without considered parameters.
-    fn considered_after(&self, count: usize) -> Option<(&Sensitivity<S>, &Variances<S>)> {
-        self.considered.as_ref().map(|variances| (self.history.sensitivity_after(count), variances))
-    }
-
-    /// As [`DelayedEkf::considered_after`], a copy to change.
-    fn sensitivity_after(&self, count: usize) -> Option<Sensitivity<S>> {
-        self.considered_after(count).map(|(sensitivity, _)| *sensitivity)
-    }
-
     /// Advances the state by an interval between two stamps.
     fn advance(
         &self,
@@ -308,6 +283,9 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
     /// Rewinds to the time of the measurement, applies it, and replays the later entries.
     fn apply(&mut self, measured: Stamped<Measurement<S>>) -> MeasurementOutcome {
         let Stamped { stamp, value: measurement } = measured;
+        if self.considered.is_none() && measurement.wall_variance() > S::from_f64(0.0) {
+            self.considered = Some(Variances::walls_only());
+        }
         let count = self.history.count_until(stamp);
         let (start, state) = self.history.after(count);
         let (mut after, mut sensitivity) = (*state, self.sensitivity_after(count));
@@ -324,7 +302,8 @@ impl<S: Float, const N: usize> DelayedEkf<S, N> {
         };
         let Self { ekf, gate, sums, .. } = self;
         let considered = Considered::join(sensitivity.as_mut(), self.considered.as_ref());
-        let (nis, accepted) = correct((ekf, gate), &mut after, considered, &measurement, Some((stamp, sums)));
+        let sums = sums.as_mut().map(|sums| (stamp, sums));
+        let (nis, accepted) = correct((ekf, gate), &mut after, considered, &measurement, sums);
         if !accepted {
             return MeasurementOutcome::Rejected(RejectReason::Outlier);
         }

@@ -166,7 +166,7 @@ impl<S: Float> Ekf<S> {
             // Jₑ of the difference between gyroscope and wheels.
             let mut by_parameter = Sensitivity::turn_error(self, by_wheels);
             if let Some(Considered { sensitivity, variances }) = &considered {
-                for (k, variance) in variances.iter().enumerate() {
+                for (k, variance) in variances.values.iter().enumerate() {
                     by_parameter[k] = by_parameter[k] + turn.duration * sensitivity.rows[0][k];
                     expected = expected + by_parameter[k].squared() * *variance;
                 }
@@ -186,7 +186,8 @@ impl<S: Float> Ekf<S> {
                     }
                     Some(Considered { sensitivity, variances }) => {
                         let rows = &mut sensitivity.rows;
-                        let seen = observed_row(&joint, rows, variances, row, &by_parameter, variance);
+                        let parameters = &variances.values;
+                        let seen = observed_row(&joint, rows, parameters, row, &by_parameter, variance);
                         (seen.gain, seen.covariance)
                     }
                 };

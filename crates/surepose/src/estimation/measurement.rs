@@ -36,6 +36,9 @@ pub struct LineMeasurement<S> {
     pub direction_variance: S,
     /// Covariance of distance and direction \[m·rad].
     pub covariance: S,
+    /// Variance of the wall's position in the map, along its normal \[m²]; 0 for an exact map. It is the error of all
+    /// measurements of this wall, so that no number of them averages it away.
+    pub wall_variance: S,
 }
 
 /// Range and bearing of a known landmark.
@@ -79,6 +82,16 @@ pub enum Measurement<S> {
     Position(PositionMeasurement<S>),
     /// A whole pose, possibly without information in some directions.
     Pose(PoseMeasurement<S>),
+}
+
+impl<S: Scalar> Measurement<S> {
+    /// Variance of the position of the measured wall \[m²]; 0 for other measurements.
+    pub(super) fn wall_variance(&self) -> S {
+        match self {
+            Self::Line(line) => line.wall_variance,
+            _ => S::from_f64(0.0),
+        }
+    }
 }
 
 impl<S> Measurement<S> {

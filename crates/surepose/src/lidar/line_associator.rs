@@ -149,7 +149,7 @@ impl<S: Float> LineAssociator<S> {
             }
             let Some((k, number)) = next else { break };
             if let (Some(pending), Some(wall)) = (pending[k].take(), walls.get(number)) {
-                let sighting = LineMeasurement { wall: *wall.line(), ..pending.seen };
+                let sighting = state.sighting(&pending, wall);
                 state.apply(&sighting);
                 result.associations[k] = Association::Wall { number, sighting };
             }
@@ -235,11 +235,26 @@ impl<S: Float> AssociationState<'_, S> {
         self.belief = self.ekf.correct(self.belief, &innovation, self.associator.gate.threshold(2)).belief;
     }
 
+    /// The line as a measurement of `wall`.
+    ///
+    /// # Departure
+    /// The wall's covariance is constant, too. Of its position the filter considers it; that of its direction, which is
+    /// small for a long wall, counts as noise.
+    fn sighting(&self, pending: &PendingLine<S>, wall: &Wall<S>) -> LineMeasurement<S> {
+        let [_, _, direction] = wall.covariance();
+        LineMeasurement {
+            wall: *wall.line(),
+            direction_variance: pending.seen.direction_variance + direction,
+            wall_variance: wall.position_variance(self.belief.pose.origin()),
+            ..pending.seen
+        }
+    }
+
     /// The measurement with the constant errors of laser and map as noise.
     fn with_model_error(&self, sighting: LineMeasurement<S>) -> LineMeasurement<S> {
         let [distance, direction] = self.associator.model_variance;
         LineMeasurement {
-            distance_variance: sighting.distance_variance + distance,
+            distance_variance: sighting.distance_variance + distance + sighting.wall_variance,
             direction_variance: sighting.direction_variance + direction,
             ..sighting
         }
@@ -262,7 +277,7 @@ impl<S: Float> AssociationState<'_, S> {
     fn nis(&self, pending: &PendingLine<S>, number: usize, ends: [Point<Map, S>; 2], margin: S) -> Option<S> {
         let wall = self.walls.get(number)?;
         let threshold = self.associator.gate.threshold(2);
-        let sighting = self.with_model_error(LineMeasurement { wall: *wall.line(), ..pending.seen });
+        let sighting = self.with_model_error(self.sighting(pending, wall));
         // The innovation of the direction alone is never larger than that of direction and distance, and is cheap.
         let turned =
             (sighting.seen.direction - (sighting.wall.direction - self.belief.pose.heading)).radians();
@@ -292,6 +307,7 @@ impl<S: Float> ExtractedLine<S> {
             distance_variance: self.distance_variance + lever * (self.covariance + shared),
             direction_variance: self.direction_variance,
             covariance: shared,
+            wall_variance: S::from_f64(0.0),
         }
     }
 }

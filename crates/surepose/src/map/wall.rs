@@ -65,6 +65,17 @@ impl<S: Float> Wall<S> {
         self.covariance
     }
 
+    /// Variance of the wall's line at the foot of `point`, along the normal \[m²].
+    ///
+    /// The line's distance from the map's origin is r, its direction ψ. Its distance from a point at the coordinate a along the
+    /// line has the error δr − a·δψ.
+    pub fn position_variance(&self, point: Point<Map, S>) -> S {
+        let [r_r, r_psi, psi_psi] = self.covariance;
+        let (nx, ny) = self.line.normal();
+        let along = point.y * nx - point.x * ny;
+        (r_r - S::from_f64(2.0) * along * r_psi + along.squared() * psi_psi).max(S::from_f64(0.0))
+    }
+
     /// Distance from `point` to the nearest point of the wall \[m].
     #[inline]
     pub fn distance(&self, point: Point<Map, S>) -> S {
@@ -83,6 +94,16 @@ impl<S: Float> Wall<S> {
         let (nx, ny) = self.line.normal();
         let r = self.line.distance;
         [self.extent.0, self.extent.1].map(|t| Point::new(r * nx - t * ny, r * ny + t * nx))
+    }
+
+    /// Standard deviation of the positions of `walls` along their normals, in the middle of each \[m]: the root mean square.
+    pub fn position_std_of(walls: &[Self]) -> S {
+        let half = S::from_f64(0.5);
+        let middle =
+            |[from, to]: [Point<Map, S>; 2]| Point::new((from.x + to.x) * half, (from.y + to.y) * half);
+        let variances = walls.iter().map(|wall| wall.position_variance(middle(wall.ends())));
+        let sum = variances.fold(S::from_f64(0.0), |sum, variance| sum + variance);
+        (sum / S::from_f64(walls.len().max(1) as f64)).sqrt()
     }
 
     /// Whether the segment between two points crosses or touches the wall. A segment along the wall does not cross it;

@@ -1,5 +1,7 @@
 //! Considered parameters: the covariance of the textbook's Schmidt–Kalman filter, and the bits of today without any.
 
+mod textbook;
+
 use surepose::estimation::{
     Belief, ConsideredParameters, DelayedEkf, DisagreeingSensor, Ekf, Gate, HeadingMeasurement,
     LineMeasurement, Measurement,
@@ -11,6 +13,7 @@ use surepose::time::Stamped;
 
 use crate::at;
 use crate::common::Noise;
+use textbook::Textbook;
 
 const SEPARATION: f64 = 0.6;
 const DELTA: f64 = 0.0025;
@@ -50,157 +53,6 @@ fn filter<S: Float>() -> DelayedEkf<S, 64> {
     DelayedEkf::new(ekf, Gate::disabled(), 1.0, at(0), belief)
 }
 
-/// The textbook's filter: one dense covariance of pose and parameters, Joseph's form, and derivatives by differences.
-struct Textbook {
-    pose: [f64; 3],
-    covariance: [[f64; STATES]; STATES],
-    /// Speed and turn rate.
-    velocity: [f64; 2],
-}
-
-type Row = [f64; STATES];
-
-impl Textbook {
-    fn new() -> Self {
-        let mut covariance = [[0.0; STATES]; STATES];
-        let deviations = [0.05, 0.04, 0.03].into_iter().chain(parameter_std());
-        for (i, std) in deviations.enumerate() {
-            covariance[i][i] = std * std;
-        }
-        Self { pose: [0.0; 3], covariance, velocity: [0.0; 2] }
-    }
-
-    /// Central difference of `value` by each of the states, at the pose and parameters 0.
-    fn derivative<const M: usize>(&self, value: impl Fn(&Row) -> [f64; M]) -> [Row; M] {
-        let mut result = [[0.0; STATES]; M];
-        for i in 0..STATES {
-            let moved = |step: f64| {
-                let mut state = [0.0; STATES];
-                state[..3].copy_from_slice(&self.pose);
-                state[i] += step;
-                value(&state)
-            };
-            let (high, low) = (moved(1e-5), moved(-1e-5));
-            for m in 0..M {
-                result[m][i] = (high[m] - low[m]) / 2e-5;
-            }
-        }
-        result
-    }
-
-    fn predict(&mut self, travel: [f64; 2], variance: [f64; 2], duration: f64) {
-        let step = |state: &Row, extra: [f64; 2]| {
-            let (scale, ratio, separation) = (state[3 + 7], state[3 + 8], state[3 + 9]);
-            let right = (travel[0] + extra[0]) * (1.0 + scale) * (1.0 + 0.5 * ratio);
-            let left = (travel[1] + extra[1]) * (1.0 + scale) * (1.0 - 0.5 * ratio);
-            let (length, turn) = (0.5 * (right + left), (right - left) / (SEPARATION * (1.0 + separation)));
-            let chord = if turn == 0.0 { 1.0 } else { (0.5 * turn).sin() / (0.5 * turn) };
-            let middle = state[2] + 0.5 * turn;
-            let (x, y) = (length * chord * middle.cos(), length * chord * middle.sin());
-            [state[0] + x, state[1] + y, state[2] + turn]
-        };
-        let by_state = self.derivative(|state| step(state, [0.0; 2]));
-        let mut now = [0.0; STATES];
-        now[..3].copy_from_slice(&self.pose);
-        let by_wheel = [[1e-5, 0.0], [0.0, 1e-5]].map(|extra| {
-            let (high, low) = (step(&now, extra), step(&now, extra.map(|e| -e)));
-            [0, 1, 2].map(|i| (high[i] - low[i]) / 2e-5)
-        });
-        let mut transition = [[0.0; STATES]; STATES];
-        for (i, row) in transition.iter_mut().enumerate() {
-            row[i] = 1.0;
-        }
-        transition[..3].copy_from_slice(&by_state);
-        self.covariance = congruence(&transition, &self.covariance);
-        for (wheel, variance) in by_wheel.iter().zip(variance) {
-            for i in 0..3 {
-                for j in 0..3 {
-                    self.covariance[i][j] += wheel[i] * variance * wheel[j];
-                }
-            }
-        }
-        self.pose = step(&now, [0.0; 2]);
-        let (length, turn) = (0.5 * (travel[0] + travel[1]), (travel[0] - travel[1]) / SEPARATION);
-        self.velocity = [length / duration, turn / duration];
-    }
-
-    /// Rows of `measured`, each with its own noise: only the gain of the pose is used.
-    fn update<const M: usize>(
-        &mut self,
-        measured: [f64; M],
-        std: [f64; M],
-        model: impl Fn(&Row) -> [f64; M],
-    ) {
-        let mut here = [0.0; STATES];
-        here[..3].copy_from_slice(&self.pose);
-        let expected = model(&here);
-        let jacobian = self.derivative(model);
-        let start = self.pose;
-        for m in 0..M {
-            let row = jacobian[m];
-            let p = &self.covariance;
-            let ph: [f64; STATES] =
-                core::array::from_fn(|i| (0..STATES).map(|j| p[i][j] * row[j]).sum::<f64>());
-            let noise = std[m] * std[m];
-            let total = (0..STATES).map(|i| row[i] * ph[i]).sum::<f64>() + noise;
-            let gain: [f64; STATES] = core::array::from_fn(|i| if i < 3 { ph[i] / total } else { 0.0 });
-            let moved: f64 = (0..3).map(|i| row[i] * (self.pose[i] - start[i])).sum();
-            let residual = measured[m] - expected[m] - moved;
-            let mut rest = [[0.0; STATES]; STATES];
-            for i in 0..STATES {
-                for j in 0..STATES {
-                    rest[i][j] = f64::from(u8::from(i == j)) - gain[i] * row[j];
-                }
-            }
-            self.covariance = congruence(&rest, &self.covariance);
-            for i in 0..3 {
-                self.pose[i] += gain[i] * residual;
-                for j in 0..3 {
-                    self.covariance[i][j] += gain[i] * noise * gain[j];
-                }
-            }
-        }
-    }
-
-    /// The pose `delay` later.
-    fn delayed(&self, state: &Row, delay: f64) -> [f64; 3] {
-        let [v, omega] = self.velocity;
-        let (sin, cos) = state[2].sin_cos();
-        [state[0] + delay * v * cos, state[1] + delay * v * sin, state[2] + delay * omega]
-    }
-
-    fn heading(&self, state: &Row) -> [f64; 1] {
-        [self.delayed(state, state[3 + 1])[2] + state[3]]
-    }
-
-    /// Distance and direction of a wall, as a laser on the middle of the axle reports them.
-    fn wall(&self, state: &Row, wall: usize) -> [f64; 2] {
-        let pose = self.delayed(state, state[3 + 6]);
-        let [x, y, heading] = [state[3 + 2], state[3 + 3], state[3 + 4]];
-        let (sin, cos) = pose[2].sin_cos();
-        let laser = [pose[0] + x * cos - y * sin, pose[1] + x * sin + y * cos];
-        let (distance, direction) = WALLS[wall];
-        let distance = distance + state[3 + 10 + wall];
-        let range = distance - laser[0] * direction.cos() - laser[1] * direction.sin();
-        [range * (1.0 + state[3 + 5]), direction - pose[2] - heading]
-    }
-}
-
-/// T P Tᵀ.
-fn congruence(t: &[Row; STATES], p: &[Row; STATES]) -> [Row; STATES] {
-    let product = |a: &[Row; STATES], b: &[Row; STATES], transposed: bool| {
-        let mut result = [[0.0; STATES]; STATES];
-        for i in 0..STATES {
-            for j in 0..STATES {
-                let term = |k: usize| a[i][k] * if transposed { b[j][k] } else { b[k][j] };
-                result[i][j] = (0..STATES).map(term).sum();
-            }
-        }
-        result
-    };
-    product(&product(t, p, false), t, true)
-}
-
 fn wall_measurement<S: Float>(wall: usize, seen: [f64; 2]) -> Measurement<S> {
     let line =
         |distance: f64, direction: f64| (S::from_f64(distance), Angle::from_radians(S::from_f64(direction)));
@@ -212,6 +64,7 @@ fn wall_measurement<S: Float>(wall: usize, seen: [f64; 2]) -> Measurement<S> {
         distance_variance: S::from_f64(LINE_STD[0] * LINE_STD[0]),
         direction_variance: S::from_f64(LINE_STD[1] * LINE_STD[1]),
         covariance: S::from_f64(0.0),
+        wall_variance: S::from_f64(0.0),
     })
 }
 
@@ -276,6 +129,39 @@ fn bias_of_the_compass_stays_in_the_covariance() {
     }
     let std = filter.belief().covariance.std(2);
     assert!((std - 0.02).abs() < 0.0002, "{std}, expected 0.02");
+}
+
+/// A wall of uncertain position is considered without any configured parameter, and its variance adds to the configured one.
+#[test]
+fn variance_of_a_wall_counts_like_the_configured_one() {
+    let with =
+        |wall: f64| filter::<f64>().with_considered(&ConsideredParameters { wall, ..Default::default() });
+    let mut filters = vec![(with(0.05), 0.0), (filter(), 0.05_f64.powi(2)), (with(0.03), 0.04_f64.powi(2))];
+    let mut noise = Noise(7);
+    for k in 1..=200 {
+        let travel = WheelPair::new(0.03 + 0.01 * noise.normal(), 0.025 + 0.01 * noise.normal());
+        let wall = usize::from(k % 2 == 0);
+        let seen = [WALLS[wall].0 + 0.02 * noise.normal(), WALLS[wall].1 + 0.01 * noise.normal()];
+        for (filter, variance) in &mut filters {
+            filter.predict(at(100 * k), travel).unwrap();
+            let Measurement::Line(line) = wall_measurement(wall, seen) else { panic!("a line") };
+            let line = LineMeasurement { wall_variance: *variance, ..line };
+            filter.update(Stamped::new(at(100 * k), Measurement::Line(line)));
+        }
+        let beliefs: Vec<_> = filters.iter().map(|(filter, _)| filter.belief()).collect();
+        let first = beliefs[0];
+        for other in &beliefs[1..] {
+            assert!(first.error(other.pose).iter().all(|off| off.abs() < 1e-12), "step {k}");
+            for i in 0..3 {
+                let off = first.covariance.std(i) - other.covariance.std(i);
+                assert!(off.abs() < 1e-9 * first.covariance.std(i), "step {k}: component {i} off by {off}");
+            }
+        }
+    }
+    // Two hundred sightings of two walls leave the position as uncertain as they are.
+    let covariance = filters[0].0.belief().covariance;
+    assert!(covariance.std(0) > 0.03 && covariance.std(1) > 0.03, "{covariance:?}");
+    assert_eq!(filters[1].0.disagreement(), None, "only configured parameters are compared");
 }
 
 /// Deviations of 0 leave every bit as it is without considered parameters.
@@ -348,6 +234,7 @@ fn endured<S: Float>() -> Belief<S> {
                 distance_variance: S::from_f64(1e-8),
                 direction_variance: S::from_f64(1e-7),
                 covariance: S::from_f64(0.0),
+                wall_variance: S::from_f64(0.0),
             };
             filter.update(Stamped::new(at(20 * k), Measurement::Line(line)));
         }

@@ -123,7 +123,7 @@ impl<S: Float> InnovationSums<S> {
         let mut worst = S::from_f64(THRESHOLD * THRESHOLD);
         let mut result = None;
         for (number, channel) in self.channels.iter().enumerate().filter(|(_, c)| c.count >= MIN_COUNT) {
-            let considered = channel.by_parameter.iter().zip(variances);
+            let considered = channel.by_parameter.iter().zip(&variances.values);
             let variance =
                 considered.fold(channel.noise.max(channel.scatter), |sum, (j, d)| sum + j.squared() * *d);
             let squared = channel.sum.squared().div_or_zero(variance);

@@ -33,7 +33,7 @@ pub(in crate::estimation) struct ObservedRow<S, const N: usize> {
 pub(in crate::estimation) fn observed_row<S: Float, const N: usize>(
     joint: &Covariance<S, N>,
     rows: &mut [[S; COUNT]; N],
-    variances: &Variances<S>,
+    variances: &[S; COUNT],
     row: [S; N],
     by_parameter: &[S; COUNT],
     variance: S,
@@ -100,7 +100,8 @@ impl<S: Float> Sensitivity<S> {
         let mut walls = self.walls;
         let mut slots = [None; 2];
         let mut new_wall = None;
-        if variances[FIRST_WALL] > zero {
+        let wall_std = Self::wall_std(measurement, variances);
+        if wall_std > zero {
             for (slot, key) in slots.iter_mut().zip(Self::wall_keys(measurement)) {
                 let Some((number, is_new)) = key.map(|key| walls.assign(key)) else { continue };
                 *slot = Some(number);
@@ -109,11 +110,11 @@ impl<S: Float> Sensitivity<S> {
                     // The error of the wall that is forgotten becomes part of the independent one.
                     let column =
                         rows.each_mut().map(|row| core::mem::replace(&mut row[FIRST_WALL + number], zero));
-                    covariance = covariance.with_rank_one(column, variances[FIRST_WALL + number]);
+                    covariance = covariance.with_rank_one(column, variances.values[FIRST_WALL + number]);
                 }
             }
         }
-        let pose_error = self.pose_error(belief, measurement, slots);
+        let pose_error = self.pose_error(belief, measurement, slots, wall_std);
         let mut step = [zero; N];
         let (mut nis, mut max_variance) = (zero, zero);
         let mut innovations =
@@ -131,8 +132,14 @@ impl<S: Float> Sensitivity<S> {
                 }
             }
             let residual = innovation.residual[m] - predicted;
-            let seen =
-                observed_row(&covariance, &mut rows, variances, row, &by_parameter, innovation.variance[m]);
+            let seen = observed_row(
+                &covariance,
+                &mut rows,
+                &variances.values,
+                row,
+                &by_parameter,
+                innovation.variance[m],
+            );
             nis = nis + residual.squared() / seen.variance;
             max_variance = max_variance.max(seen.variance);
             innovations[m] = ScalarInnovation { residual, variance: seen.own_variance, by_parameter };

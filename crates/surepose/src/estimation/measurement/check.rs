@@ -63,7 +63,11 @@ impl<S: Float> LineMeasurement<S> {
     fn check(&self) -> Result<(), RejectReason> {
         finite(&[self.wall.distance, self.wall.direction.radians()])?;
         finite(&[self.seen.distance, self.seen.direction.radians()])?;
-        positive_definite(self.distance_variance, self.direction_variance, self.covariance)
+        positive_definite(self.distance_variance, self.direction_variance, self.covariance)?;
+        // A NaN compares false; 0 is an exact wall.
+        let known =
+            self.wall_variance >= S::from_f64(0.0) && self.wall_variance <= S::from_f64(VARIANCE_RANGE.1);
+        if known { Ok(()) } else { Err(RejectReason::BadVariance) }
     }
 }
 
