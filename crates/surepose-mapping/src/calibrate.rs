@@ -14,6 +14,8 @@
 //! 5. *standard errors*: the inverse normal matrix, enlarged where segments of the recording disagree by more
 //!    [White1980].
 //!
+//! 6. *actuator*: from velocity commands, where they were recorded, delay, lag, limits and minimum speeds of the base.
+//!
 //! # Limitations
 //! All lengths are scaled by the laser's ranges: ranges that are 1 % long make radii and wheel separation 1 %
 //! too large. The standard errors do not include this scale error.
@@ -27,6 +29,7 @@
 //! # Tested by
 //! `true_values_lie_in_their_intervals`, `two_runs_of_the_rover_agree`.
 
+mod actuator;
 mod association;
 mod clock;
 mod error;
@@ -46,7 +49,7 @@ pub use error::CalibrationError;
 pub use options::Options;
 pub use outcome::{Calibration, ParameterEstimate};
 pub use parameter::{COUNT, CalibrationParameter, Geometry};
-pub use recording::{CalibrationRecording, StampedHeading};
+pub use recording::{CalibrationRecording, StampedCommand, StampedHeading};
 
 use association::AssociationThresholds;
 use error::MIN_RECORDS;
@@ -55,7 +58,7 @@ use surepose_sim::CancelToken;
 use uncertainty::{Uncertainty, uncertainty};
 
 /// Number of stages of a calibration.
-pub const STAGES: usize = 9;
+pub const STAGES: usize = 10;
 
 /// Fits the parameters to a recording; `cancel` counts the [`STAGES`] and is polled between them.
 ///
@@ -102,6 +105,8 @@ pub fn calibrate(
     }
 
     let Uncertainty { mut covariance, log_delta_std } = uncertainty(&fit)?;
+    stage()?;
+    let actuator = actuator::calibrate_actuator(recording, &options.nominal.drive());
     cancel.count();
     if let Some(start) = options.start_heading {
         let offset = CalibrationParameter::CompassOffset as usize;
@@ -116,5 +121,6 @@ pub fn calibrate(
         options.finds_stamp.then(|| options.sweep.abs()),
         fit.noise.wall,
         (scans.len(), line_observations.len()),
-    ))
+    )
+    .with_actuator(actuator))
 }

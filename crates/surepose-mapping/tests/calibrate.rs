@@ -143,6 +143,7 @@ fn rover(name: &str) -> Option<Calibration> {
         ticks: log.odometry,
         scans: log.scans,
         headings: Vec::new(),
+        commands: Vec::new(),
     };
     Some(
         calibrate(&recording, &Options::rover(), &CancelToken::default())

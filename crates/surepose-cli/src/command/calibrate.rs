@@ -17,7 +17,7 @@ use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, names_of};
 use crate::{interrupt, progress};
 
-/// Calibrate wheel radii, wheel separation, odometry noise, laser pose and latency from a recording, with standard errors
+/// Calibrate wheels, odometry noise, laser pose and latencies from a recording, and delay, limits and least speeds of the base, with standard errors
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   surepose calibrate ticks exp1.dat.gz --out calibration
@@ -28,7 +28,8 @@ record a few minutes in view of walls, with turns in both directions and changin
 
 mcap: `odom` must come from the wheels alone, and [robot] must hold the wheel parameters of the base; they convert odometry \
 back into wheel angles. Copy the calibrated values into the configuration of the base as well, because the base computes \
-odometry. With --compass the headings of `imu` are used; the compass offset also needs the topic `truth`.
+odometry. With --compass the headings of `imu` are used; the compass offset also needs the topic `truth`. If `cmd_vel` was recorded, \
+the delay, the lag, the limits of acceleration and the least executable speeds of the base are estimated, too.
 
 Exit codes: 0 done; 2 usage or configuration error; 3 recording unreadable, malformed or not sufficient for calibration; \
 130 interrupted.")]
@@ -116,6 +117,7 @@ impl CalibrateCommand {
             ticks: log.odometry,
             scans: log.scans,
             headings: Vec::new(),
+            commands: Vec::new(),
         };
         Ok((recording, Options::rover()))
     }

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 use surepose::kinematics::WheelPair;
 use surepose::lidar::StampedBeam;
-use surepose::param::{self, Choice, Kind, Unit};
+use surepose::param::{self, Choice, Kind, Parameter, Unit};
 
 use super::parameter::{COUNT, CalibrationParameter, Geometry};
 
@@ -25,6 +25,9 @@ pub struct ParameterEstimate {
     pub not_excited: Option<&'static str>,
 }
 
+/// Parameters of the base, with their keys in the configuration.
+pub(super) type ActuatorEstimates = Vec<(&'static Parameter, ParameterEstimate)>;
+
 /// Result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
@@ -39,6 +42,8 @@ pub struct Calibration {
     /// Variance of the walls over the variance expected from beams and walls: 1 if both noise levels are as
     /// stated.
     pub wall_scatter: f64,
+    /// Parameters of the base; empty without commands.
+    actuator: ActuatorEstimates,
     /// Number of scans used.
     pub scans: usize,
     /// Number of line observations.
@@ -66,9 +71,14 @@ impl Calibration {
             knows_heading,
             sweep,
             wall_scatter,
+            actuator: ActuatorEstimates::new(),
             scans,
             line_observations,
         }
+    }
+
+    pub(super) fn with_actuator(self, actuator: ActuatorEstimates) -> Self {
+        Self { actuator, ..self }
     }
 
     /// Returns the estimate of a geometry parameter.
@@ -148,7 +158,8 @@ impl Calibration {
             ("wheel_radius_ratio", self.wheel_radius_ratio()),
             ("delta", self.delta()),
         ];
-        geometry.chain(more).collect()
+        let actuator = self.actuator.iter().map(|(parameter, estimate)| (parameter.key, *estimate));
+        geometry.chain(more).chain(actuator).collect()
     }
 
     /// Formats the estimates as a configuration; parameters that are not excited become comments.
@@ -159,6 +170,7 @@ impl Calibration {
             (&param::DELTA, self.delta()),
         ];
         let keyed = |parameter: &CalibrationParameter| Some((parameter.key()?, self.estimate(*parameter)));
+        found.extend(self.actuator.iter().copied());
         found.extend(CalibrationParameter::ALL.iter().filter_map(keyed));
         // In the order of the parameter table, so that each section appears once.
         found.sort_by_key(|(key, _)| param::ALL.iter().position(|other| other == *key));

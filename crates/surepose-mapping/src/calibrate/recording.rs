@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use surepose::geometry::Angle;
-use surepose::kinematics::WheelPair;
+use surepose::kinematics::{Twist, WheelPair};
 use surepose_io::recording::{ScanRecord, StampedTicks};
 
 /// A recording to calibrate from.
@@ -17,6 +17,17 @@ pub struct CalibrationRecording {
     pub scans: Vec<ScanRecord>,
     /// Compass readings, ordered by time; empty if there is no compass.
     pub headings: Vec<StampedHeading>,
+    /// Velocity commands, ordered by time; empty if they were not recorded.
+    pub commands: Vec<StampedCommand>,
+}
+
+/// A velocity command with the time at which it was sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StampedCommand {
+    /// Time \[s\], by the clock of the odometry.
+    pub time: f64,
+    /// Commanded speed and turn rate.
+    pub twist: Twist<f64>,
 }
 
 /// A compass reading with its time.

@@ -103,6 +103,7 @@ fn record(seed: Seed, duration: f64, held: Option<WheelPair<f64>>) -> Simulated 
         ticks: vec![StampedTicks { time: 0.0, left: 0, right: 0 }],
         scans: Vec::new(),
         headings: Vec::new(),
+        commands: Vec::new(),
     };
     while world.now().seconds() < duration {
         let desired = held.unwrap_or_else(|| goals.rates(&drive, world.pose()));

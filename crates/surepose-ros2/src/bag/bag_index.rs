@@ -66,7 +66,7 @@ impl BagIndex {
                 self.extrinsics.set_base_frame(&odometry.child_frame_id);
                 self.first = self.first.or(Some(stamp_of(odometry.header.stamp)));
             }
-            BagMessage::Scan(_) | BagMessage::Imu(_) => {}
+            BagMessage::Scan(_) | BagMessage::Imu(_) | BagMessage::Command(_) => {}
         }
         Ok(())
     }

@@ -8,26 +8,31 @@ use nalgebra::UnitQuaternion;
 use surepose::control::Controller;
 use surepose::estimation::{HeadingMeasurement, Measurement};
 use surepose::geometry::Angle;
-use surepose::kinematics::WheelPair;
+use surepose::kinematics::{Twist, WheelPair};
 use surepose::lidar::ScanTiming;
 use surepose::time::{Stamp, Stamped};
 use surepose_config::{CompassParameters, Config};
 use surepose_io::recording::{ScanRecord, SensorPose, StampedTicks};
-use surepose_mapping::calibrate::{CalibrationParameter, CalibrationRecording, Options, StampedHeading};
+use surepose_mapping::calibrate::{
+    CalibrationParameter, CalibrationRecording, Options, StampedCommand, StampedHeading,
+};
 
 use crate::convert::MessageError;
 use crate::driver::{OdometryAccumulator, SensorMessage};
 use crate::extrinsics::ExtrinsicsResolver;
-use crate::message::{LaserScan, Odometry};
+use crate::message::{LaserScan, Odometry, Vector3};
 use crate::names::Names;
 use crate::sense;
 
 use super::bag_index::{BagIndex, REFERENCE_STD};
-use super::reader::{Bag, BagMessage, Role};
+use super::reader::{Bag, BagMessage, RecordedCommand, Role};
 use super::{BagError, Truncation};
 
 /// Resolution of the encoder counts that are derived from odometry poses.
 const TICKS_PER_TURN: f64 = 1e5;
+
+/// Longest time before the first odometry of a command that may still be in effect \[s].
+const MAX_COMMAND_AGE: f64 = 1.0;
 
 /// Standard deviation of a wall's distance \[m] and direction \[rad] beyond the usual laser noise.
 const WALL_STD: (f64, f64) = (0.01, 0.5 * TAU / 360.0);
@@ -75,6 +80,7 @@ pub fn recorded(path: &Path, config: &Config, names: &Names, compass: bool) -> R
                 let identity = UnitQuaternion::identity();
                 sense::heading(&imu, &identity, &compass_parameters).map(|message| gathering.turn(&message))
             }
+            BagMessage::Command(command) => gathering.command(&command),
             BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
         };
         if let Err(why) = refused {
@@ -108,6 +114,7 @@ impl Gathering {
             ticks: Vec::new(),
             scans: Vec::new(),
             headings: Vec::new(),
+            commands: Vec::new(),
         };
         Self {
             recorded: Recorded { recording, options, skipped, mounted: None, truncations: Vec::new() },
@@ -200,6 +207,20 @@ impl Gathering {
         }
     }
 
+    /// Takes a command at its own stamp, or, without one, at the time at which it was recorded.
+    fn command(&mut self, command: &RecordedCommand) -> Result<(), MessageError> {
+        let Vector3 { x: v, .. } = command.twist.linear;
+        let Vector3 { z: omega, .. } = command.twist.angular;
+        if !v.is_finite() || !omega.is_finite() {
+            return Err(MessageError::NotFinite);
+        }
+        // Some drivers leave the stamp 0.
+        let own = command.stamp.filter(|stamp| stamp.nanoseconds() > 0);
+        let time = own.unwrap_or(command.received).seconds();
+        self.recorded.recording.commands.push(StampedCommand { time, twist: Twist::new(v, omega) });
+        Ok(())
+    }
+
     fn skip(&mut self, why: &'static str) {
         *self.recorded.skipped.entry(why).or_default() += 1;
     }
@@ -207,7 +228,7 @@ impl Gathering {
     /// Sorts the data by time, and drops measurements before the first odometry, including those with an unset stamp.
     fn finished(mut self) -> Recorded {
         let Recorded { mut recording, options, mut skipped, truncations, .. } = self.recorded;
-        let CalibrationRecording { ticks, scans, headings, .. } = &mut recording;
+        let CalibrationRecording { ticks, scans, headings, commands, .. } = &mut recording;
         let first = ticks.first().map_or(f64::INFINITY, |ticks| ticks.time);
         let last = ticks.last().map_or(f64::NEG_INFINITY, |ticks| ticks.time);
         let before = scans.len() + headings.len();
@@ -217,6 +238,13 @@ impl Gathering {
         if without > 0 {
             skipped.insert("without_odometry", without as u64);
         }
+        // Commands of another clock say nothing.
+        let sent = commands.len();
+        commands.retain(|command| (first - MAX_COMMAND_AGE..=last).contains(&command.time));
+        if commands.len() < sent {
+            skipped.insert("command_without_odometry", (sent - commands.len()) as u64);
+        }
+        commands.sort_by(|a, b| a.time.total_cmp(&b.time));
         scans.sort_by(|a, b| a.time.total_cmp(&b.time));
         headings.sort_by(|a, b| a.time.total_cmp(&b.time));
         Recorded { recording, options, skipped, mounted: self.extrinsics.take_source_message(), truncations }

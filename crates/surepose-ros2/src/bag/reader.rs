@@ -6,9 +6,13 @@ use std::path::{Path, PathBuf};
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
 use serde::de::DeserializeOwned;
+use surepose::time::Stamp;
 use surepose_io::read_plain;
 
-use crate::message::{Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage};
+use crate::convert::stamp_of;
+use crate::message::{
+    Imu, LaserScan, Odometry, PoseStamped, PoseWithCovarianceStamped, TfMessage, Twist, TwistStamped,
+};
 use crate::names::Names;
 
 use super::files::files_of;
@@ -21,6 +25,8 @@ const SCAN: &str = "sensor_msgs/msg/LaserScan";
 const IMU: &str = "sensor_msgs/msg/Imu";
 const POSE: &str = "geometry_msgs/msg/PoseStamped";
 const POSE_WITH_COVARIANCE: &str = "geometry_msgs/msg/PoseWithCovarianceStamped";
+const TWIST: &str = "geometry_msgs/msg/Twist";
+const TWIST_STAMPED: &str = "geometry_msgs/msg/TwistStamped";
 const JOINTS: &str = "tf2_msgs/msg/TFMessage";
 
 /// Topic of static transforms, the same for all robots by convention.
@@ -33,6 +39,16 @@ pub(super) enum BagMessage {
     Imu(Box<Imu>),
     Truth(Box<PoseStamped>),
     StaticTransforms(TfMessage),
+    Command(RecordedCommand),
+}
+
+/// A velocity command, with the time at which it was recorded.
+pub(super) struct RecordedCommand {
+    /// Time at which the recorder received it.
+    pub(super) received: Stamp,
+    /// Its own stamp, if it has one.
+    pub(super) stamp: Option<Stamp>,
+    pub(super) twist: Twist,
 }
 
 /// Role of a channel.
@@ -43,6 +59,7 @@ pub(super) enum Role {
     Imu,
     Truth,
     StaticTransforms,
+    Command,
 }
 
 impl Role {
@@ -54,6 +71,7 @@ impl Role {
             Self::Imu => "imu",
             Self::Truth => "truth",
             Self::StaticTransforms => STATIC,
+            Self::Command => "cmd_vel",
         }
     }
 
@@ -65,6 +83,7 @@ impl Role {
             Self::Imu => &[IMU],
             Self::Truth => &[POSE, POSE_WITH_COVARIANCE, ODOMETRY],
             Self::StaticTransforms => &[JOINTS],
+            Self::Command => &[TWIST, TWIST_STAMPED],
         }
     }
 
@@ -97,7 +116,7 @@ struct Part {
 impl Bag {
     /// Opens the recording at `path`, a file or a folder with one recording, with the topics of `names`.
     ///
-    /// Except for the truth, a topic that is the only one of its type may have any name. Odometry and `required` topics must exist.
+    /// Except for truth and commands, a topic that is the only one of its type may have any name. Odometry and `required` topics must exist.
     ///
     /// # Errors
     /// [`BagError`] for an unreadable, damaged or ambiguous recording.
@@ -125,6 +144,7 @@ impl Bag {
             (Role::Imu, of(Role::Imu)?),
             (Role::Truth, truth),
             (Role::StaticTransforms, Some(STATIC.to_owned())),
+            (Role::Command, topic(&channels, names, Role::Command, None)?),
         ];
         let role = |channel: &Channel| {
             let plays = |(role, topic): &&(Role, Option<String>)| {
@@ -159,16 +179,18 @@ impl Bag {
         let mut numbers = BTreeMap::<&str, u64>::new();
         self.parts.iter().try_for_each(|part| {
             records(&part.path, |record| {
-                let Record::Message { channel_id, data } = record else { return Ok(()) };
+                let Record::Message { channel_id, log_time, data } = record else { return Ok(()) };
                 let Some((role, channel)) = part.roles.get(&channel_id) else { return Ok(()) };
                 let number = numbers.entry(&channel.topic).or_default();
                 *number += 1;
-                let said = said(*role, &channel.kind, data).map_err(|problem| BagError::Message {
-                    number: *number,
-                    topic: channel.topic.escape_debug().to_string(),
-                    kind: channel.kind.clone(),
-                    problem,
-                })?;
+                let received = Stamp::from_nanoseconds(i64::try_from(log_time).unwrap_or(i64::MAX));
+                let said =
+                    said(*role, &channel.kind, received, data).map_err(|problem| BagError::Message {
+                        number: *number,
+                        topic: channel.topic.escape_debug().to_string(),
+                        kind: channel.kind.clone(),
+                        problem,
+                    })?;
                 consume(said);
                 Ok(())
             })
@@ -188,12 +210,19 @@ fn in_part(parts: usize, path: &Path, problem: BagError) -> BagError {
 }
 
 /// Decodes a message. The truth may have several types.
-fn said(role: Role, kind: &str, data: &[u8]) -> Result<BagMessage, String> {
+fn said(role: Role, kind: &str, received: Stamp, data: &[u8]) -> Result<BagMessage, String> {
     Ok(match role {
         Role::Odometry => BagMessage::Odometry(decoded(data)?),
         Role::Scan => BagMessage::Scan(decoded(data)?),
         Role::Imu => BagMessage::Imu(decoded(data)?),
         Role::StaticTransforms => BagMessage::StaticTransforms(decoded(data)?),
+        Role::Command if kind == TWIST => {
+            BagMessage::Command(RecordedCommand { received, stamp: None, twist: decoded(data)? })
+        }
+        Role::Command => {
+            let TwistStamped { header, twist } = decoded(data)?;
+            BagMessage::Command(RecordedCommand { received, stamp: Some(stamp_of(header.stamp)), twist })
+        }
         Role::Truth => BagMessage::Truth(Box::new(match kind {
             ODOMETRY => {
                 let told: Odometry = decoded(data)?;
@@ -251,7 +280,7 @@ fn records(path: &Path, on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> R
 
 /// Topic of `role`: the one with the node's name, or else the only one of its type that is not `taken`.
 ///
-/// The truth must have the node's name.
+/// Truth and commands must have the node's name.
 fn topic(
     channels: &[Channel],
     names: &Names,
@@ -276,7 +305,8 @@ fn topic(
         return Err(BagError::NoTopic { name, kind, present: present(channels) });
     }
     match candidates.as_slice() {
-        _ if role == Role::Truth => Ok(None),
+        // Other poses and velocities are not necessarily the truth and the commands of the base.
+        _ if matches!(role, Role::Truth | Role::Command) => Ok(None),
         [] => Ok(None),
         [only] => Ok(Some(only.clone())),
         [first, ..] => {

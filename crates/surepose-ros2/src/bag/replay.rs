@@ -91,7 +91,10 @@ pub fn replay(
                     Ok(())
                 })
             }
-            BagMessage::Imu(_) | BagMessage::Truth(_) | BagMessage::StaticTransforms(_) => Ok(()),
+            BagMessage::Imu(_)
+            | BagMessage::Truth(_)
+            | BagMessage::StaticTransforms(_)
+            | BagMessage::Command(_) => Ok(()),
         };
         report.skip(refused.err().map(|why| why.name()));
     })?;

@@ -3,9 +3,22 @@
 /// Record that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::bag) enum Record<'a> {
-    Schema { id: u16, name: &'a str },
-    Channel { id: u16, schema_id: u16, topic: &'a str, encoding: &'a str },
-    Message { channel_id: u16, data: &'a [u8] },
+    Schema {
+        id: u16,
+        name: &'a str,
+    },
+    Channel {
+        id: u16,
+        schema_id: u16,
+        topic: &'a str,
+        encoding: &'a str,
+    },
+    /// `log_time` is in nanoseconds.
+    Message {
+        channel_id: u16,
+        log_time: u64,
+        data: &'a [u8],
+    },
 }
 
 /// Remaining content of a record. Every method returns `None` where the field does not fit.
@@ -40,9 +53,10 @@ impl<'a> Content<'a> {
 
     pub(super) fn message(&mut self) -> Option<Record<'a>> {
         let channel_id = self.u16()?;
-        // Sequence number, time of the log, time of publication.
-        self.take(4 + 8 + 8)?;
-        Some(Record::Message { channel_id, data: self.bytes })
+        let _sequence = self.u32()?;
+        let log_time = self.u64()?;
+        let _publish_time = self.u64()?;
+        Some(Record::Message { channel_id, log_time, data: self.bytes })
     }
 
     pub(super) fn u8(&mut self) -> Option<u8> {

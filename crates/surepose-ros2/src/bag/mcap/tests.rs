@@ -17,7 +17,7 @@ fn read(bytes: &[u8]) -> ReadOutcome {
 fn read_within(bytes: &[u8], limits: Limits) -> ReadOutcome {
     let mut messages = Vec::new();
     let ending = read_records::<String>(bytes, limits, |record| {
-        if let Record::Message { channel_id, data } = record {
+        if let Record::Message { channel_id, data, .. } = record {
             messages.push((channel_id, data.to_vec()));
         }
         Ok(())
