@@ -173,19 +173,23 @@ impl<S: Float, const HYPOTHESES: usize, const KEYFRAMES: usize>
         let stats = BeamStats { missed_returns: missed.count(belief, map.walls), ..stats };
         self.supervisor.on_scan(&stats, scan_nis);
         let now = estimator.stamp();
-        if scan_nis < S::from_f64(SLIP_NIS) && !self.supervisor.contradicts_map(&stats) {
+        // Clutter and slip look alike; the search tells them apart, because it finds no better pose among clutter.
+        if scan_nis < S::from_f64(SLIP_NIS) && self.supervisor.agrees_with_map(&stats) {
             self.slip.on_agreement();
         } else if let Some(found) = self.search_after_slip(estimator.ekf(), &beams, belief, map) {
             estimator.reset_at(*stamp, self.with_map_uncertainty(found));
             self.supervisor.on_relocalized(now);
             self.slip.on_slip(now);
             return;
+        } else if scan_nis >= S::from_f64(SLIP_NIS) {
+            // The displacement may be too small for the search, or too fast: odometry counts less, and scans correct it.
+            self.slip.on_suspicion(now);
         }
         if self.supervisor.health(now, &estimator.belief()) != Health::Lost {
             return;
         }
         let may_be_pushed = !self.is_searching
-            && !self.supervisor.contradicts_map(&stats)
+            && self.supervisor.agrees_with_map(&stats)
             && self.last_push.is_none_or(|last| now.since(last) > self.config.local_search_interval);
         let refine = || search.refine(estimator.ekf(), &beams, belief, map.walls);
         let found = if may_be_pushed { refine() } else { None };

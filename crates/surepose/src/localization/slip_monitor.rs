@@ -46,6 +46,13 @@ impl<S: Float> SlipMonitor<S> {
         *self = Self { slipped: Some(stamp), ..Self::new() };
     }
 
+    /// Notes a scan at `stamp` that puts the robot elsewhere; only a robot that moved can have slipped.
+    pub(super) fn on_suspicion(&mut self, stamp: Stamp) {
+        if self.displacement_std().is_some() {
+            self.slipped = Some(stamp);
+        }
+    }
+
     /// Standard deviations of the displacement by slip in x, y \[m] and heading \[rad]; `None` for a robot that has not moved.
     pub(super) fn displacement_std(&self) -> Option<[S; 3]> {
         let Motion { length, turn } = self.unconfirmed;
@@ -63,5 +70,27 @@ impl<S: Float> SlipMonitor<S> {
     pub(super) fn relative_std(&self, stamp: Stamp) -> S {
         let slips = self.slipped.is_some_and(|slipped| stamp.since(slipped).abs() <= SLIP_TIME);
         S::from_f64(if slips { SLIP_RATIO } else { 0.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::kinematics::Motion;
+    use crate::time::Stamp;
+
+    use super::SlipMonitor;
+
+    /// A scan that puts the robot elsewhere raises the noise of odometry for a second, if the robot has moved.
+    #[test]
+    fn only_a_robot_that_moved_is_suspected_of_slip() {
+        let at = Stamp::from_seconds;
+        let mut monitor = SlipMonitor::<f64>::new();
+        monitor.on_suspicion(at(1.0));
+        assert!(monitor.relative_std(at(1.0)) < 1e-9, "at rest");
+        monitor.on_odometry(Motion { length: 0.05, turn: 0.0 });
+        monitor.on_suspicion(at(1.0));
+        assert!(monitor.relative_std(at(1.5)) > 0.4);
+        assert!(monitor.displacement_std().is_some(), "the displacement is still unexplained");
+        assert!(monitor.relative_std(at(2.1)) < 1e-9);
     }
 }

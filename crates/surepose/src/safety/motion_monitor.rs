@@ -83,8 +83,19 @@ impl<S: Float> MotionMonitor<S> {
     pub fn fault(&self, timeout: S) -> Option<MotionFault> {
         let stuck = self.channels.iter().find(|(_, channel)| channel.stuck_for >= timeout);
         stuck.map(|(name, channel)| {
-            if channel.is_blocked() { MotionFault::Blocked(*name) } else { MotionFault::Stalled(*name) }
+            if self.is_blocked(channel) { MotionFault::Blocked(*name) } else { MotionFault::Stalled(*name) }
         })
+    }
+
+    /// Whether the base executes the command of this channel otherwise.
+    ///
+    /// A base may ignore a small v or ω although its wheels moved as slowly before, as parts of a faster twist: what v and ω
+    /// are doing now must have moved the base, too.
+    fn is_blocked(&self, stuck: &ChannelMotion<S>) -> bool {
+        let is_executable = stuck.mean_command() >= S::from_f64(EXECUTABLE_SPEED);
+        let [turn, forward, ..] = &self.channels;
+        let has_moved = [turn, forward].iter().all(|(_, channel)| channel.moves() || channel.has_moved());
+        is_executable || (stuck.has_moved() && has_moved)
     }
 
     /// Starts timing anew, for a new goal; the speeds that moved the base are kept.
@@ -135,7 +146,7 @@ impl<S: Float> ChannelMotion<S> {
         } else {
             self.stuck_for = zero;
         }
-        if self.measured >= self.commanded * S::from_f64(MOVING_FRACTION) {
+        if self.moves() {
             self.least_moving = self.least_moving.min(self.mean_command());
         }
     }
@@ -145,7 +156,13 @@ impl<S: Float> ChannelMotion<S> {
         self.commanded.div_or_zero(self.active)
     }
 
-    fn is_blocked(&self) -> bool {
+    /// Whether the channel follows its command, which may be none.
+    fn moves(&self) -> bool {
+        self.measured >= self.commanded * S::from_f64(MOVING_FRACTION)
+    }
+
+    /// Whether the present command moved the channel before, or is one that every base executes.
+    fn has_moved(&self) -> bool {
         self.mean_command() >= self.least_moving
     }
 }
@@ -211,6 +228,22 @@ mod tests {
             }
         }
         assert_eq!(monitor.fault(TIMEOUT), Some(MotionFault::Blocked(MotionChannel::Forward)));
+    }
+
+    /// Wheels that moved slowly within a fast twist are not blocked where the base ignores a slow twist.
+    #[test]
+    fn a_base_that_ignores_slow_twists_stalls_whatever_its_wheels_did_before() {
+        let base = |[right, left]: [f64; 2]| {
+            let keep = |half: f64| if half.abs() < 0.02 { 0.0 } else { half };
+            let (turn, forward) = (keep(0.5 * (right - left)), keep(0.5 * (right + left)));
+            [forward + turn, forward - turn]
+        };
+        // The right wheel turns at 1 cm/s in a curve; then the base gets 1.6 cm/s forward and a little turn.
+        for slow in [[0.016, 0.016], [0.018, 0.012], [0.012, 0.018]] {
+            let command = |tick: usize| if tick < 100 { [0.01, 0.15] } else { slow };
+            let fault = fault_after(40.0, 0.1, command, base).map(|(_, fault)| fault);
+            assert!(matches!(fault, Some(MotionFault::Stalled(_))), "{slow:?}: {fault:?}");
+        }
     }
 
     #[test]

@@ -139,17 +139,26 @@ impl<S: Float> Supervisor<S> {
         self.lost = self.lost || self.measurements_against >= self.config.max_outlier_excess;
     }
 
-    /// Whether a scan with these statistics contradicts the map.
+    /// Whether the map explains a scan with these statistics. If not, the robot slipped, or things on no map hide the walls.
+    pub fn agrees_with_map(&self, stats: &BeamStats<S>) -> bool {
+        let BeamShares { all, hits, .. } = BeamShares::of(stats);
+        hits >= self.config.min_hit_ratio * all && self.walls_are_in_front(stats)
+    }
+
+    /// Whether a scan with these statistics contradicts the map, whatever things on no map hide.
+    ///
+    /// They hide walls and show nothing behind them: of the other beams, more must hit.
     pub fn contradicts_map(&self, stats: &BeamStats<S>) -> bool {
-        let config = &self.config;
-        // Missed returns count as beams that end behind a wall.
-        let share = |count: u16| S::from_f64(f64::from(count));
-        let all = share(stats.beams.saturating_add(stats.missed_returns));
-        let (hits, open) = (share(stats.hits), all - share(stats.short));
-        // Things on no map hide walls and show nothing behind them: of the other beams, more must hit.
-        let hidden = hits < S::from_f64(MIN_CLUTTERED_HITS) * all || hits < S::from_f64(MIN_OPEN_HITS) * open;
-        (hits < config.min_hit_ratio * all && hidden)
-            || stats.behind_wall_ratio() > config.max_behind_wall_ratio
+        let BeamShares { all, hits, open } = BeamShares::of(stats);
+        let is_clutter = hits >= S::from_f64(MIN_CLUTTERED_HITS) * all
+            && hits >= S::from_f64(MIN_OPEN_HITS) * open
+            && self.walls_are_in_front(stats);
+        !self.agrees_with_map(stats) && !is_clutter
+    }
+
+    /// Whether few beams end behind a wall.
+    fn walls_are_in_front(&self, stats: &BeamStats<S>) -> bool {
+        stats.behind_wall_ratio() <= self.config.max_behind_wall_ratio
     }
 
     /// Notes the statistics of a scan at the belief of its time, and the normalized innovation squared per row of the pose
@@ -237,6 +246,22 @@ impl<S: Float> Supervisor<S> {
             (self.wheel_rate_error > config.max_wheel_rate_error, FaultReason::WheelTrackingError),
         ];
         wrong.into_iter().find_map(|(is_wrong, reason)| is_wrong.then_some(reason))
+    }
+}
+
+/// Numbers of beams of a scan: all, with the missed returns, those that hit the expected wall, and those that nothing hides.
+struct BeamShares<S> {
+    all: S,
+    hits: S,
+    open: S,
+}
+
+impl<S: Float> BeamShares<S> {
+    fn of(stats: &BeamStats<S>) -> Self {
+        let number = |count: u16| S::from_f64(f64::from(count));
+        // Missed returns count as beams that end behind a wall.
+        let all = number(stats.beams.saturating_add(stats.missed_returns));
+        Self { all, hits: number(stats.hits), open: all - number(stats.short) }
     }
 }
 

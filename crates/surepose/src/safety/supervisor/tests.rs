@@ -76,6 +76,19 @@ fn clutter_alone_does_not_mark_the_robot_lost() {
     assert_eq!(supervisor.health(START, &belief(0.01)), Health::Lost);
 }
 
+/// A robot that slipped toward a wall sees it too near, as it sees things on no map: the map does not explain the scan, which
+/// starts the search for another pose, and does not contradict it, which would make the robot lost.
+#[test]
+fn hidden_walls_are_neither_explained_nor_contradicted() {
+    let supervisor = supervisor();
+    let explained =
+        |stats: BeamStats<f64>| (supervisor.agrees_with_map(&stats), supervisor.contradicts_map(&stats));
+    assert_eq!(explained(stats(95, 0)), (true, false));
+    assert_eq!(explained(stats(52, 3)), (false, false));
+    assert_eq!(explained(stats(52, 15)), (false, true));
+    assert_eq!(explained(stats(20, 0)), (false, true), "hardly any wall is seen");
+}
+
 #[test]
 fn compass_outliers_alone_mark_the_robot_lost() {
     let mut supervisor = supervisor();
