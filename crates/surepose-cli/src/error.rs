@@ -66,6 +66,8 @@ pub(crate) enum OutputKind {
     Folder,
     /// A single file.
     File,
+    /// The directory of a recording.
+    Recording,
 }
 
 impl OutputKind {
@@ -73,6 +75,7 @@ impl OutputKind {
         match self {
             Self::Folder => "give --out a writable directory",
             Self::File => "give --out the name of a file in a writable directory",
+            Self::Recording => "give --record a writable directory without a recording",
         }
     }
 }

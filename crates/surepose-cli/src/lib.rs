@@ -17,6 +17,7 @@ mod output;
 mod output_dir;
 mod parquet;
 mod progress;
+mod recording;
 mod settings;
 
 use std::process::ExitCode;

@@ -12,6 +12,7 @@
 //! | [`map_server`] | ROS map server: YAML file and image | [`grid::Grid`] |
 //! | [`image`] | PGM, PNG and BMP images of grids | [`image::Image`] |
 //! | [`wall_map`] | walls by their end points, TOML; also writes them | [`wall_map::WallMap`] |
+//! | [`mcap`] | records of ROS 2 messages, MCAP; also writes them | [`mcap::McapRecord`] |
 //! | [`start_poses`] | start poses, CSV | poses relative to the goal |
 //! | [`config`] | the configuration, TOML | [`Config`] |
 //!
@@ -49,6 +50,7 @@ mod half_circle;
 pub mod image;
 pub mod lines;
 pub mod map_server;
+pub mod mcap;
 pub mod mines_rover;
 pub mod mrclam;
 pub mod owned_map;

@@ -3,7 +3,7 @@
 mod bag_index;
 mod calibration;
 mod files;
-mod mcap;
+
 mod reader;
 mod replay;
 #[cfg(test)]
@@ -14,8 +14,8 @@ use std::fmt;
 use std::path::PathBuf;
 
 pub use calibration::{Recorded, recorded};
-pub use mcap::McapError;
 pub use replay::replay;
+pub use surepose_io::mcap::McapError;
 
 /// Truncated file of a recording, as after an interrupted recorder.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,6 +8,7 @@ use surepose::estimation::Belief;
 use surepose::geometry::{Body, Goal, Map, Pose};
 use surepose::kinematics::WheelPair;
 use surepose::lidar::ScanTiming;
+use surepose::localization::SensorInput;
 use surepose::map::Wall;
 use surepose::navigator::StepReport;
 use surepose::time::Stamp;
@@ -63,9 +64,23 @@ impl SimulatedRobot {
 
     /// Turns the wheels at `wheels` \[rad/s] for `period` \[s], and steps the navigator with what the sensors reported.
     pub fn advance(&mut self, wheels: WheelPair<f64>, period: f64) -> StepReport<f64> {
+        self.advance_watched(wheels, period, |_, _| {})
+    }
+
+    /// Runs [`SimulatedRobot::advance`], and passes the navigator's input and report to `watch`.
+    pub fn advance_watched(
+        &mut self,
+        wheels: WheelPair<f64>,
+        period: f64,
+        watch: impl FnOnce(&SensorInput<'_, f64>, &StepReport<f64>),
+    ) -> StepReport<f64> {
         let output = self.world.step(wheels, period);
         let Self { navigator, map, compass, timing, .. } = self;
-        with_sensor_input(&output, compass, timing, |input| navigator.step(&map.view(), input))
+        with_sensor_input(&output, compass, timing, |input| {
+            let report = navigator.step(&map.view(), input);
+            watch(input, &report);
+            report
+        })
     }
 
     /// The world, with the truth in it.

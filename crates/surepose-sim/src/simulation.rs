@@ -11,11 +11,12 @@ use surepose::control::{Controller, GoalStatus, NavigationVariables};
 use surepose::estimation::DisagreeingSensor;
 use surepose::geometry::{Goal, Map, Pose};
 use surepose::kinematics::{Twist, WheelPair};
-use surepose::localization::LocalizationMonitor;
+use surepose::localization::{LocalizationMonitor, SensorInput};
 use surepose::navigator::{AbortReason, GoalResult, StepReport};
 use surepose::optimal::fastest;
 use surepose::param;
 use surepose::safety::{BlockReason, Health, SafetyAction};
+use surepose_config::RobotNavigator;
 
 use crate::ErrorAccumulator;
 use crate::robot::{Scenario, SimulatedRobot};
@@ -96,8 +97,12 @@ impl Simulation {
 
     /// Advances by one control period, also after the end: to see whether the robot stays there.
     pub fn tick(&mut self) -> Sample {
+        self.tick_watched(|_, _| {})
+    }
+
+    fn tick_watched(&mut self, watch: impl FnOnce(&SensorInput<'_, f64>, &StepReport<f64>)) -> Sample {
         let before = self.robot.world().pose();
-        let report = self.robot.advance(self.wheels, self.controller.period);
+        let report = self.robot.advance_watched(self.wheels, self.controller.period, watch);
         let twist = report.command.map_or(Twist::zero(), |command| command.twist);
         self.wheels = report.command.map_or(WheelPair::zero(), |command| command.wheels);
         self.note(&report, twist);
@@ -108,6 +113,24 @@ impl Simulation {
         self.errors.add(report.belief.error(truth));
         self.errors.add_nees(report.belief.nees(truth));
         Sample::from_report(world, &report, &self.controller, self.goal)
+    }
+
+    /// Returns the next sample like the iterator, and passes the navigator's input and report to `watch`.
+    pub fn next_watched(
+        &mut self,
+        watch: impl FnOnce(&SensorInput<'_, f64>, &StepReport<f64>),
+    ) -> Option<Sample> {
+        if self.outcome.is_some() {
+            return None;
+        }
+        let sample = self.tick_watched(watch);
+        self.outcome = self.ended();
+        Some(sample)
+    }
+
+    /// The navigator.
+    pub fn navigator(&self) -> &RobotNavigator {
+        self.robot.navigator()
     }
 
     /// Action of the supervisor in the last step.
@@ -208,11 +231,6 @@ impl Iterator for Simulation {
     type Item = Sample;
 
     fn next(&mut self) -> Option<Sample> {
-        if self.outcome.is_some() {
-            return None;
-        }
-        let sample = self.tick();
-        self.outcome = self.ended();
-        Some(sample)
+        self.next_watched(|_, _| {})
     }
 }

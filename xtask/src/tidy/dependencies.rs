@@ -3,11 +3,12 @@
 use std::path::Path;
 
 /// Each crate with its folder and the crates that it may depend on, all of which stand above it.
-const CRATES: [(&str, &str, &[&str]); 15] = [
+const CRATES: [(&str, &str, &[&str]); 16] = [
     ("surepose-testdata", "crates/surepose-testdata", &[]),
     ("surepose", "crates/surepose", &[]),
     ("surepose-config", "crates/surepose-config", &["surepose"]),
     ("surepose-io", "crates/surepose-io", &["surepose"]),
+    ("surepose-recorder", "crates/surepose-recorder", &["surepose", "surepose-config", "surepose-io"]),
     ("surepose-simd", "crates/surepose-simd", &["surepose"]),
     ("surepose-cert", "crates/surepose-cert", &["surepose"]),
     ("surepose-sim", "crates/surepose-sim", &["surepose", "surepose-config", "surepose-io"]),
@@ -55,6 +56,7 @@ const CRATES: [(&str, &str, &[&str]); 15] = [
             "surepose",
             "surepose-config",
             "surepose-io",
+            "surepose-recorder",
             "surepose-sim",
             "surepose-mapping",
             "surepose-replay",
@@ -67,6 +69,7 @@ const CRATES: [(&str, &str, &[&str]); 15] = [
             "surepose",
             "surepose-config",
             "surepose-io",
+            "surepose-recorder",
             "surepose-cert",
             "surepose-sim",
             "surepose-mapping",

@@ -10,6 +10,7 @@ use surepose::estimation::Belief;
 use surepose_config::{Config, ScanMethod};
 use surepose_figures as picture;
 use surepose_io::wall_map::WallMap;
+use surepose_recorder::is_recording;
 use surepose_replay::{
     BuildingMap, LaserReplaySettings, ReplayError, ReplayReport, carmen, cmu_wean, mines_rover, mrclam,
 };
@@ -23,7 +24,7 @@ use crate::maps::{MapFile, read_map_file, walls_in, walls_to_read};
 use crate::output::{Output, object, say, table, warning, worded};
 use crate::output_dir::OutputDir;
 use crate::settings::{ConfigArgs, PoseArg, names_of, whole};
-use crate::{interrupt, progress};
+use crate::{interrupt, progress, recording};
 
 use track::write_track;
 
@@ -37,8 +38,10 @@ use track::write_track;
   surepose replay ticks exp1.dat.gz
   surepose replay mcap rosbag2/drive_0.mcap --map building.toml --compass --remap truth:=/mocap/pose
   surepose replay mrclam MRCLAM_Dataset7 --robot 3 --set robot.track_m=0.27 --json
+  surepose replay mcap drive                            a recording of `run --record drive`: repeats it to the bit
+  surepose replay mcap drive --set law.k_v=3 --json     names the first step that differs, and its input
 
-Exit codes: 0 done; 1 the estimate is inconsistent (NEES mean above 10 or median above 6), less than 20 % of the recording \
+Exit codes: 0 done; 1 a recording of --record is not repeated to the bit, the estimate is inconsistent (NEES mean above 10 or median above 6), less than 20 % of the recording \
 could be judged, the robot was not localized, the recording has no odometry step, or no measurement was accepted; 2 usage or configuration error; 3 recording or map \
 unreadable or malformed; 130 interrupted (carmen, ticks and wean: the part replayed until then is evaluated).")]
 pub(crate) struct ReplayCommand {
@@ -67,6 +70,9 @@ pub(crate) struct ReplayCommand {
     /// A directory for the trajectory (TUM and CSV, with errors and NEES over time) and pictures of it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Another recording of `run --record` or `ros2 --record`: name the first step at which the replay differs from it
+    #[arg(long, value_name = "DIR")]
+    against: Option<PathBuf>,
     #[command(flatten)]
     config: ConfigArgs,
 }
@@ -88,6 +94,14 @@ enum Format {
 impl ReplayCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         self.check()?;
+        if self.format == Format::Mcap && is_recording(&self.path) {
+            return recording::replay(&self.path, self.against.as_deref(), &self.config, output);
+        }
+        if self.against.is_some() {
+            let what = "--against: only recordings of --record are compared".to_owned();
+            let help = "leave out --against, or give the directory of `surepose run --record DIR`".to_owned();
+            return Err(CliError::Usage { what, help });
+        }
         let folder = self.out.as_deref().map(OutputDir::at).transpose()?;
         let report = match self.format {
             Format::Mrclam => {

@@ -3,9 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use surepose::localization::SensorInput;
+use surepose::navigator::StepReport;
 use surepose::param::{self, ArenaName, Choice};
 use surepose_config::{Config, describe_abort};
 use surepose_figures::{self as picture, Picture};
+use surepose_recorder::FlightRecorder;
 use surepose_sim::robot::{InvalidEnd, Scenario, ScenarioEnd};
 use surepose_sim::simulation::{Sample, Simulation, SimulationOutcome, SimulationSummary};
 use surepose_sim::world_parameters::world_parameters;
@@ -18,7 +21,7 @@ use crate::maps::{walls_in, walls_to_read};
 use crate::output::{Output, object, table, text, warning};
 use crate::output_dir::OutputDir;
 use crate::settings::{LawArgs, PoseArg, toml_of, whole};
-use crate::{capture, certification, interrupt, progress};
+use crate::{capture, certification, interrupt, progress, recording};
 
 /// Simulate one closed-loop run of the robot, with motors, sensors and estimator, to a goal pose
 #[derive(Debug, Args)]
@@ -32,6 +35,7 @@ use crate::{capture, certification, interrupt, progress};
   surepose run --world fault.laser=frozen --world fault.laser_from_s=5
   surepose run --map walls.toml --start 1,1,0 --goal 3,2,90     the walls of a file
   surepose run --map traced.toml --world map=true.toml          the robot has a map with errors
+  surepose run --record drive                           records the drive; `surepose replay mcap drive` repeats it to the bit
   surepose run --world help                             list every property of the world
 
 With --world, only the world changes; with --set and --map, the robot and, unless --world differs, the world.
@@ -61,6 +65,9 @@ pub(crate) struct RunCommand {
     /// A directory for plots, time series, the summary, and an HTML page that plays the run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// A directory for a recording of every input, belief and command of the navigator (MCAP of rosbag2), which `surepose replay mcap DIR` repeats to the bit
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
     #[command(flatten)]
     config: LawArgs,
 }
@@ -78,6 +85,7 @@ impl Default for RunCommand {
             map: None,
             world: Vec::new(),
             out: None,
+            record: None,
             config: LawArgs::default(),
         }
     }
@@ -110,8 +118,16 @@ impl RunCommand {
         let bar = progress::bar(output, "driving");
         let mut simulation = Simulation::new(&scenario, self.seed);
         let mut samples = Vec::new();
+        let recorder = self.record.as_deref().map(|path| recording::of_run(path, &scenario, &simulation));
+        let recorder = recorder.transpose()?;
+        let recorded = recorder.as_ref().map(FlightRecorder::handle);
+        let watch = |input: &SensorInput<'_, f64>, report: &StepReport<f64>| {
+            if let Some(recorded) = &recorded {
+                recorded.log_simulated_step(input, report);
+            }
+        };
         while !interrupt::asked() {
-            let Some(sample) = simulation.next() else { break };
+            let Some(sample) = simulation.next_watched(watch) else { break };
             samples.push(sample);
             progress::show(&bar, simulation.elapsed());
         }
@@ -136,7 +152,10 @@ impl RunCommand {
             json.insert("world".to_owned(), world);
         }
         // A result is printed even if its files cannot be written.
+        let finish = |recorder| recording::finish(self.record.as_deref(), recorder);
+        let recorded = recorder.map_or(Ok(()), finish);
         let written = folder.as_ref().map_or(Ok(()), |folder| write(folder, &scenario, &samples));
+        let written = recorded.and(written);
         interrupt::mark(&mut json);
         let written = written.and_then(|()| folder.map_or(Ok(()), |folder| folder.summary(&json)));
         output.result(&json, || {

@@ -7,6 +7,7 @@ use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
 use serde::de::DeserializeOwned;
 use surepose::time::Stamp;
+use surepose_io::mcap::{McapEnding, McapError, McapReadError, McapRecord, ReadLimits, read_records};
 use surepose_io::read_plain;
 
 use crate::convert::stamp_of;
@@ -16,7 +17,7 @@ use crate::message::{
 use crate::names::Names;
 
 use super::files::files_of;
-use super::mcap::{Ending, Limits, McapError, ReadError, Record, read_records};
+
 use super::{BagError, Truncation};
 
 /// Message types that are read.
@@ -179,7 +180,7 @@ impl Bag {
         let mut numbers = BTreeMap::<&str, u64>::new();
         self.parts.iter().try_for_each(|part| {
             records(&part.path, |record| {
-                let Record::Message { channel_id, log_time, data } = record else { return Ok(()) };
+                let McapRecord::Message { channel_id, log_time, data } = record else { return Ok(()) };
                 let Some((role, channel)) = part.roles.get(&channel_id) else { return Ok(()) };
                 let number = numbers.entry(&channel.topic).or_default();
                 *number += 1;
@@ -238,27 +239,27 @@ fn said(role: Role, kind: &str, received: Stamp, data: &[u8]) -> Result<BagMessa
 }
 
 /// Truncation of a file; `None` if it is complete.
-fn truncation(file: &Path, ending: Ending) -> Option<Truncation> {
+fn truncation(file: &Path, ending: McapEnding) -> Option<Truncation> {
     match ending {
-        Ending::Complete => None,
-        Ending::Truncated { offset } => Some(Truncation { file: file.to_owned(), offset }),
+        McapEnding::Complete => None,
+        McapEnding::Truncated { offset } => Some(Truncation { file: file.to_owned(), offset }),
     }
 }
 
 /// Channels of a file by number, and the ending of the file.
-fn channels(path: &Path) -> Result<(BTreeMap<u16, Channel>, Ending), BagError> {
+fn channels(path: &Path) -> Result<(BTreeMap<u16, Channel>, McapEnding), BagError> {
     let (mut kinds, mut channels) = (BTreeMap::new(), BTreeMap::new());
     let ending = records(path, |record| {
         match record {
-            Record::Schema { id, name } => {
+            McapRecord::Schema { id, name } => {
                 kinds.insert(id, name.to_owned());
             }
-            Record::Channel { id, schema_id, topic, encoding } => {
+            McapRecord::Channel { id, schema_id, topic, encoding } => {
                 let kind = kinds.get(&schema_id).cloned().unwrap_or_default();
                 let (topic, encoding) = (topic.to_owned(), encoding.to_owned());
                 channels.entry(id).or_insert(Channel { topic, kind, encoding });
             }
-            Record::Message { .. } => {}
+            McapRecord::Message { .. } => {}
         }
         Ok(())
     })?;
@@ -266,15 +267,18 @@ fn channels(path: &Path) -> Result<(BTreeMap<u16, Channel>, Ending), BagError> {
 }
 
 /// Passes the records of a file, including those in chunks, to `on`.
-fn records(path: &Path, on: impl FnMut(Record<'_>) -> Result<(), BagError>) -> Result<Ending, BagError> {
+fn records(
+    path: &Path,
+    on: impl FnMut(McapRecord<'_>) -> Result<(), BagError>,
+) -> Result<McapEnding, BagError> {
     let unreadable = |problem| BagError::Unreadable { path: path.to_owned(), problem };
     let file = read_plain(path).map_err(unreadable)?;
     let length = std::fs::metadata(path).map_err(unreadable)?.len();
-    read_records(file, Limits::of_file(length), on).map_err(|problem| match problem {
-        ReadError::Io(problem) => unreadable(problem),
-        ReadError::Mcap(McapError::NoMagic) => BagError::NoMcap,
-        ReadError::Mcap(problem) => BagError::Damaged { problem },
-        ReadError::Consumer(problem) => problem,
+    read_records(file, ReadLimits::of_file(length), on).map_err(|problem| match problem {
+        McapReadError::Io(problem) => unreadable(problem),
+        McapReadError::Mcap(McapError::NoMagic) => BagError::NoMcap,
+        McapReadError::Mcap(problem) => BagError::Damaged { problem },
+        McapReadError::Consumer(problem) => problem,
     })
 }
 

@@ -125,7 +125,7 @@ fn truth_of_type_odometry_is_not_used_as_odometry() {
     let mut recorder = round(1.0, "/base/odom");
     let now = Stamp::from_seconds(1.7e9 + 1.0);
     recorder.write("/ground", "nav_msgs/msg/Odometry", now, &true_start);
-    let schema = recorder.writer.add_schema("std_msgs/msg/String");
+    let schema = recorder.writer.add_schema("std_msgs/msg/String", "string data");
     let other = recorder.writer.add_channel(schema, "/base/odom");
     recorder.channels.insert("another channel of it".to_owned(), other);
     recorder.write_bytes("another channel of it", "", now, &[0, 1, 0, 0, 1, 0, 0, 0, 0]);

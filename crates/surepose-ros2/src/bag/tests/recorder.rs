@@ -16,11 +16,11 @@ use crate::driver::Odom;
 use crate::message::PoseStamped;
 use crate::robot::messages;
 
-use super::super::mcap::writer::{Packing, Writer};
+use surepose_io::mcap::{McapCompression, McapWriter};
 
 /// Writes a recording.
 pub(super) struct Recorder {
-    pub(super) writer: Writer,
+    pub(super) writer: McapWriter,
     pub(super) channels: BTreeMap<String, u16>,
     /// Topic, type, time and bytes of each message.
     pub(super) messages: Vec<(String, String, Stamp, Vec<u8>)>,
@@ -28,7 +28,11 @@ pub(super) struct Recorder {
 
 impl Recorder {
     pub(super) fn new() -> Self {
-        Self { writer: Writer::new(Packing::Zstd), channels: BTreeMap::new(), messages: Vec::new() }
+        Self {
+            writer: McapWriter::new(McapCompression::Zstd),
+            channels: BTreeMap::new(),
+            messages: Vec::new(),
+        }
     }
 
     pub(super) fn write(&mut self, topic: &str, kind: &str, time: Stamp, message: &impl Serialize) {
@@ -39,7 +43,7 @@ impl Recorder {
 
     pub(super) fn write_bytes(&mut self, topic: &str, kind: &str, time: Stamp, data: &[u8]) {
         let channel = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
-            let schema = self.writer.add_schema(kind);
+            let schema = self.writer.add_schema(kind, "");
             self.writer.add_channel(schema, topic)
         });
         self.messages.push((topic.to_owned(), kind.to_owned(), time, data.to_owned()));

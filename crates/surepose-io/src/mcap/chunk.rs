@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::io::Read;
 
+use crate::ZstdReader;
 use lz4_flex::frame::FrameDecoder;
-use surepose_io::ZstdReader;
 
 use super::content::Content;
 use super::error::McapError;

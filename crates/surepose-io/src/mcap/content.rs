@@ -1,22 +1,33 @@
 //! The fields of a record, little-endian, each checked against the remaining length.
 
-/// Record that is read.
+/// McapRecord that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::bag) enum Record<'a> {
+pub enum McapRecord<'a> {
+    /// Message type.
     Schema {
+        /// Number of the type.
         id: u16,
+        /// Its name.
         name: &'a str,
     },
+    /// Topic.
     Channel {
+        /// Number of the topic.
         id: u16,
+        /// Number of its message type.
         schema_id: u16,
+        /// Its name.
         topic: &'a str,
+        /// Encoding of its messages.
         encoding: &'a str,
     },
-    /// `log_time` is in nanoseconds.
+    /// Message.
     Message {
+        /// Number of the topic.
         channel_id: u16,
+        /// Time of the log \[ns].
         log_time: u64,
+        /// Encoded message.
         data: &'a [u8],
     },
 }
@@ -40,23 +51,23 @@ impl<'a> Content<'a> {
         self.bytes
     }
 
-    pub(super) fn schema(&mut self) -> Option<Record<'a>> {
+    pub(super) fn schema(&mut self) -> Option<McapRecord<'a>> {
         let (id, name) = (self.u16()?, self.text()?);
-        Some(Record::Schema { id, name })
+        Some(McapRecord::Schema { id, name })
     }
 
-    pub(super) fn channel(&mut self) -> Option<Record<'a>> {
+    pub(super) fn channel(&mut self) -> Option<McapRecord<'a>> {
         let (id, schema_id) = (self.u16()?, self.u16()?);
         let (topic, encoding) = (self.text()?, self.text()?);
-        Some(Record::Channel { id, schema_id, topic, encoding })
+        Some(McapRecord::Channel { id, schema_id, topic, encoding })
     }
 
-    pub(super) fn message(&mut self) -> Option<Record<'a>> {
+    pub(super) fn message(&mut self) -> Option<McapRecord<'a>> {
         let channel_id = self.u16()?;
         let _sequence = self.u32()?;
         let log_time = self.u64()?;
         let _publish_time = self.u64()?;
-        Some(Record::Message { channel_id, log_time, data: self.bytes })
+        Some(McapRecord::Message { channel_id, log_time, data: self.bytes })
     }
 
     pub(super) fn u8(&mut self) -> Option<u8> {
