@@ -4,11 +4,13 @@
 //! odometry stamps; it steps once per control period. The result does not depend on the speed at which a bag is played.
 
 mod anchor;
+mod logged_navigator;
 mod measurement_queue;
 mod odometry_accumulator;
 mod settings;
 
 use anchor::Anchor;
+use logged_navigator::LoggedNavigator;
 use measurement_queue::MeasurementQueue;
 use surepose::control::{Controller, NavigationVariables};
 use surepose::estimation::{Belief, Measurement, MeasurementStats};
@@ -20,8 +22,8 @@ use surepose::navigator::{AbortReason, GoalResult, StepReport};
 use surepose::param;
 use surepose::safety::{BlockReason, FaultReason, Health, SafetyAction};
 use surepose::time::{Stamp, Stamped};
-use surepose_config::RobotNavigator;
 use surepose_io::owned_map::{GoalProblem, OwnedMap};
+use surepose_recorder::RecorderHandle;
 
 use crate::convert::MessageError;
 
@@ -61,7 +63,7 @@ pub struct DriverReport {
 #[derive(Clone, Debug)]
 pub struct NodeDriver {
     settings: NodeDriverSettings,
-    navigator: Box<RobotNavigator>,
+    navigator: LoggedNavigator,
     map: OwnedMap,
     queue: MeasurementQueue,
     /// `None` before the first odometry.
@@ -77,11 +79,10 @@ impl NodeDriver {
     pub fn new(settings: NodeDriverSettings) -> Self {
         let map =
             settings.map.as_ref().map_or_else(|| OwnedMap::from_walls(Vec::new()), OwnedMap::from_wall_map);
-        let origin = Belief::new(Pose::identity(), [0.0; 3]);
-        let belief = settings.start.unwrap_or(origin);
+        let belief = settings.belief();
         let navigator = settings.config.navigator(&settings.navigator_setup(), Stamp::default(), belief);
         Self {
-            navigator,
+            navigator: LoggedNavigator::new(navigator),
             map,
             queue: MeasurementQueue::default(),
             odometry: None,
@@ -89,6 +90,13 @@ impl NodeDriver {
             is_goal_unchecked: false,
             settings,
         }
+    }
+
+    /// Logs every call of the navigator with `recorder`, whose session is [`NodeDriverSettings::session`].
+    #[must_use]
+    pub fn recorded_by(mut self, recorder: RecorderHandle) -> Self {
+        self.navigator.record(recorder);
+        self
     }
 
     /// Adds an odometry pose, and steps at the end of a control period.

@@ -58,8 +58,12 @@ pub fn run(settings: NodeSettings, stops: impl Fn() -> bool, say: impl FnMut(&st
     let subscriptions = Subscriptions::new(&mut node, &settings)?;
     let action = NavigateAction::new(&mut node, &settings.names)?;
     let spinning = spinning(&mut node)?;
+    let driver = NodeDriver::new(settings.driver.clone());
     let mut run = Run {
-        driver: NodeDriver::new(settings.driver.clone()),
+        driver: match settings.recorder.clone() {
+            Some(recorder) => driver.recorded_by(recorder),
+            None => driver,
+        },
         extrinsics: ExtrinsicsResolver::new(&settings.driver.config),
         publishers,
         action,

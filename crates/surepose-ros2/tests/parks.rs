@@ -67,6 +67,7 @@ fn settings() -> (RobotSettings, NodeSettings) {
         stamped,
         network,
         warnings: vec![],
+        recorder: None,
     };
     (RobotSettings { scenario, seed: 3, names, stamped, map_frame, network }, node)
 }

@@ -21,7 +21,6 @@ const SHORT: &[(&str, &str)] = &[
     ("/src/control/output.rs", "shared by the laws; their parent would close a circle of imports"),
     ("/src/half_circle.rs", "shared by two readers; the crate's root would close a circle of imports"),
     ("/reproduce/figure_result.rs", "shared by the figures; their parent would close a circle of imports"),
-    ("/node/settings.rs", "shared by the node's parts; their parent would close a circle of imports"),
     ("/src/element/single.rs", "the coefficients of `f32`, as `double.rs` beside it has those of `f64`"),
 ];
 

@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use surepose::estimation::Belief;
 use surepose_config::{Config, ScanMethod};
 use surepose_io::wall_map::WallMap;
+use surepose_recorder::FlightRecorder;
 use surepose_ros2::network::Network;
 use surepose_ros2::node::{self, NodeSettings};
 use surepose_ros2::robot::{self, RobotSettings};
@@ -20,7 +21,7 @@ use crate::exit::Exit;
 use crate::maps::walls_to_read;
 use crate::output::{Output, say, text, warning};
 use crate::settings::{LawArgs, PoseArg, whole};
-use crate::{certification, interrupt};
+use crate::{certification, interrupt, recording};
 
 use ros_args::RosArgs;
 
@@ -29,6 +30,7 @@ use ros_args::RosArgs;
 #[command(after_help = "Examples:
   surepose ros2 --simulate                              a simulated robot in the arena of the paper
   surepose ros2 --map building.toml --start 1,2,90      a robot with odometry and laser, from a known pose
+  surepose ros2 --map building.toml --record drive      records; `surepose replay mcap drive` repeats the drive to the bit
   surepose ros2 --map building.toml --compass           a robot with a compass, with global localization
   surepose ros2 --config robot.toml --remap odom:=/diff_drive/odom --cmd-vel twist
   surepose ros2 --map building.toml --ros-args -r __ns:=/robot1 -p law.k_v:=2 --params-file robot.yaml
@@ -82,6 +84,9 @@ pub(crate) struct Ros2Command {
     /// The name of the map frame
     #[arg(long, value_name = "NAME", default_value = "map", value_parser = frame)]
     map_frame: String,
+    /// A directory for a recording of every input, belief and command of the navigator (MCAP of rosbag2), which `surepose replay mcap DIR` repeats to the bit
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
     /// Arguments of ROS, up to --: -r FROM:=TO, -r __ns:=NAME, -r __node:=NAME, -p NAME:=VALUE, --params-file FILE, --log-level LEVEL
     #[arg(long, num_args = 0.., allow_hyphen_values = true, value_terminator = "--", value_name = "ARGUMENT")]
     ros_args: Vec<String>,
@@ -105,10 +110,13 @@ impl Ros2Command {
         let config = self.config.options_over(ros_args.over(config, &names)?)?;
         let network = Network::from_env(|name| std::env::var(name).ok())
             .map_err(|error| usage(&error, "correct or unset the environment variable"))?;
-        let (simulated, settings) = self.settings(config, names, network)?;
+        let (simulated, mut settings) = self.settings(config, names, network)?;
         for said in &settings.warnings {
             warning(said);
         }
+        let record = self.record.as_deref();
+        let recorder = record.map(|path| recording::create(path, &settings.driver.session())).transpose()?;
+        settings.recorder = recorder.as_ref().map(FlightRecorder::handle);
         interrupt::listen();
         let simulation = simulated.map(|robot| {
             thread::spawn(move || {
@@ -126,6 +134,8 @@ impl Ros2Command {
             }
         };
         let ran = node::run(settings, interrupt::asked, said).map_err(|error| failure(&error));
+        // The robot rests: the recording ends after its last event.
+        let recorded = recorder.map_or(Ok(()), |recorder| recording::finish(record, recorder));
         if ran.is_err() {
             // The thread of the simulated robot ends with the process.
             return ran.map(|()| Exit::Done);
@@ -137,6 +147,7 @@ impl Ros2Command {
         if output.json {
             text("{\"outcome\":\"stopped\"}\n")?;
         }
+        recorded?;
         Ok(Exit::Done)
     }
 
@@ -199,7 +210,8 @@ impl Ros2Command {
             RobotSettings { scenario, seed: self.seed, names, stamped, map_frame, network }
         });
         let map_frame = self.map_frame.clone();
-        Ok((simulated, NodeSettings { driver, names, map_frame, stamped, network, warnings }))
+        let recorder = None;
+        Ok((simulated, NodeSettings { driver, names, map_frame, stamped, network, warnings, recorder }))
     }
 }
 

@@ -1,9 +1,12 @@
 //! Settings of the driver.
 
 use surepose::estimation::Belief;
+use surepose::geometry::Pose;
 use surepose::map::Wall;
+use surepose::time::Stamp;
 use surepose_config::{Config, NavigatorSetup, ScanMethod};
 use surepose_io::wall_map::{WallMap, walls_from_map};
+use surepose_recorder::Session;
 
 /// Uncertainty of a configured start pose: standard deviations of x, y \[m] and heading \[rad].
 pub const START_STD: [f64; 3] = [0.1, 0.1, 0.1];
@@ -43,6 +46,17 @@ impl NodeDriverSettings {
             safety_radius: scenario.config.default_safety_radius(),
             hold: false,
         }
+    }
+
+    /// Session of a recording of the driver.
+    pub fn session(&self) -> Session {
+        let config = self.config.clone();
+        Session::new(config, self.navigator_setup(), self.map.clone(), Stamp::default(), self.belief())
+    }
+
+    /// Belief before the first odometry; the origin, where the start is unknown.
+    pub(super) fn belief(&self) -> Belief<f64> {
+        self.start.unwrap_or(Belief::new(Pose::identity(), [0.0; 3]))
     }
 
     /// Whether messages of an inertial measurement unit are used.

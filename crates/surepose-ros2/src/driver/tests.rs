@@ -1,5 +1,6 @@
 //! Tests of the driver in the simulated world, at several odometry rates, without ROS.
 
+mod recording;
 mod ride;
 
 use ride::Ride;

@@ -1,5 +1,7 @@
 //! Settings of the node.
 
+use surepose_recorder::RecorderHandle;
+
 use crate::driver::NodeDriverSettings;
 use crate::names::Names;
 use crate::network::Network;
@@ -19,4 +21,6 @@ pub struct NodeSettings {
     pub network: Network,
     /// Warnings about the configuration, published in the diagnostics: that it is not certified, for example.
     pub warnings: Vec<String>,
+    /// Recorder of the driver, whose session is [`NodeDriverSettings::session`]; `None` records nothing.
+    pub recorder: Option<RecorderHandle>,
 }
