@@ -19,6 +19,9 @@ fn recorded_run_replays_to_the_bit_and_a_changed_gain_is_named() {
     assert_eq!((changed.code, &json["first_difference"]["field"]), (1, &"command.v".into()), "{json}");
     assert_eq!(json["configuration"][0]["key"], "law.k_v", "{json}");
 
+    let unused = surepose(&["replay", "mcap", &path, "--compass"]);
+    assert!(unused.code == 2 && unused.stderr.contains("--compass"), "{}: {}", unused.code, unused.stderr);
+
     let again = surepose(&["run", "--record", &path]);
     assert!(again.code == 2 && again.stderr.contains("--record"), "{}: {}", again.code, again.stderr);
 }

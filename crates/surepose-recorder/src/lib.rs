@@ -2,7 +2,7 @@
 //!
 //! [`FlightRecorder`] receives a [`Session`] and then each [`Event`]: the calls of the
 //! [`Navigator`](surepose::navigator::Navigator) with their inputs, and the outcome of each step. A thread of its own writes
-//! them; its queue is bounded, and [`FlightRecorder::log`] never waits. [`replay`](replay::replay) feeds a recording to a new
+//! them; its queue is bounded, and [`RecorderHandle::log`] never waits. [`replay`](replay::replay) feeds a recording to a new
 //! navigator and compares the outcomes bit by bit.
 //!
 //! # Errors

@@ -35,7 +35,7 @@ pub struct BitReplay {
     pub bit_identical: bool,
     /// First difference; `None` without one.
     pub first_difference: Option<FirstDifference>,
-    /// Settings that differ from those of the recording.
+    /// Settings that differ from those of the recording; also `setup`, `map` and `start` of two recordings.
     pub configuration: Vec<SettingDifference>,
     /// Version of the program that recorded, and of this one.
     pub recorded_version: String,
@@ -129,7 +129,7 @@ struct Replayer {
 impl Replayer {
     fn new(recorded: &Session, session: &Session) -> Self {
         let (navigator, map) = session.navigator();
-        let differences = differences(&recorded.config, &session.config).into_iter();
+        let differences = differences(recorded, session).into_iter();
         let configuration =
             differences.map(|(key, recorded, replayed)| SettingDifference { key, recorded, replayed });
         let replay = BitReplay {
@@ -156,7 +156,7 @@ impl Replayer {
             self.replay.duration_s = seconds - first;
         }
         let dropped = event.sequence - self.next.min(event.sequence);
-        self.next = event.sequence + 1;
+        self.next = event.sequence.saturating_add(1);
         if self.replay.first_difference.is_some() {
             return;
         }

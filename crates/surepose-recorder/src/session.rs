@@ -3,7 +3,7 @@
 use surepose::estimation::Belief;
 use surepose::time::Stamp;
 use surepose_config::{
-    Config, NavigatorSetup, ParameterSet, RobotNavigator, Setting, Value, ValueSource, option_setting,
+    Config, NavigatorSetup, ParameterSet, RobotNavigator, Setting, ValueSource, option_setting,
 };
 use surepose_io::owned_map::OwnedMap;
 use surepose_io::wall_map::WallMap;
@@ -79,14 +79,26 @@ pub(crate) fn with_text(config: Config, text: &str) -> Config {
     }
 }
 
-/// Settings of two configurations that differ: name, value in the first and value in the second.
-pub(crate) fn differences(first: &Config, second: &Config) -> Vec<(String, String, String)> {
+/// Parts of two sessions that differ: name, value in the first and value in the second.
+pub(crate) fn differences(first: &Session, second: &Session) -> Vec<(String, String, String)> {
+    let walls = |session: &Session| session.map.as_ref().map_or(0, |map| map.walls.len());
+    let start = |session: &Session| {
+        let (at, stamp) = (session.belief.pose, session.stamp.seconds());
+        format!("{} m, {} m, {} rad at {stamp} s", at.x, at.y, at.heading.radians())
+    };
+    let others = [
+        ("setup", first.setup == second.setup, [first, second].map(|s| format!("{:?}", s.setup))),
+        ("map", first.map == second.map, [first, second].map(|s| format!("{} walls", walls(s)))),
+        ("start", first.belief == second.belief && first.stamp == second.stamp, [first, second].map(start)),
+    ];
+    let others = others.into_iter().filter(|(_, is_same, _)| !is_same);
+    let others = others.map(|(name, _, [a, b])| (name.to_owned(), a, b));
+    settings_of_both(&first.config, &second.config).chain(others).collect()
+}
+
+fn settings_of_both(first: &Config, second: &Config) -> impl Iterator<Item = (String, String, String)> {
     let pairs = first.settings().iter().zip(second.settings());
-    let text = |value: &Value| value.to_string();
-    pairs
-        .filter(|(a, b)| a.value != b.value)
-        .map(|(a, b)| {
-            (format!("{}.{}", a.parameter.section, a.parameter.key), text(&a.value), text(&b.value))
-        })
-        .collect()
+    pairs.filter(|(a, b)| a.value != b.value).map(|(a, b)| {
+        (format!("{}.{}", a.parameter.section, a.parameter.key), a.value.to_string(), b.value.to_string())
+    })
 }

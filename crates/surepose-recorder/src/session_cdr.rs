@@ -8,6 +8,9 @@ use crate::cdr::{CdrReader, CdrWriter};
 use crate::event::{belief_of, numbers_of};
 use crate::session::{Session, text_of, with_text};
 
+/// Most settings of a session; each is compared with all that are known.
+const MAX_SETTINGS: usize = 4096;
+
 /// Numbers of a wall: ends and covariance.
 const WALL: usize = 7;
 
@@ -47,6 +50,9 @@ pub(crate) fn decoded(message: &[u8]) -> Option<Session> {
     let mut cdr = CdrReader::new(message)?;
     let version = cdr.text()?;
     let settings = cdr.list(CdrReader::text)?;
+    if settings.len() > MAX_SETTINGS {
+        return None;
+    }
     let config = settings.iter().fold(Config::default(), |config, text| with_text(config, text));
     let mut numbers = || cdr.f64();
     let scan_method = if numbers()? > 0.0 { ScanMethod::Beams } else { ScanMethod::Lines };

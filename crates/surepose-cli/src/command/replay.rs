@@ -95,6 +95,7 @@ impl ReplayCommand {
     pub(crate) fn run(self, output: Output) -> Result<Exit, CliError> {
         self.check()?;
         if self.format == Format::Mcap && is_recording(&self.path) {
+            self.check_bit_replay()?;
             return recording::replay(&self.path, self.against.as_deref(), &self.config, output);
         }
         if self.against.is_some() {
@@ -205,6 +206,23 @@ impl ReplayCommand {
         };
         bag::replay(&self.path, &settings, &names, notify)
             .map_err(|error| CliError::Recording { path: self.path.clone(), what: error.to_string() })
+    }
+
+    /// Rejects options that a recording of --record determines itself.
+    fn check_bit_replay(&self) -> Result<(), CliError> {
+        let options = [
+            ("--map", self.map.is_some()),
+            ("--start", self.start.is_some()),
+            ("--compass", self.compass),
+            ("--gyroscope", self.gyroscope),
+            ("--remap", !self.remap.is_empty()),
+            ("--out", self.out.is_some()),
+        ];
+        let Some((option, _)) = options.into_iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
+        let what = format!(
+            "{option}: not used for a recording of --record, which has its own map, start and topics"
+        );
+        Err(CliError::Usage { what, help: format!("leave out {option}") })
     }
 
     /// Rejects options that the format does not use, and requires those that it needs.
