@@ -93,13 +93,14 @@ pub(crate) fn file_in(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(FILE) } else { path.to_owned() }
 }
 
-/// Whether `path` is a folder of the flight recorder, or a file that starts with its session.
-///
-/// # Errors
-/// [`RecordingError::Io`] for a file that cannot be read.
+/// Whether `path` is a folder of the flight recorder, or a file that starts with its session; not for a file that cannot be read.
 pub fn is_recording(path: &Path) -> bool {
     if path.is_dir() {
         return path.join(FILE).is_file();
+    }
+    // A pipe can be read only once.
+    if !path.is_file() {
+        return false;
     }
     // The session is in the first chunk: reading stops there.
     let Ok(file) = read_plain(path) else { return false };
