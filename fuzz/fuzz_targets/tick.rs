@@ -84,6 +84,7 @@ fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Bytes(bytes);
     let setup = NavigatorSetup {
         scan_method: ScanMethod::Lines,
+        map_std: 0.0,
         has_laser: true,
         is_aided: true,
         safety_radius: None,

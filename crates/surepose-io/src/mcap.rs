@@ -2,7 +2,7 @@
 //!
 //! The format is MCAP version 0, <https://mcap.dev/spec>. A file is a magic number and records of opcode, length and
 //! content; a chunk is a record that holds records, compressed or not. Every length is checked before its use, memory is
-//! bounded by two records of [`MAX_RECORD_LENGTH`], and the work by [`ReadLimits`].
+//! bounded by two records of the longest length, and the work by [`ReadLimits`].
 
 mod chunk;
 mod content;
